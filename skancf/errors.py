@@ -1,0 +1,61 @@
+"""Errors of this library. Each message names the value, the rule and the way out."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+
+class SkancfError(Exception):
+    """Base class, so that a caller can catch this library and nothing else."""
+
+
+class InputError(SkancfError, ValueError):
+    """A value that cannot be used, found before any work was done."""
+
+
+class DidNotConverge(SkancfError):
+    """A solve that stopped without an answer; carries the history of its residual."""
+
+    def __init__(self, message: str, residual_norms: Sequence[float] = ()):
+        self.residual_norms = tuple(residual_norms)
+        super().__init__(message)
+
+
+class SingularMatrix(SkancfError):
+    """A matrix that has no factors."""
+
+
+def finite(name: str, value: Any) -> np.ndarray:
+    """``value`` as a float array; :class:`InputError` where it is not finite."""
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError) as wrong:
+        raise InputError(f"{name} = {value!r}: not a number; give finite numbers") from wrong
+    if not np.isfinite(array).all():
+        raise InputError(f"{name} = {value}: not finite; every entry must be a finite number")
+    return array
+
+
+def number(name: str, value: Any) -> float:
+    """``value`` as one finite float."""
+    array = finite(name, value)
+    if array.ndim:
+        raise InputError(f"{name} = {value}: give one number, not {array.size}")
+    return float(array)
+
+
+def positive(name: str, value: Any, unit: str = "") -> float:
+    """``value`` as one finite float greater than zero."""
+    checked = number(name, value)
+    if not checked > 0:
+        raise InputError(f"{name} = {value}{' ' + unit if unit else ''}: give a number greater than zero")
+    return checked
+
+
+def vector(name: str, value: Any, size: int) -> np.ndarray:
+    """``value`` as a finite vector of ``size`` entries."""
+    array = finite(name, value)
+    if array.shape != (size,):
+        raise InputError(f"{name} = {value}: give {size} numbers, not an array of shape {array.shape}")
+    return array

@@ -1,0 +1,12 @@
+"""Symmetric matrices of small dense blocks, and direct solvers that keep what they know of a pattern.
+
+Nothing here knows of elements: a pattern comes from a graph of nodes, a matrix from numbers, and a solver from both
+together with the coordinates that are prescribed.
+"""
+
+from skancf.linear.constraints import Constraints
+from skancf.linear.matrix import BlockMatrix
+from skancf.linear.pattern import BlockPattern
+from skancf.linear.solver import BACKENDS, DirectSolver, available_backends
+
+__all__ = ["BACKENDS", "BlockMatrix", "BlockPattern", "Constraints", "DirectSolver", "available_backends"]

@@ -1,0 +1,220 @@
+"""A mesh on a surface for a theory: undeformed nodal coordinates, local vectors, where things are."""
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.elements.quad_ancf import gauss, nodal_jacobian
+from skancf.elements.reference import CORNERS
+from skancf.errors import InputError, vector
+from skancf.meshes import check_mesh
+from skancf.surfaces import Surface, normal
+from skancf.theories import Full
+
+Where = "str | Sequence[str] | Sequence[float] | Sequence[Sequence[float]] | Callable[..., Any]"
+
+
+class Geometry:
+    """Everything about a mesh on a surface that does not depend on material, supports or loads.
+
+    Attributes
+    ----------
+    nodes : (n_elements, 4) int array
+    points : (2, n_nodes) array
+        Nodes in the parameter plane.
+    undeformed : (n_nodes, 4, 3) array
+        Nodal coordinates r, r_x, r_y, r_z of the undeformed surface.
+    pointer, rows, cols, values
+        The maps from nodal coordinates to local vectors, c[row] += value * e[col], triples of element i at
+        ``pointer[i]:pointer[i + 1]``; a column is 4 * corner + kind.
+    """
+
+    def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Full):
+        check_mesh(mesh)
+        self.mesh, self.surface, self.theory = mesh, surface, theory
+        self.nodes = np.ascontiguousarray(mesh.t.T, dtype=np.int32)
+        self.points = mesh.p
+        self.pointer, self.rows, self.cols, self.values = _local_map(mesh)
+        x, y = mesh.p
+        r_x, r_y = surface.derivatives(x, y)
+        self.undeformed = np.ascontiguousarray(
+            np.stack([surface.position(x, y), r_x, r_y, normal(surface, x, y)]).transpose(2, 0, 1)
+        )
+
+    @property
+    def n_nodes(self) -> int:
+        return self.points.shape[1]
+
+    @property
+    def n_elements(self) -> int:
+        return len(self.nodes)
+
+    def local(self, q: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """Local vectors (n, 16, 3) of nodal coordinates (n_nodes, 4, 3)."""
+        elements = np.arange(self.n_elements) if elements is None else np.asarray(elements)
+        index, triple = self._triples(elements)
+        out = np.zeros((len(elements), 16, 3))
+        node = self.nodes[elements[index], self.cols[triple] // 4]
+        np.add.at(out, (index, self.rows[triple]), self.values[triple, None] * q[node, self.cols[triple] % 4])
+        return out
+
+    def nodal(self, local: np.ndarray, elements: np.ndarray) -> np.ndarray:
+        """Nodal forces (n_nodes, 4, 3) of forces on local vectors (n, 16, 3): the transpose of :meth:`local`."""
+        index, triple = self._triples(np.asarray(elements))
+        out = np.zeros((self.n_nodes, 4, 3))
+        node = self.nodes[elements[index], self.cols[triple] // 4]
+        np.add.at(out, (node, self.cols[triple] % 4), self.values[triple, None] * local[index, self.rows[triple]])
+        return out
+
+    def _triples(self, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        counts = np.diff(self.pointer)[elements]
+        index = np.repeat(np.arange(len(elements)), counts)
+        offset = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        return index, self.pointer[elements][index] + offset
+
+    @cached_property
+    def undeformed_local(self) -> np.ndarray:
+        return self.local(self.undeformed)
+
+    def parameters(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """Parameters (2, n_elements, n) of local points (2, n)."""
+        xi, eta = points
+        bilinear = np.stack([np.where(a, xi, 1 - xi) * np.where(b, eta, 1 - eta) for a, b in CORNERS])
+        corners = self.points[:, self.nodes if elements is None else self.nodes[elements]]
+        return np.einsum("dec,cn->den", corners, bilinear)
+
+    def tangents(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """Tangent along the parameter x at local points (2, n): (3, n_elements, n)."""
+        return self.surface.derivatives(*self.parameters(points, elements))[0]
+
+    def nodes_on(self, where: Any) -> np.ndarray:
+        """Numbers of the nodes that ``where`` means: see :class:`~skancf.supports.Support`."""
+        return np.unique(self.points_and_facets(where)[0])
+
+    def facets_on(self, where: Any) -> np.ndarray:
+        """Numbers of the boundary facets that ``where`` means."""
+        facets = self.points_and_facets(where)[1]
+        if not len(facets):
+            raise InputError(f"{where!r} means no edge of the boundary; known names: {self.names()}")
+        return facets
+
+    def names(self) -> list[str]:
+        return sorted({*(self.mesh.boundaries or {}), "boundary", "corners"})
+
+    def points_and_facets(self, where: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes and boundary facets of a name, points, or a function of (x, y)."""
+        none = np.empty(0, dtype=int)
+        if isinstance(where, str):
+            facets = self._facets_named(where)
+            return (self.corners, none) if facets is None else (np.unique(self.mesh.facets[:, facets]), facets)
+        if callable(where):
+            mask = np.broadcast_to(np.asarray(where(*self.points), dtype=bool), (self.n_nodes,))
+            if not mask.any():
+                raise InputError("the function given as a place is true at no node; give a tolerance, as in "
+                                 "lambda x, y: abs(x) < 1e-9")  # fmt: skip
+            boundary = self.mesh.boundary_facets()
+            return np.flatnonzero(mask), boundary[mask[self.mesh.facets[:, boundary]].all(axis=0)]
+        if all(isinstance(name, str) for name in where):
+            parts = [self.points_and_facets(name) for name in where]
+            return tuple(np.unique(np.concatenate(part)) for part in zip(*parts, strict=True))  # type: ignore
+        return np.array([self.node_at(at) for at in np.atleast_2d(np.asarray(where, float))]), none
+
+    def _facets_named(self, name: str) -> np.ndarray | None:
+        boundaries = self.mesh.boundaries or {}
+        if name in boundaries:
+            return np.asarray(boundaries[name])
+        if name == "boundary":
+            return self.mesh.boundary_facets()
+        if name == "corners":
+            return None
+        raise InputError(f"no boundary {name!r} on this mesh; it has {self.names()}")
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """Boundary nodes that belong to one element only, in which the boundary turns."""
+        return np.flatnonzero(np.bincount(self.nodes.ravel(), minlength=self.n_nodes) == 1)
+
+    def node_at(self, at: Any) -> int:
+        """The node at a point of the parameter plane."""
+        point = vector("point", at, 2)
+        distance = np.linalg.norm(self.points - point[:, None], axis=0)
+        nearest = int(np.argmin(distance))
+        if distance[nearest] > 1e-8 * np.ptp(self.points, axis=1).max():
+            raise InputError(f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
+                             f"{tuple(self.points[:, nearest].tolist())}; choose a mesh with a node at the point")  # fmt: skip
+        return nearest
+
+    @cached_property
+    def _finder(self) -> Any:
+        return self.mesh.element_finder()
+
+    def locate(self, at: Any) -> tuple[int, np.ndarray]:
+        """The element that holds a point of the parameter plane, and the point's local coordinates (2,)."""
+        point = vector("point", at, 2)
+        outside = InputError(f"point {tuple(point.tolist())} lies outside the surface; in the parameter plane the mesh "
+                             f"spans {self.points.min(axis=1).tolist()} to {self.points.max(axis=1).tolist()}")  # fmt: skip
+        try:
+            element = int(self._finder(point[:1], point[1:])[0])
+        except ValueError as error:
+            raise outside from error
+        local = _inverse_bilinear(self.points[:, self.nodes[element]], point)
+        if np.any((local < -1e-8) | (local > 1 + 1e-8)):
+            raise outside
+        return element, np.clip(local, 0.0, 1.0)
+
+    def edge_quadrature(self, facets: np.ndarray, n: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Elements (m,), local points (m, 2, n) and weights times length (m, n) of boundary facets."""
+        elements = self.mesh.f2t[0, facets]
+        s, w = gauss(n)
+        ends = np.stack([self._local_corner(elements, self.mesh.facets[k, facets]) for k in (0, 1)])
+        points = ends[0][:, :, None] * (1 - s) + ends[1][:, :, None] * s
+        direction = ends[1] - ends[0]
+        lengths = np.empty((len(facets), n))
+        for k, e in enumerate(elements):
+            along = self.theory.jets(self.undeformed_local[[e]], points[k])[:2, :, 0]
+            lengths[k] = w * np.linalg.norm(np.tensordot(direction[k], along, 1), axis=0)
+        return elements, points, lengths
+
+    def _local_corner(self, elements: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+        return CORNERS[np.argmax(self.nodes[elements] == nodes[:, None], axis=1)]
+
+    def facet_directions(self, facets: np.ndarray) -> np.ndarray:
+        """Directions of facets in the parameter plane, (2, m), of unit length."""
+        ends = self.points[:, self.mesh.facets[:, facets]]
+        along = ends[:, 1] - ends[:, 0]
+        return along / np.linalg.norm(along, axis=0)
+
+
+def _local_map(mesh: skfem.MeshQuad) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The triples of all elements; slopes go through the nodal Jacobian, r and d are taken as they are."""
+    n = mesh.t.shape[1]
+    jacobian = nodal_jacobian(mesh)
+    dense = np.zeros((n, 16, 16))
+    for corner in range(4):
+        dense[:, 3 * corner, 4 * corner] = 1
+        dense[:, 12 + corner, 4 * corner + 3] = 1
+        for j in range(2):
+            for i in range(2):
+                dense[:, 3 * corner + 1 + j, 4 * corner + 1 + i] = jacobian[i, j, corner]
+    size = np.abs(jacobian).max(axis=(0, 1, 2))
+    dense[np.abs(dense) < 1e-14 * np.minimum(size, 1.0)[:, None, None]] = 0
+    element, rows, cols = np.nonzero(dense)
+    pointer = np.concatenate([[0], np.cumsum(np.bincount(element, minlength=n))])
+    return pointer, rows.astype(np.int32), cols.astype(np.int32), dense[element, rows, cols]
+
+
+def _inverse_bilinear(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """Local coordinates of a point in a quad (2, 4) by Newton's method."""
+    local = np.array([0.5, 0.5])
+    for _ in range(30):
+        xi, eta = local
+        shape = np.array([(1 - xi) * (1 - eta), xi * (1 - eta), xi * eta, (1 - xi) * eta])
+        slopes = np.array([[eta - 1, 1 - eta, eta, -eta], [xi - 1, -xi, xi, 1 - xi]])
+        step = np.linalg.solve(corners @ slopes.T, point - corners @ shape)
+        local = local + step
+        if np.abs(step).max() < 1e-14:
+            break
+    return local

@@ -1,0 +1,428 @@
+"""Compiled assembly of theory `full`. Each kernel works on the elements ``order[start:stop]``.
+
+In-plane strains are taken at the integration points. Shear and thickness strains are taken at sampling points and
+interpolated to the integration points; for the plain element the sampling points are the integration points and the
+interpolation is the identity. Arrays have points last, so that inner loops run over points.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from skancf.theories.full import N_IN_PLANE, N_STRAINS
+from skancf.theories.full_point import FAST, in_plane, in_plane_force, in_plane_stiffness
+
+N_SAMPLED = N_STRAINS - N_IN_PLANE
+N_POINTS = 16
+COMPONENTS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]])
+
+
+class Elements(NamedTuple):
+    """What differs between elements.
+
+    ``nodes`` (n, 4); the map from nodal coordinates to local vectors as triples ``pointer``, ``rows``, ``cols``,
+    ``values``; ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains
+    ``reference`` (n_shapes, 14, n_points), the upper triangle of the law with the weights ``law`` (n_shapes, 105,
+    n_points), and the law of the sampled strains ``sampled`` (n_shapes, n_rows, n_rows).
+    """
+
+    nodes: np.ndarray
+    pointer: np.ndarray
+    rows: np.ndarray
+    cols: np.ndarray
+    values: np.ndarray
+    shape: np.ndarray
+    reference: np.ndarray
+    law: np.ndarray
+    sampled: np.ndarray
+
+
+class Rule(NamedTuple):
+    """What elements share.
+
+    ``position`` (2, 12, n_points): r_1 and r_2 of the functions of r; ``director`` (2, 4, n_points): d_1, d_2;
+    ``sample_position`` (2, n_samples, 12); ``sample_director`` (3, n_samples, 4): d_1, d_2, d;
+    ``interpolation`` (5, n_samples, n_points); ``sample_rows`` (n_rows, 2): strain (0 to 4) and sampling point of each
+    sampled strain; ``pairs`` (n_pairs, 3): k, l and row of the entries of the law that are not zero; ``coupled``: whether
+    the law couples in-plane and sampled strains.
+    """
+
+    position: np.ndarray
+    director: np.ndarray
+    sample_position: np.ndarray
+    sample_director: np.ndarray
+    interpolation: np.ndarray
+    sample_rows: np.ndarray
+    pairs: np.ndarray
+    coupled: bool
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def gather(e, q, elements, local):
+    """Local vectors (16, 3) of element e from nodal coordinates (n_nodes, 4, 3)."""
+    local[:] = 0.0
+    for k in range(elements.pointer[e], elements.pointer[e + 1]):
+        a, b, v = elements.rows[k], elements.cols[k], elements.values[k]
+        n = elements.nodes[e, b // 4]
+        for i in range(3):
+            local[a, i] += v * q[n, b % 4, i]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def in_plane_jets(rule, local, out):
+    """r_1, r_2, d_1, d_2 at the integration points: out (4, 3, 16)."""
+    out[:] = 0.0
+    for j in range(2):
+        for i in range(3):
+            for a in range(12):
+                v = local[a, i]
+                for p in range(N_POINTS):
+                    out[j, i, p] += v * rule.position[j, a, p]
+            for a in range(4):
+                v = local[12 + a, i]
+                for p in range(N_POINTS):
+                    out[2 + j, i, p] += v * rule.director[j, a, p]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def sample_jets(rule, local, out):
+    """r_1, r_2, d_1, d_2, d at the sampling points: out (n_samples, 5, 3)."""
+    for s in range(out.shape[0]):
+        for i in range(3):
+            r1 = r2 = d1 = d2 = d = 0.0
+            for a in range(12):
+                r1 += local[a, i] * rule.sample_position[0, s, a]
+                r2 += local[a, i] * rule.sample_position[1, s, a]
+            for a in range(4):
+                v = local[12 + a, i]
+                d1 += v * rule.sample_director[0, s, a]
+                d2 += v * rule.sample_director[1, s, a]
+                d += v * rule.sample_director[2, s, a]
+            out[s, 0, i], out[s, 1, i], out[s, 2, i], out[s, 3, i], out[s, 4, i] = r1, r2, d1, d2, d
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def vectors(x, p):
+    """The jet at a point as tuples."""
+    return (
+        (x[0, 0, p], x[0, 1, p], x[0, 2, p]), (x[1, 0, p], x[1, 1, p], x[1, 2, p]),
+        (x[2, 0, p], x[2, 1, p], x[2, 2, p]), (x[3, 0, p], x[3, 1, p], x[3, 2, p]),
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def strains(rule, x, y, sx, sy, reference, eps):
+    """The strains' symmetric bilinear form at two jets less the undeformed strains: eps (14, 16)."""
+    for p in range(N_POINTS):
+        e = in_plane(vectors(x, p), vectors(y, p))
+        eps[0, p], eps[1, p], eps[2, p] = e[0] - reference[0, p], e[1] - reference[1, p], e[2] - reference[2, p]
+        eps[3, p], eps[4, p], eps[5, p] = e[3] - reference[3, p], e[4] - reference[4, p], e[5] - reference[5, p]
+        eps[6, p], eps[7, p], eps[8, p] = e[6] - reference[6, p], e[7] - reference[7, p], e[8] - reference[8, p]
+    for k in range(N_SAMPLED):
+        row = eps[N_IN_PLANE + k]
+        for p in range(N_POINTS):
+            row[p] = -reference[N_IN_PLANE + k, p]
+    for r in range(rule.sample_rows.shape[0]):
+        k, s = rule.sample_rows[r]
+        value = 0.0
+        for i in range(3):
+            value += sx[s, k, i] * sy[s, 4, i] + sx[s, 4, i] * sy[s, k, i]
+        row, weight, value = eps[N_IN_PLANE + k], rule.interpolation[k, s], 0.5 * value
+        if k == 4:
+            value *= 0.5
+        for p in range(N_POINTS):
+            row[p] += value * weight[p]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def apply_law(rule, law, eps, stress):
+    """Stress (14, 16) with the weights."""
+    stress[:] = 0.0
+    for m in range(rule.pairs.shape[0]):
+        k, l, row = rule.pairs[m]
+        for p in range(N_POINTS):
+            stress[k, p] += law[row, p] * eps[l, p]
+        if k != l:
+            for p in range(N_POINTS):
+                stress[l, p] += law[row, p] * eps[k, p]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def collect(rule, stress, sampled):
+    """Stresses of the sampled strains, by the transposed interpolation: sampled (n_rows,)."""
+    for r in range(rule.sample_rows.shape[0]):
+        k, s = rule.sample_rows[r]
+        total = 0.0
+        for p in range(N_POINTS):
+            total += rule.interpolation[k, s, p] * stress[N_IN_PLANE + k, p]
+        sampled[r] = total
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def in_plane_stress(stress, p):
+    return (
+        stress[0, p], stress[1, p], stress[2, p], stress[3, p], stress[4, p],
+        stress[5, p], stress[6, p], stress[7, p], stress[8, p],
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force):
+    """Force on the local vectors (16, 3)."""
+    for p in range(N_POINTS):
+        f = in_plane_force(vectors(x, p), in_plane_stress(stress, p))
+        on_jets[0, 0, p], on_jets[0, 1, p], on_jets[0, 2, p] = f[0]
+        on_jets[1, 0, p], on_jets[1, 1, p], on_jets[1, 2, p] = f[1]
+        on_jets[2, 0, p], on_jets[2, 1, p], on_jets[2, 2, p] = f[2]
+        on_jets[3, 0, p], on_jets[3, 1, p], on_jets[3, 2, p] = f[3]
+    for i in range(3):
+        for a in range(12):
+            total = 0.0
+            for p in range(N_POINTS):
+                total += rule.position[0, a, p] * on_jets[0, i, p] + rule.position[1, a, p] * on_jets[1, i, p]
+            force[a, i] = total
+        for a in range(4):
+            total = 0.0
+            for p in range(N_POINTS):
+                total += rule.director[0, a, p] * on_jets[2, i, p] + rule.director[1, a, p] * on_jets[3, i, p]
+            force[12 + a, i] = total
+    on_samples[:] = 0.0
+    for r in range(rule.sample_rows.shape[0]):
+        k, s = rule.sample_rows[r]
+        for i in range(3):
+            on_samples[s, 4, i] += sampled[r] * sx[s, k, i]
+            if k < 4:
+                on_samples[s, k, i] += sampled[r] * sx[s, 4, i]
+    for s in range(sx.shape[0]):
+        for i in range(3):
+            f1, f2, g1, g2, g = (on_samples[s, 0, i], on_samples[s, 1, i], on_samples[s, 2, i],
+                                 on_samples[s, 3, i], on_samples[s, 4, i])  # fmt: skip
+            for a in range(12):
+                force[a, i] += rule.sample_position[0, s, a] * f1 + rule.sample_position[1, s, a] * f2
+            for a in range(4):
+                force[12 + a, i] += (rule.sample_director[0, s, a] * g1 + rule.sample_director[1, s, a] * g2
+                                     + rule.sample_director[2, s, a] * g)  # fmt: skip
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def residual(start, stop, order, q, rule, elements, out):
+    """Internal force, added to out (n_nodes, 4, 3)."""
+    n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
+    local, force = np.empty((16, 3)), np.empty((16, 3))
+    x, on_jets = np.empty((4, 3, N_POINTS)), np.empty((4, 3, N_POINTS))
+    sx, on_samples, sampled = np.empty((n_samples, 5, 3)), np.empty((n_samples, 5, 3)), np.empty(n_rows)
+    eps, stress = np.empty((N_STRAINS, N_POINTS)), np.empty((N_STRAINS, N_POINTS))
+    for index in range(start, stop):
+        e = order[index]
+        c = elements.shape[e]
+        gather(e, q, elements, local)
+        in_plane_jets(rule, local, x)
+        sample_jets(rule, local, sx)
+        strains(rule, x, x, sx, sx, elements.reference[c], eps)
+        apply_law(rule, elements.law[c], eps, stress)
+        collect(rule, stress, sampled)
+        local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force)
+        for k in range(elements.pointer[e], elements.pointer[e + 1]):
+            a, b, v = elements.rows[k], elements.cols[k], elements.values[k]
+            node = elements.nodes[e, b // 4]
+            for i in range(3):
+                out[node, b % 4, i] += v * force[a, i]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def stresses(start, stop, order, q, change, rule, elements, strain_out, out):
+    """Strain and stress extrapolated linearly along ``change``, strain(q) + B(q) change; the stress has the weights.
+
+    Into ``strain_out`` (n_elements, 14, 16), or nowhere if that is empty, and ``out``.
+    """
+    n_samples = rule.sample_position.shape[1]
+    local, moved = np.empty((16, 3)), np.empty((16, 3))
+    x, y = np.empty((4, 3, N_POINTS)), np.empty((4, 3, N_POINTS))
+    sx, sy = np.empty((n_samples, 5, 3)), np.empty((n_samples, 5, 3))
+    eps = np.empty((N_STRAINS, N_POINTS))
+    for index in range(start, stop):
+        e = order[index]
+        c = elements.shape[e]
+        gather(e, q, elements, local)
+        gather(e, change, elements, moved)
+        # For quadratic strains strain(q) + B(q) change is the bilinear form at q and q + 2 change.
+        for a in range(16):
+            for i in range(3):
+                moved[a, i] = local[a, i] + 2.0 * moved[a, i]
+        in_plane_jets(rule, local, x)
+        in_plane_jets(rule, moved, y)
+        sample_jets(rule, local, sx)
+        sample_jets(rule, moved, sy)
+        strains(rule, x, y, sx, sy, elements.reference[c], eps)
+        apply_law(rule, elements.law[c], eps, out[e])
+        if strain_out.shape[0]:
+            strain_out[e] = eps
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def sampled_gradient(rule, sx, B):
+    """Gradient of the sampled strains with respect to the local vectors: B (n_rows, 48), components outermost."""
+    for r in range(rule.sample_rows.shape[0]):
+        k, s = rule.sample_rows[r]
+        for i in range(3):
+            d, other, row = sx[s, 4, i], sx[s, k, i], B[r, 16 * i : 16 * i + 16]
+            if k < 2:
+                for a in range(12):
+                    row[a] = d * rule.sample_position[k, s, a]
+                for a in range(4):
+                    row[12 + a] = other * rule.sample_director[2, s, a]
+            else:
+                for a in range(12):
+                    row[a] = 0.0
+                for a in range(4):
+                    row[12 + a] = d * rule.sample_director[k - 2, s, a]
+                    if k < 4:
+                        row[12 + a] += other * rule.sample_director[2, s, a]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def sampled_geometric(rule, sampled, G):
+    """Stress . second derivative of the sampled strains: G (16, 16), the same for the three components."""
+    G[:] = 0.0
+    for r in range(rule.sample_rows.shape[0]):
+        k, s = rule.sample_rows[r]
+        stress, d = sampled[r], rule.sample_director[2, s]
+        if k < 2:
+            for a in range(12):
+                v = stress * rule.sample_position[k, s, a]
+                for b in range(4):
+                    G[a, 12 + b] += v * d[b]
+                    G[12 + b, a] += v * d[b]
+        else:
+            other, half = rule.sample_director[k - 2, s], 0.5 if k == 4 else 1.0
+            for a in range(4):
+                for b in range(4):
+                    G[12 + a, 12 + b] += half * stress * (other[a] * d[b] + d[a] * other[b])
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def coupling(rule, law, x, X):
+    """X (n_rows, 48): change of the sampled stresses with the local vectors through the in-plane strains."""
+    X[:] = 0.0
+    on_jets = np.empty((4, 3, N_POINTS))
+    unit = np.zeros(N_IN_PLANE)
+    for m in range(rule.pairs.shape[0]):
+        k, l, entry = rule.pairs[m]
+        if k < N_IN_PLANE <= l:
+            unit[:] = 0.0
+            unit[k] = 1.0
+            for p in range(N_POINTS):
+                f = in_plane_force(vectors(x, p), (unit[0], unit[1], unit[2], unit[3], unit[4],
+                                                   unit[5], unit[6], unit[7], unit[8]))  # fmt: skip
+                for j in range(4):
+                    for i in range(3):
+                        on_jets[j, i, p] = f[j][i] * law[entry, p]
+            for r in range(rule.sample_rows.shape[0]):
+                if rule.sample_rows[r, 0] == l - N_IN_PLANE:
+                    weight = rule.interpolation[l - N_IN_PLANE, rule.sample_rows[r, 1]]
+                    for i in range(3):
+                        for j in range(2):
+                            for p in range(N_POINTS):
+                                v, w = weight[p] * on_jets[j, i, p], weight[p] * on_jets[2 + j, i, p]
+                                for a in range(12):
+                                    X[r, 16 * i + a] += v * rule.position[j, a, p]
+                                for a in range(4):
+                                    X[r, 16 * i + 12 + a] += w * rule.director[j, a, p]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def weight_rows(H, position, director, W):
+    """W (4, 16, 6, 16) = table^T H: second derivatives with respect to local vectors on one side, jets on the other.
+
+    Axes: jet b, point, component, local function; ``position`` (2, 16, 12) and ``director`` (2, 16, 4) have points first.
+    """
+    for b in range(4):
+        for p in range(N_POINTS):
+            for c in range(6):
+                h0, h1, h2, h3 = H[0, b, c, p], H[1, b, c, p], H[2, b, c, p], H[3, b, c, p]
+                for a in range(12):
+                    W[b, p, c, a] = position[0, p, a] * h0 + position[1, p, a] * h1
+                for a in range(4):
+                    W[b, p, c, 12 + a] = director[0, p, a] * h2 + director[1, p, a] * h3
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def scatter_tangent(e, elements, slots, K, out):
+    """Adds an element's tangent, K (48, 48) of which i <= j is used, to the upper triangle's blocks (n_blocks, 12, 12)."""
+    for k in range(elements.pointer[e], elements.pointer[e + 1]):
+        a, c, v = elements.rows[k], elements.cols[k], elements.values[k]
+        row = 3 * (c % 4)
+        for l in range(elements.pointer[e], elements.pointer[e + 1]):
+            b, d = elements.rows[l], elements.cols[l]
+            slot = slots[e, c // 4, d // 4]
+            if slot >= 0:
+                w, col = v * elements.values[l], 3 * (d % 4)
+                block = out[slot]
+                block[row, col] += w * K[a, b]
+                block[row, col + 1] += w * K[a, 16 + b]
+                block[row, col + 2] += w * K[a, 32 + b]
+                block[row + 1, col] += w * K[b, 16 + a]
+                block[row + 1, col + 1] += w * K[16 + a, 16 + b]
+                block[row + 1, col + 2] += w * K[16 + a, 32 + b]
+                block[row + 2, col] += w * K[b, 32 + a]
+                block[row + 2, col + 1] += w * K[16 + b, 32 + a]
+                block[row + 2, col + 2] += w * K[32 + a, 32 + b]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def tangent(start, stop, order, q, stress, rule, elements, slots, out):
+    """Tangent with the given stresses (n_elements, 14, 16), added to out (n_blocks, 12, 12)."""
+    n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
+    local, x, sx = np.empty((16, 3)), np.empty((4, 3, N_POINTS)), np.empty((n_samples, 5, 3))
+    position = np.ascontiguousarray(rule.position.transpose(0, 2, 1))
+    director = np.ascontiguousarray(rule.director.transpose(0, 2, 1))
+    H, W = np.empty((4, 4, 6, N_POINTS)), np.empty((4, N_POINTS, 6, 16))
+    of_r, of_d = np.empty((96, 12)), np.empty((96, 4))
+    K, G, sampled = np.empty((48, 48)), np.empty((16, 16)), np.empty(n_rows)
+    B, MB = np.empty((n_rows, 48)), np.empty((n_rows, 48))
+    X, XB = np.empty((n_rows, 48)), np.empty((48, 48))
+    for index in range(start, stop):
+        e = order[index]
+        law = elements.law[elements.shape[e]]
+        gather(e, q, elements, local)
+        in_plane_jets(rule, local, x)
+        sample_jets(rule, local, sx)
+        for p in range(N_POINTS):
+            in_plane_stiffness(law, p, vectors(x, p), in_plane_stress(stress[e], p), H)
+        weight_rows(H, position, director, W)
+        np.dot(W[:2].reshape(2 * N_POINTS, 96).T, position.reshape(2 * N_POINTS, 12), of_r)
+        np.dot(W[2:].reshape(2 * N_POINTS, 96).T, director.reshape(2 * N_POINTS, 4), of_d)
+        collect(rule, stress[e], sampled)
+        sampled_gradient(rule, sx, B)
+        np.dot(elements.sampled[elements.shape[e]], B, MB)
+        np.dot(B.T, MB, K)
+        if rule.coupled:
+            coupling(rule, law, x, X)
+            np.dot(X.T, B, XB)
+            K += XB
+            K += XB.T
+        sampled_geometric(rule, sampled, G)
+        for c in range(6):
+            i, j = 16 * COMPONENTS[c, 0], 16 * COMPONENTS[c, 1]
+            for a in range(16):
+                row = K[i + a]
+                for b in range(12):
+                    row[j + b] += of_r[16 * c + a, b]
+                for b in range(4):
+                    row[j + 12 + b] += of_d[16 * c + a, b]
+                if c < 3:
+                    for b in range(16):
+                        row[j + b] += G[a, b]
+        scatter_tangent(e, elements, slots, K, out)
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def mass(start, stop, order, shapes, elements, slots, out):
+    """Adds the classes' mass matrices (n_shapes, 16, 16), the same for the three components."""
+    K = np.zeros((48, 48))
+    for index in range(start, stop):
+        e = order[index]
+        for i in range(3):
+            K[16 * i : 16 * i + 16, 16 * i : 16 * i + 16] = shapes[elements.shape[e]]
+        scatter_tangent(e, elements, slots, K, out)

@@ -1,0 +1,71 @@
+"""Which elements may be assembled at the same time."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+CHUNKS = 16
+SMALLEST_CHUNK = 64
+
+
+def n_threads() -> int:
+    """Threads that assembly uses: the cores of this process, or the environment variable ``SKANCF_THREADS``."""
+    wanted = os.environ.get("SKANCF_THREADS", "")
+    if wanted.isdigit() and int(wanted) > 0:
+        return int(wanted)
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def _pool(n: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(n, thread_name_prefix="skancf")
+
+
+class Schedule:
+    """Elements in strips; strips of one phase share no node and run at the same time.
+
+    The order of additions does not depend on the number of threads, so results are the same to the last bit.
+    """
+
+    def __init__(self, nodes: np.ndarray, points: np.ndarray):
+        centres = points[:, nodes].mean(axis=2)
+        along = int(np.argmax(np.ptp(points, axis=1)))
+        n_elements = len(nodes)
+        self.order = np.lexsort((centres[1 - along], centres[along])).astype(np.int32)
+        n_chunks = max(1, min(CHUNKS, n_elements // SMALLEST_CHUNK))
+        edges = np.linspace(0, n_elements, n_chunks + 1).astype(int)
+        chunk = np.empty(n_elements, dtype=int)
+        chunk[self.order] = np.repeat(np.arange(n_chunks), np.diff(edges))
+        colours = _colours(chunk, nodes, n_chunks)
+        self.phases = [
+            [(int(edges[c]), int(edges[c + 1])) for c in np.flatnonzero(colours == colour)]
+            for colour in range(colours.max() + 1)
+        ]
+
+    def run(self, kernel: Callable[..., None], *arguments: Any) -> None:
+        """``kernel(start, stop, order, *arguments)`` over all elements."""
+        threads = n_threads()
+        for phase in self.phases:
+            if threads == 1 or len(phase) == 1:
+                for start, stop in phase:
+                    kernel(start, stop, self.order, *arguments)
+            else:
+                jobs = [_pool(threads).submit(kernel, start, stop, self.order, *arguments) for start, stop in phase]
+                for job in jobs:
+                    job.result()
+
+
+def _colours(chunk: np.ndarray, nodes: np.ndarray, n_chunks: int) -> np.ndarray:
+    """A colour for each chunk, different for chunks that share a node."""
+    touches = np.zeros((nodes.max() + 1, n_chunks), dtype=np.int32)
+    touches[nodes.ravel(), np.repeat(chunk, nodes.shape[1])] = 1
+    shared = touches.T @ touches > 0
+    colours = np.full(n_chunks, -1)
+    for c in range(n_chunks):
+        taken = set(colours[:c][shared[c, :c]])
+        colours[c] = next(k for k in range(n_chunks) if k not in taken)
+    return colours

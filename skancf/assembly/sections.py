@@ -1,0 +1,91 @@
+"""Undeformed elements sorted into classes of equal shape, with what each class needs: strains, law, mass."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.theories.full import N_IN_PLANE, N_STRAINS, local_frame, section_stiffness
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Per class of equal undeformed elements; weights of the integration points are included.
+
+    Attributes
+    ----------
+    shape : (n_elements,) int array
+        Class of each element.
+    reference : (n_shapes, n_strains, n_points) array
+        Undeformed strains.
+    law : (n_shapes, 105, n_points) array
+        Upper triangle of the 14 x 14 law.
+    pairs : (n_pairs, 3) int array
+        Entry k <= l and its row, for those that are not zero in some class.
+    sampled : (n_shapes, n_rows, n_rows) array
+        Law of the sampled strains: interpolation^T D interpolation.
+    moments : (n_shapes, 3, n_points) array
+        Integrals of 1, z, z^2 through the thickness with det F.
+    areas : (n_shapes, n_points) array
+        Area of the mid-surface.
+    """
+
+    shape: np.ndarray
+    reference: np.ndarray
+    law: np.ndarray
+    pairs: np.ndarray
+    sampled: np.ndarray
+    moments: np.ndarray
+    areas: np.ndarray
+
+
+def build_sections(geometry: Geometry, law: np.ndarray, thickness: float) -> Sections:
+    """The classes of a mesh; equal means equal to 12 digits in undeformed strains and frame."""
+    theory = geometry.theory
+    points, weights = theory.quadrature
+    representative, shape = _classes(geometry)
+    local = geometry.undeformed_local[representative]
+    jets = theory.jets(local, points)
+    first = geometry.tangents(points, representative)
+    full, moments = section_stiffness(jets, first, law, thickness, theory.n_thickness)
+    full = full * weights[:, None, None]
+    k, l = np.triu_indices(N_STRAINS)
+    used = np.abs(full).max(axis=(0, 1))[k, l] > 1e-13 * _scale(full)[k, l]
+    return Sections(
+        shape=shape,
+        reference=np.ascontiguousarray(theory.strains(local, points)),
+        law=np.ascontiguousarray(np.moveaxis(full[:, :, k, l], 1, 2)),
+        pairs=np.stack([k[used], l[used], np.flatnonzero(used)], axis=1),
+        sampled=_sampled_law(geometry, full),
+        moments=np.moveaxis(moments * weights, 0, 1),
+        areas=np.sqrt((np.cross(jets[0], jets[1], axis=0) ** 2).sum(axis=0)) * weights,
+    )
+
+
+def _sampled_law(geometry: Geometry, full: np.ndarray) -> np.ndarray:
+    interpolation, rows = geometry.theory.sampling()
+    strains, samples = rows.T
+    weights = interpolation[strains, samples]
+    laws = full[:, :, N_IN_PLANE + strains[:, None], N_IN_PLANE + strains]
+    return np.ascontiguousarray(np.einsum("rp,eprq,qp->erq", weights, laws, weights, optimize=True))
+
+
+def _scale(full: np.ndarray) -> np.ndarray:
+    """Scale of each entry, so that strains of different dimension compare: sqrt(D_kk D_ll)."""
+    diagonal = np.sqrt(np.abs(np.einsum("epkk->epk", full)).max(axis=(0, 1)))
+    return np.outer(diagonal, diagonal)
+
+
+def _classes(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
+    """One element of each class, and each element's class."""
+    local, (points, _) = geometry.undeformed_local, geometry.theory.quadrature
+    strains = geometry.theory.strains(local, points).reshape(len(local), -1)
+    jets = geometry.theory.jets(local, points)
+    frame = local_frame(jets, geometry.tangents(points))
+    angles = np.einsum("iep,jiep->ejp", frame[0], jets[:2]).reshape(len(local), -1)
+    key = np.hstack([strains, angles])
+    largest = np.abs(key).max(axis=0)
+    digits = np.round(key / np.where(largest > 1e-13 * largest.max(), largest, np.inf), 12) + 0.0
+    known: dict[bytes, int] = {}
+    shape = np.array([known.setdefault(row.tobytes(), len(known)) for row in digits], dtype=np.int32)
+    return np.unique(shape, return_index=True)[1], shape

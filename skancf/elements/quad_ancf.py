@@ -1,0 +1,118 @@
+"""The fully parameterised ANCF plate as a scikit-fem element, and the tools to integrate it through the thickness."""
+
+from typing import Any
+
+import numpy as np
+import skfem
+from skfem.element import DiscreteField
+
+from skancf.elements.reference import CORNERS, ancf_functions
+
+
+def nodal_jacobian(mesh: skfem.MeshQuad, elements: np.ndarray | None = None) -> np.ndarray:
+    r"""Derivatives of the bilinear map of each quad at its own corners.
+
+    Returns
+    -------
+    (2, 2, 4, n_elements) array
+        Entry [i, j] is :math:`\partial x_i / \partial \xi_j`; the third axis is the corner.
+    """
+    corner = mesh.p[:, mesh.t if elements is None else mesh.t[:, elements]]
+    along_xi = np.stack([corner[:, 1] - corner[:, 0]] * 2 + [corner[:, 2] - corner[:, 3]] * 2, axis=1)
+    along_eta = np.stack(
+        [corner[:, 3] - corner[:, 0], corner[:, 2] - corner[:, 1]] * 2, axis=1
+    )[:, [0, 1, 3, 2]]
+    return np.stack([along_xi, along_eta], axis=1)
+
+
+class ElementQuadANCF(skfem.Element):
+    r"""Fully parameterised ANCF plate: r, r_x, r_y and r_z at each node of a 2D ``MeshQuad``; 16 functions.
+
+    Local points may have a third row, the distance z from the mid-surface (a length); values are then those of
+    :math:`\mathbf r(x, y) + z\,\mathbf d(x, y)` and gradients have three rows. Without it z = 0 and gradients have two.
+
+    Works on aligned rectangles of any corner numbering and on general quads, where the slopes at a node become
+    :math:`r_{,\xi} = r_{,x} x_{,\xi} + r_{,y} y_{,\xi}`.
+
+    Examples
+    --------
+    >>> basis = skfem.Basis(mesh, skfem.ElementVector(ElementQuadANCF(), 3), **through_thickness(mesh, 0.05))
+    """
+
+    nodal_dofs = 4
+    maxdeg = 4
+    dofnames = ("u", "u_x", "u_y", "u_z")
+    doflocs = np.repeat(CORNERS, 4, axis=0)
+    refdom = skfem.refdom.RefQuad
+
+    def gbasis(
+        self, mapping: Any, X: np.ndarray, i: int, tind: np.ndarray | None = None
+    ) -> tuple[DiscreteField]:
+        if not 0 <= i < 16:
+            self._index_error()
+        corner, kind = divmod(i, 4)
+        jacobian = nodal_jacobian(mapping.mesh, tind)[:, :, corner, :, None]
+        xi, eta = (row if row.ndim == 2 else row[None, :] for row in X[:2])
+
+        def function(*order: int) -> np.ndarray:
+            local = ancf_functions(xi, eta, order)[corner]
+            if kind in (1, 2):
+                return jacobian[kind - 1, 0] * local[1] + jacobian[kind - 1, 1] * local[2]
+            return local[kind] + 0 * jacobian[0, 0]
+
+        inverse = mapping.invDF(X, tind=tind)
+        value = function(0, 0)
+        grad = np.einsum("ji...,j...->i...", inverse, np.stack([function(1, 0), function(0, 1)]))
+        z = (X[2] if X[2].ndim == 2 else X[2][None, :]) if len(X) == 3 else 0.0
+        normal_slope = value if kind == 3 else np.zeros_like(value)
+        if kind == 3:
+            value, grad = z * value, z * grad
+        if len(X) == 3:
+            grad = np.concatenate([grad, normal_slope[None]])
+        return (DiscreteField(value=value, grad=grad),)
+
+
+class MappingPlate(skfem.MappingIsoparametric):
+    """The mesh's own mapping for local points (xi, eta, z); z is a length and goes through unchanged."""
+
+    def __init__(self, mesh: skfem.MeshQuad):
+        super().__init__(mesh, skfem.ElementQuad1())
+
+    def F(self, X: np.ndarray, tind: np.ndarray | None = None) -> np.ndarray:
+        plane = super().F(X[:2], tind)
+        return np.concatenate([plane, [np.broadcast_to(z, plane.shape[1:]) for z in X[2:]]]) if len(X) > 2 else plane
+
+    def J(self, i: int, j: int, X: np.ndarray, tind: np.ndarray | None = None) -> np.ndarray:
+        return super().J(i, j, X[:2], tind)
+
+
+def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss points and weights on [0, 1]."""
+    points, weights = np.polynomial.legendre.leggauss(n)
+    return (points + 1) / 2, weights / 2
+
+
+def square_quadrature(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """n x n Gauss points of the reference square, (2, n n) with eta running fastest, and weights (n n,)."""
+    s, w = gauss(n)
+    return np.stack([a.ravel() for a in np.meshgrid(s, s, indexing="ij")]), np.outer(w, w).ravel()
+
+
+def through_thickness(mesh: skfem.MeshQuad, thickness: float, n: int = 4, n_z: int = 2) -> dict[str, Any]:
+    """Keyword arguments for ``skfem.Basis`` that integrate over the volume of the plate.
+
+    Parameters
+    ----------
+    mesh
+        Mesh of the mid-plane.
+    thickness
+        A length.
+    n, n_z
+        Gauss points along each side and through the thickness.
+    """
+    plane, plane_weights = square_quadrature(n)
+    s, w = gauss(n_z)
+    z = np.tile((s - 0.5) * thickness, plane.shape[1])
+    points = np.vstack([np.repeat(plane, n_z, axis=1), z])
+    weights = np.outer(plane_weights, w * thickness).ravel()
+    return {"mapping": MappingPlate(mesh), "quadrature": (points, weights)}

@@ -1,0 +1,61 @@
+r"""Shape functions of plate elements on the reference square [0, 1] x [0, 1].
+
+Corners are numbered (0, 0), (1, 0), (1, 1), (0, 1). An element's local vectors are values and derivatives with respect
+to :math:`\xi, \eta`, so that these functions are the same for every element.
+"""
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+
+# One polynomial for each end of the unit interval.
+HERMITE_VALUE = (Polynomial([1, 0, -3, 2]), Polynomial([0, 0, 3, -2]))
+HERMITE_SLOPE = (Polynomial([0, 1, -2, 1]), Polynomial([0, 0, -1, 1]))
+LINEAR = (Polynomial([1, -1]), Polynomial([0, 1]))
+
+
+def derivative(polynomial: Polynomial, s: np.ndarray, order: int) -> np.ndarray:
+    """The derivative of that order at ``s``, shaped like ``s``."""
+    return polynomial.deriv(order)(s) if order else polynomial(s)
+
+
+def ancf_functions(xi: np.ndarray, eta: np.ndarray, order: tuple[int, int] = (0, 0)) -> np.ndarray:
+    r"""Functions of the fully parameterised ANCF plate, differentiated ``order`` times in xi and eta.
+
+    With the cubic Hermite functions H (value) and G (slope) and the linear L of an end a of the unit interval,
+
+    .. math::
+        N_r &= H_a(\xi) L_b(\eta) + L_a(\xi) H_b(\eta) - L_a(\xi) L_b(\eta), \\
+        N_{r,\xi} &= G_a(\xi) L_b(\eta), \qquad N_{r,\eta} = L_a(\xi) G_b(\eta), \qquad N_d = L_a(\xi) L_b(\eta).
+
+    The first three span the incomplete bicubic 1, x, y, xy, x2, y2, x2y, xy2, x3, y3, x3y, xy3; the last one carries
+    the director d = r_z.
+
+    Parameters
+    ----------
+    xi, eta : (...) array
+        Points of the reference square.
+    order : (int, int)
+        Order of differentiation in xi and in eta.
+
+    Returns
+    -------
+    (4, 4, ...) array
+        First axis: corner. Second axis: r, r_xi, r_eta, d.
+
+    References
+    ----------
+    Mikkola and Shabana (2003), Multibody System Dynamics 9, 283-309.
+    """
+    xi, eta = np.broadcast_arrays(np.asarray(xi, float), np.asarray(eta, float))
+    m, n = order
+    out = np.empty((4, 4, *xi.shape))
+    for corner, (a, b) in enumerate(CORNERS.astype(int)):
+        value_x, value_y = derivative(HERMITE_VALUE[a], xi, m), derivative(HERMITE_VALUE[b], eta, n)
+        linear_x, linear_y = derivative(LINEAR[a], xi, m), derivative(LINEAR[b], eta, n)
+        out[corner, 0] = value_x * linear_y + linear_x * value_y - linear_x * linear_y
+        out[corner, 1] = derivative(HERMITE_SLOPE[a], xi, m) * linear_y
+        out[corner, 2] = linear_x * derivative(HERMITE_SLOPE[b], eta, n)
+        out[corner, 3] = linear_x * linear_y
+    return out

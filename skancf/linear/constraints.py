@@ -1,0 +1,89 @@
+"""Prescribed coordinates, at some nodes along directions of their own."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from skancf.errors import InputError
+
+# Frames are products of a few unit vectors; a shear or a stretch is many orders larger.
+ORTHOGONAL = 1e-10
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    r"""Which coordinates are prescribed, counted in nodal frames :math:`\hat q = R q`.
+
+    Parameters
+    ----------
+    fixed : (n_nodes, block) bool array
+        True where the coordinate of the nodal frame is prescribed.
+    frame_nodes : (m,) int array, optional
+        Nodes with a frame other than the identity.
+    frames : (m, block, block) array, optional
+        Orthogonal matrices :math:`R`, of which the rows are the directions.
+
+    Raises
+    ------
+    InputError
+        For shapes that do not fit, a node named twice, or a frame that is not orthogonal.
+    """
+
+    fixed: np.ndarray
+    frame_nodes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
+    frames: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        fixed = np.asarray(self.fixed)
+        nodes = np.asarray(self.frame_nodes, dtype=np.int64)
+        if fixed.ndim != 2 or fixed.dtype != np.bool_:
+            raise InputError(f"fixed of shape {fixed.shape} and type {fixed.dtype}: give bool (n_nodes, block)")
+        shape = (nodes.size, fixed.shape[1], fixed.shape[1])
+        frames = np.asarray(self.frames, dtype=float) if nodes.size else np.zeros(shape)
+        _check_frames(nodes, frames, fixed.shape[0], shape)
+        for name, value in (("fixed", fixed), ("frame_nodes", nodes), ("frames", frames)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def n_free(self) -> int:
+        """Number of coordinates that are not prescribed."""
+        return int(self.fixed.size - np.count_nonzero(self.fixed))
+
+    def to_frame(self, v: np.ndarray) -> np.ndarray:
+        """Coordinates in nodal frames, R v; (n_nodes * block,) to the same, always a new array."""
+        return self._rotate(v, "kab,kb->ka")
+
+    def from_frame(self, v: np.ndarray) -> np.ndarray:
+        """Ordinary coordinates, R^T v; (n_nodes * block,) to the same, always a new array."""
+        return self._rotate(v, "kba,kb->ka")
+
+    def free_part(self, v: np.ndarray) -> np.ndarray:
+        """Projection of ``v`` on the directions that are not prescribed."""
+        return self._keep(v, ~self.fixed)
+
+    def fixed_part(self, v: np.ndarray) -> np.ndarray:
+        """Projection of ``v`` on the prescribed directions."""
+        return self._keep(v, self.fixed)
+
+    def _keep(self, v: np.ndarray, mask: np.ndarray) -> np.ndarray:
+        return self.from_frame(self.to_frame(v) * mask.ravel())
+
+    def _rotate(self, v: np.ndarray, product: str) -> np.ndarray:
+        nodal = np.array(v, dtype=float).reshape(self.fixed.shape)
+        if self.frame_nodes.size:
+            nodal[self.frame_nodes] = np.einsum(product, self.frames, nodal[self.frame_nodes])
+        return nodal.ravel()
+
+
+def _check_frames(nodes: np.ndarray, frames: np.ndarray, n_nodes: int, shape: tuple[int, ...]) -> None:
+    if frames.shape != shape:
+        raise InputError(f"frames of shape {frames.shape}: give {shape}, one matrix per frame node")
+    if np.unique(nodes).size != nodes.size or not ((nodes >= 0) & (nodes < n_nodes)).all():
+        raise InputError(f"frame_nodes = {nodes}: name each node once, from 0 to {n_nodes - 1}")
+    error = np.abs(np.einsum("kab,kcb->kac", frames, frames) - np.eye(shape[1])).max(axis=(1, 2), initial=0.0)
+    if not (error < ORTHOGONAL).all():
+        worst = int(np.argmax(error))
+        raise InputError(
+            f"frame of node {nodes[worst]}: R R^T differs from one by {error[worst]:.1e}; give unit, "
+            "mutually orthogonal rows"
+        )

@@ -1,0 +1,73 @@
+"""Compiled loops over the blocks of a symmetric matrix; each has a plain twin in the tests."""
+
+import numba
+import numpy as np
+
+
+# Reassociation lets the inner sums use vector registers; nothing here tests for nan.
+@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+def multiply(indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, x: np.ndarray, y: np.ndarray) -> None:
+    """y = A x from the upper triangle of blocks; x and y of shape (n_nodes, block)."""
+    block = values.shape[1]
+    y[:] = 0.0
+    for i in range(indptr.size - 1):
+        first = indptr[i]
+        for a in range(block):
+            total = 0.0
+            for c in range(block):
+                total += values[first, a, c] * x[i, c]
+            y[i, a] += total
+        for slot in range(first + 1, indptr[i + 1]):
+            j = indices[slot]
+            for a in range(block):
+                total = 0.0
+                left = x[i, a]
+                for c in range(block):
+                    total += values[slot, a, c] * x[j, c]
+                    y[j, c] += values[slot, a, c] * left
+                y[i, a] += total
+
+
+@numba.njit(cache=True, nogil=True)
+def scale_blocks(
+    indptr: np.ndarray,
+    indices: np.ndarray,
+    values: np.ndarray,
+    rotated: np.ndarray,
+    scale: np.ndarray,
+    out: np.ndarray,
+) -> int:
+    """``out`` = S A S with a one on the diagonal where ``scale`` is zero.
+
+    A block marked in ``rotated`` already stands in ``out`` and is scaled in place, the others are read from ``values``.
+    Returns the number of the first block with an entry that is not finite, or -1.
+    """
+    block = values.shape[1]
+    for i in range(indptr.size - 1):
+        for slot in range(indptr[i], indptr[i + 1]):
+            j = indices[slot]
+            source = out if rotated[slot] else values
+            total = 0.0
+            for a in range(block):
+                for c in range(block):
+                    entry = scale[i, a] * source[slot, a, c] * scale[j, c]
+                    total += entry
+                    out[slot, a, c] = entry
+            if not np.isfinite(total):
+                return slot
+        for a in range(block):
+            if scale[i, a] == 0.0:
+                out[indptr[i], a, a] = 1.0
+    return -1
+
+
+@numba.njit(cache=True, nogil=True)
+def touches(nodes: np.ndarray, indptr: np.ndarray, indices: np.ndarray, part: np.ndarray, other: int) -> np.ndarray:
+    """Mask over ``nodes``: has a neighbour of which ``part`` is ``other``."""
+    mask = np.zeros(nodes.size, np.bool_)
+    for k in range(nodes.size):
+        for entry in range(indptr[nodes[k]], indptr[nodes[k] + 1]):
+            if part[indices[entry]] == other:
+                mask[k] = True
+                break
+    return mask

@@ -1,0 +1,189 @@
+"""The one interface to direct solvers: constraints, scaling, factors, refinement."""
+
+import numpy as np
+
+from skancf.errors import InputError, SingularMatrix, SkancfError
+from skancf.linear.backend import Backend
+from skancf.linear.constraints import Constraints
+from skancf.linear.matrix import BlockMatrix
+from skancf.linear.pardiso import Pardiso
+from skancf.linear.pattern import BlockPattern
+from skancf.linear.scaling import ScaledSystem
+from skancf.linear.superlu import SuperLU
+
+# Fastest first: "auto" takes the first that is available.
+BACKENDS: tuple[type[Backend], ...] = (Pardiso, SuperLU)
+
+# A x is a sum of block * neighbours products. When it is no larger than this share of |A| |x|, the matrix cannot be
+# told from a singular one: the sum is the rounding of its terms, and of the sums from which the entries came.
+ROUNDING = 16 * np.finfo(float).eps
+# A matrix that amplifies a random load no more than one over this needs no second look.
+REGULAR = 1e-10
+# Makes a singular matrix regular, and leaves its free motions the softest ones by far.
+NEARBY = 1e-9
+ADVICE = "look for a part without support, a free rigid motion, or a mechanism"
+# A first correction of this relative size means that the factors hardly have a digit right.
+POOR = 1e-3
+
+
+def available_backends() -> tuple[str, ...]:
+    """Names of the solvers that run on this machine, fastest first."""
+    return tuple(backend.name for backend in BACKENDS if backend.available())
+
+
+class DirectSolver:
+    """Factors of symmetric matrices with one pattern and one set of constraints.
+
+    Parameters
+    ----------
+    pattern : BlockPattern
+    constraints : Constraints
+    backend : str
+        ``"mkl"``, ``"superlu"``, or ``"auto"`` for the fastest that is available.
+
+    Raises
+    ------
+    InputError
+        For a solver that does not exist or is not available.
+
+    Notes
+    -----
+    Order and layout of the factors are found once, here; :meth:`factor` only computes numbers.
+    """
+
+    def __init__(self, pattern: BlockPattern, constraints: Constraints, backend: str = "auto") -> None:
+        self._backend = _choose(backend)()
+        self._system = ScaledSystem(pattern, constraints)
+        self._backend.symbolic(pattern)
+        self._probe = np.random.default_rng(0).standard_normal(self._system.scale.size)
+        self._factored = self._closed = False
+
+    @property
+    def backend_name(self) -> str:
+        """Name of the solver in use."""
+        return self._backend.name
+
+    @property
+    def negative_pivots(self) -> int:
+        """Number of negative eigenvalues of the matrix, restricted to the coordinates that are not prescribed."""
+        self._require_factors()
+        return self._backend.negative_pivots
+
+    @property
+    def perturbed_pivots(self) -> int:
+        """Number of pivots that the solver had to replace; refinement makes up for them."""
+        self._require_factors()
+        return self._backend.perturbed_pivots
+
+    def factor(self, matrix: BlockMatrix) -> None:
+        """Compute the factors of ``matrix``.
+
+        Raises
+        ------
+        SingularMatrix
+            When there are none. The message names the node and the coordinate that move freely.
+        """
+        if self._closed:
+            raise SkancfError("the solver is closed: make a new one")
+        self._factored = self._careful = False
+        self._system.update(matrix)
+        try:
+            self._backend.factor(self._system.values)
+        except SingularMatrix as none:
+            raise SingularMatrix(self._nearby_motion()) from none
+        self._check_regular()
+        self._factored = True
+
+    def solve(self, rhs: np.ndarray, refinements: int = 1) -> np.ndarray:
+        """Solve A x = rhs on the free coordinates.
+
+        Parameters
+        ----------
+        rhs : (n_nodes * block,) array
+            In ordinary coordinates; its prescribed part is ignored.
+        refinements : int
+            Steps of iterative refinement.
+
+        Returns
+        -------
+        (n_nodes * block,) array
+            In ordinary coordinates; its prescribed part is zero.
+        """
+        self._require_factors()
+        if np.shape(rhs) != (self._system.scale.size,):
+            raise InputError(f"right-hand side of shape {np.shape(rhs)}: give ({self._system.scale.size},)")
+        b = self._system.restrict(rhs)
+        x = self._backend.solve(b)
+        for _ in range(refinements):
+            correction = self._backend.solve(b - self._system.multiply(x))
+            if not self._careful and not _size(correction) <= POOR * _size(x):
+                self._factor_carefully()
+                return self.solve(rhs, refinements)
+            x += correction
+        return self._system.expand(x)
+
+    def close(self) -> None:
+        """Give the memory of the factors back; the solver cannot be used again."""
+        self._factored, self._closed = False, True
+        self._backend.close()
+
+    def __enter__(self) -> "DirectSolver":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def _require_factors(self) -> None:
+        if not self._factored:
+            raise SkancfError("no factors: call factor(matrix) first, and look at the error it raised if it did")
+
+    def _factor_carefully(self) -> None:
+        self._careful = True
+        self._backend.factor(self._system.values, careful=True)
+
+    def _check_regular(self) -> None:
+        """Raise if inverse iteration finds a motion that the matrix does not resist.
+
+        A pivot that should be zero is often mere rounding, for which neither solver reports anything.
+        """
+        x = self._backend.solve(self._probe)
+        if _size(x) * REGULAR < _size(self._probe):
+            return
+        for _ in range(3):
+            x /= np.abs(x).max()
+            force = self._system.multiply(x)
+            if not _size(force) > ROUNDING * _size(self._system.multiply_sizes(x)):
+                raise SingularMatrix(self._describe(x))
+            # Removes what replaced pivots add: they change the factors, not the product.
+            x -= self._backend.solve(force)
+
+    def _nearby_motion(self) -> str:
+        """What moves freely in a matrix without factors: the softest motion once its diagonal is a little stiffer."""
+        self._system.values[self._system.pattern.diagonal_slots] += NEARBY * np.eye(self._system.pattern.block)
+        try:
+            self._backend.factor(self._system.values)
+            return self._describe(self._backend.solve(self._probe))
+        except SingularMatrix:
+            return f"the matrix is singular: {ADVICE}"
+
+    def _describe(self, x: np.ndarray) -> str:
+        if not np.isfinite(x).all():
+            return f"the matrix is singular: {ADVICE}"
+        node, coordinate = divmod(int(np.argmax(np.abs(x))), self._system.pattern.block)
+        return f"the matrix is singular, node {node} moves freely, most in coordinate {coordinate}: {ADVICE}"
+
+
+def _size(v: np.ndarray) -> float:
+    """Largest entry. Without BLAS, of which the waiting threads slow the next call of the solver down by a third."""
+    return float(np.abs(v).max())
+
+
+def _choose(name: str) -> type[Backend]:
+    if name == "auto":
+        return next(backend for backend in BACKENDS if backend.available())
+    known = {backend.name: backend for backend in BACKENDS}
+    if name not in known:
+        raise InputError(f"backend = {name!r}: choose 'auto' or one of {sorted(known)}")
+    if not known[name].available():
+        raise InputError(f"backend = {name!r} is not available: {known[name].advice}, or choose 'auto'")
+    return known[name]

@@ -1,0 +1,56 @@
+"""The isotropic law."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.errors import InputError, number, positive
+from skancf.materials.law import SHEAR_CORRECTION, build
+
+
+@dataclass(frozen=True)
+class Isotropic:
+    r"""Isotropic elasticity.
+
+    Parameters
+    ----------
+    young : float
+        Young's modulus E (Pa).
+    poisson : float
+        Poisson's ratio, -1 < nu < 0.5.
+    density : float
+        kg/m3.
+    kind : {"plane_stress", "3d"}
+        ``"plane_stress"`` (default): in-plane block :math:`E / (1 - \nu^2)`, thickness strain uncoupled. ``"3d"``: the
+        three-dimensional law; with nu > 0 the fully parameterised plate then is too stiff in bending by
+        :math:`(1 - \nu)^2 / (1 - 2 \nu)`, on any mesh.
+    shear_correction : float
+        Factor of the transverse shear modulus.
+
+    Raises
+    ------
+    InputError
+        For a modulus or density that is not positive or a Poisson's ratio outside (-1, 0.5).
+    """
+
+    young: float
+    poisson: float
+    density: float
+    kind: str = "plane_stress"
+    shear_correction: float = SHEAR_CORRECTION
+    angle = 0.0
+
+    def __post_init__(self) -> None:
+        positive("young", self.young, "Pa")
+        nu = number("poisson", self.poisson)
+        if not -1 < nu < 0.5:
+            raise InputError(f"poisson = {nu}: an isotropic law needs -1 < poisson < 0.5")
+        self.stiffness()
+
+    def stiffness(self) -> np.ndarray:
+        """C, shape (6, 6), in Voigt order 11, 22, 33, 23, 13, 12."""
+        lame = self.young * self.poisson / ((1 + self.poisson) * (1 - 2 * self.poisson))
+        shear = self.young / (2 * (1 + self.poisson))
+        full = np.diag([2 * shear] * 3 + [shear] * 3)
+        full[:3, :3] += lame
+        return build(self, full)

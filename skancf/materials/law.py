@@ -1,0 +1,137 @@
+r"""Linear elastic laws S = C E, as 6 x 6 matrices.
+
+Voigt order is 11, 22, 33, 23, 13, 12 with doubled shear strains; direction 3 is the normal of the undeformed surface and
+direction 1 its tangent along the parameter x, unless a material angle turns 1 and 2 about 3.
+"""
+
+from dataclasses import dataclass, field
+from math import cos, sin
+from typing import Any, Protocol
+
+import numpy as np
+
+from skancf.errors import InputError, finite, number, positive
+
+SHEAR_CORRECTION = 5 / 6
+IN_PLANE = [0, 1, 5]
+TRANSVERSE = [3, 4]
+THICKNESS = 2
+
+
+class Law(Protocol):
+    """What the rest of the library knows of a material."""
+
+    @property
+    def density(self) -> float:
+        """Mass per undeformed volume."""
+
+    def stiffness(self) -> np.ndarray:
+        """C, shape (6, 6), in the frame of the undeformed surface."""
+
+
+def checked_density(density: float) -> float:
+    return positive("density", density, "kg/m3")
+
+
+def check_definite(matrix: np.ndarray, name: str) -> np.ndarray:
+    """The matrix, if it is symmetric positive definite."""
+    scale = np.abs(matrix).max()
+    asymmetry = np.abs(matrix - matrix.T).max()
+    if asymmetry > 1e-10 * scale:
+        raise InputError(
+            f"{name}: the stiffness is not symmetric (largest difference {asymmetry:.3g}); "
+            "an elastic law needs C = C^T, check nu_ij / E_i = nu_ji / E_j"
+        )
+    lowest = np.linalg.eigvalsh((matrix + matrix.T) / 2)[0]
+    if not lowest > 1e-14 * scale:
+        raise InputError(
+            f"{name}: the stiffness is not positive definite (smallest eigenvalue {lowest:.3g}); "
+            "some strain would release energy, check the moduli and Poisson's ratios"
+        )
+    return (matrix + matrix.T) / 2
+
+
+def plane_stress(full: np.ndarray, shear_correction: float) -> np.ndarray:
+    r"""The law of a plate made from a three-dimensional one.
+
+    The in-plane block is condensed for S_33 = 0,
+    :math:`C_{ab} - C_{a3} C_{3b} / C_{33}`, the thickness strain keeps :math:`C_{33}` and is uncoupled from the others,
+    and the transverse shear block is multiplied by the shear correction factor.
+    """
+    reduced = full - np.outer(full[:, THICKNESS], full[THICKNESS]) / full[THICKNESS, THICKNESS]
+    reduced[THICKNESS, THICKNESS] = full[THICKNESS, THICKNESS]
+    return corrected(reduced, shear_correction)
+
+
+def corrected(full: np.ndarray, shear_correction: float) -> np.ndarray:
+    """The law with transverse shear (rows and columns 23 and 13) scaled by the shear correction factor."""
+    factor = np.ones(6)
+    factor[TRANSVERSE] = np.sqrt(shear_correction)
+    return full * np.outer(factor, factor)
+
+
+def turned(matrix: np.ndarray, angle: float) -> np.ndarray:
+    """The law of a material whose axes 1 and 2 are turned by ``angle`` (radians) about axis 3."""
+    c, s = cos(angle), sin(angle)
+    to_material = np.array([
+        [c * c, s * s, 0, 0, 0, c * s],
+        [s * s, c * c, 0, 0, 0, -c * s],
+        [0, 0, 1, 0, 0, 0],
+        [0, 0, 0, c, -s, 0],
+        [0, 0, 0, s, c, 0],
+        [-2 * c * s, 2 * c * s, 0, 0, 0, c * c - s * s],
+    ])
+    return to_material.T @ matrix @ to_material
+
+
+@dataclass(frozen=True)
+class Anisotropic:
+    r"""Any symmetric positive definite 6 x 6 law.
+
+    Parameters
+    ----------
+    matrix : (6, 6) array
+        C in the material's axes, Voigt order 11, 22, 33, 23, 13, 12, doubled shear strains (Pa).
+    density : float
+        kg/m3.
+    angle : float
+        From the tangent along the parameter x to the material's axis 1, radians.
+    kind : {"plane_stress", "3d"}
+        ``"plane_stress"`` condenses the in-plane block for S_33 = 0, which the element needs because its thickness strain
+        is constant through the thickness; ``"3d"`` takes the matrix as it is and suffers Poisson thickness locking.
+    shear_correction : float
+        Factor of the transverse shear block.
+
+    Raises
+    ------
+    InputError
+        For a matrix that is not symmetric positive definite, or values that are not finite or not positive.
+    """
+
+    matrix: Any
+    density: float
+    angle: float = 0.0
+    kind: str = "plane_stress"
+    shear_correction: float = SHEAR_CORRECTION
+    _stiffness: np.ndarray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_stiffness", build(self, finite("matrix", self.matrix)))
+
+    def stiffness(self) -> np.ndarray:
+        return self._stiffness.copy()
+
+
+def build(law: Any, full: np.ndarray) -> np.ndarray:
+    """The checked stiffness of a law with the attributes of :class:`Anisotropic`."""
+    name = type(law).__name__
+    checked_density(law.density)
+    positive("shear_correction", law.shear_correction)
+    if full.shape != (6, 6):
+        raise InputError(f"{name}: a law is a 6 x 6 matrix, not one of shape {full.shape}")
+    full = check_definite(full, name)
+    if law.kind not in ("plane_stress", "3d"):
+        raise InputError(f"kind = {law.kind!r}: a law is either 'plane_stress' or '3d'")
+    plate = plane_stress(full, law.shear_correction) if law.kind == "plane_stress" else corrected(
+        full, law.shear_correction)
+    return turned(plate, number("angle", law.angle))

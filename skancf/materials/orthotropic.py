@@ -1,0 +1,59 @@
+"""The orthotropic law."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.errors import finite, positive
+from skancf.materials.law import SHEAR_CORRECTION, build
+
+
+@dataclass(frozen=True)
+class Orthotropic:
+    r"""Orthotropic elasticity from engineering constants.
+
+    Parameters
+    ----------
+    young : (E1, E2, E3)
+        Young's moduli (Pa).
+    poisson : (nu12, nu13, nu23)
+        Poisson's ratios, :math:`\nu_{ij} = -\varepsilon_j / \varepsilon_i` under stress along i.
+    shear : (G12, G13, G23)
+        Shear moduli (Pa).
+    density : float
+        kg/m3.
+    angle : float
+        From the tangent along the parameter x to the material's axis 1, radians.
+    kind, shear_correction
+        As for :class:`~skancf.Anisotropic`.
+
+    Raises
+    ------
+    InputError
+        For moduli that are not positive, or Poisson's ratios for which the law is not positive definite.
+    """
+
+    young: tuple[float, float, float]
+    poisson: tuple[float, float, float]
+    shear: tuple[float, float, float]
+    density: float
+    angle: float = 0.0
+    kind: str = "plane_stress"
+    shear_correction: float = SHEAR_CORRECTION
+
+    def __post_init__(self) -> None:
+        for name, values in (("young", self.young), ("shear", self.shear)):
+            for value in values:
+                positive(name, value, "Pa")
+        finite("poisson", self.poisson)
+        self.stiffness()
+
+    def stiffness(self) -> np.ndarray:
+        """C, shape (6, 6), in Voigt order 11, 22, 33, 23, 13, 12, after the turn by ``angle``."""
+        e1, e2, e3 = self.young
+        nu12, nu13, nu23 = self.poisson
+        g12, g13, g23 = self.shear
+        compliance = np.diag([1 / e1, 1 / e2, 1 / e3, 1 / g23, 1 / g13, 1 / g12])
+        for (i, j), value in {(0, 1): -nu12 / e1, (0, 2): -nu13 / e1, (1, 2): -nu23 / e2}.items():
+            compliance[i, j] = compliance[j, i] = value
+        return build(self, np.linalg.inv(compliance))

@@ -1,0 +1,60 @@
+"""Is this mesh usable?"""
+
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.errors import InputError
+
+# Twice a corner's triangle over the square of the longest edge. Rounding of coordinates of order one leaves about
+# 1e-16; a rectangle of aspect ratio 1e6 still has 1e-6.
+DEGENERATE = 1e-12
+
+
+def check_mesh(mesh: Any) -> None:
+    r"""Every element is a convex quad and every node belongs to one.
+
+    With corners :math:`p_0 \ldots p_3` in the order of ``mesh.t``, the bilinear map of the reference square has the
+    Jacobian :math:`J_i \propto (p_{i+1} - p_i) \times (p_i - p_{i-1})` at corner i. All four must have the same sign,
+    and none may vanish against the squared longest edge. Both signs are legal: corners may be numbered either way
+    round, and two elements of a mesh may differ.
+
+    Raises
+    ------
+    InputError
+        For anything that is not a ``skfem.MeshQuad`` with straight edges, points that are not finite, a quad that is
+        not convex or has no area (its number and corners are named), and nodes without an element.
+    """
+    if not isinstance(mesh, skfem.MeshQuad) or isinstance(mesh, skfem.MeshQuad2):
+        raise InputError(f"mesh is a {type(mesh).__name__}: give a skfem.MeshQuad (straight edges; "
+                         "a curved shape belongs into the surface, not into the mesh)")
+    points, quads = mesh.p, mesh.t
+    wrong = np.flatnonzero(~np.isfinite(points).all(axis=0))
+    if wrong.size:
+        raise InputError(f"node {wrong[0]} lies at {points[:, wrong[0]]}: every coordinate must be a finite number")
+    _check_quads(points, quads)
+    unused = np.setdiff1d(np.arange(points.shape[1]), quads)
+    if unused.size:
+        raise InputError(f"{unused.size} nodes belong to no element (first: {unused[0]}): their unknowns would have no "
+                         "stiffness; mesh.remove_unused_nodes() drops them")
+
+
+def corner_jacobians(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Jacobian at the four corners over the squared longest edge of each quad: (2, n), (4, nelems) -> (4, nelems)."""
+    corner = points[:, quads]
+    ahead = np.roll(corner, -1, axis=1) - corner
+    behind = np.roll(ahead, 1, axis=1)
+    longest = (ahead**2).sum(axis=0).max(axis=0)
+    return (behind[0] * ahead[1] - behind[1] * ahead[0]) / np.where(longest > 0, longest, 1)
+
+
+def _check_quads(points: np.ndarray, quads: np.ndarray) -> None:
+    jacobian = corner_jacobians(points, quads)
+    turned = jacobian * np.sign(jacobian.sum(axis=0))
+    wrong = np.flatnonzero(~(turned > DEGENERATE).all(axis=0))
+    if wrong.size:
+        first = wrong[0]
+        corners = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in points[:, quads[:, first]].T)
+        raise InputError(f"{wrong.size} elements are not convex quads (first: element {first} with corners {corners}): "
+                         "number the corners of each quad around it and move nodes until no angle reaches 180 degrees")

@@ -1,0 +1,151 @@
+"""Meshes that are fine in some regions, with smooth transitions."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.errors import InputError, finite, number, positive
+from skancf.meshes.counts import shape_for
+from skancf.meshes.placing import LARGEST_RATIO, place, place_natural
+from skancf.meshes.region import Region
+from skancf.meshes.sizes import Sizes
+from skancf.meshes.tensor import bounds_of, tensor, whole
+from skancf.surfaces import BoundedSurface
+
+Pair = tuple[float, float]
+
+
+def graded(
+    surface: BoundedSurface,
+    regions: Sequence[Region],
+    *,
+    nodes: int | None = None,
+    shape: tuple[int, int] | None = None,
+    coarse: float | Pair | None = None,
+    finest: float = 0.25,
+    growth: float = 1.5,
+    transition: float | Pair = 0.0,
+) -> skfem.MeshQuad:
+    r"""Rectangles over ``surface.bounds`` that are small in ``regions`` and grow geometrically to a coarse length.
+
+    In each direction of the parameter plane every region asks for elements of length
+
+    .. math:: l_n = l_0 \max\bigl(\text{finest}, (\sigma_i / \bar\sigma)^{-1/2}\bigr)
+
+    on its interval, ``l_0`` is the coarse length elsewhere, and lengths in between form the geometric progression of
+    :func:`progression`, whose factor q is at most ``growth``. Where intervals or transitions overlap, the finer
+    length wins; so transitions may meet below the coarse length or end at the boundary. On a sector of an annulus the
+    same holds for radii and central angles.
+
+    Give exactly one of ``nodes``, ``shape`` and ``coarse``; with the first two the coarse length, and the fine ones
+    with it, are scaled until the count is exact.
+
+    Parameters
+    ----------
+    surface : BoundedSurface
+        Gives bounds, names of sides, and the lengths that tell square cells from slender ones.
+    regions : sequence of Region
+        None of them: a uniform mesh.
+    nodes : int, optional
+        Total number of nodes, (nx + 1)(ny + 1); nx : ny is chosen closest to cells of equal coarse length in space.
+    shape : (2,) tuple of int, optional
+        Number of cells nx, ny.
+    coarse : float or (2,) tuple, optional
+        Element length l_0 away from the regions, for both or each direction (units of the parameter plane).
+    finest : float
+        Smallest l_n / l_0, between 0 and 1.
+    growth : float
+        Largest factor q between neighbouring lengths of a transition, greater than 1 and at most 2.
+    transition : float or (2,) tuple
+        Smallest length of a transition, for both or each direction (units of the parameter plane); a longer one has
+        a gentler q. 0: as short as ``growth`` allows.
+
+    Returns
+    -------
+    skfem.MeshQuad
+        A tensor-product mesh whose neighbouring lengths differ by a factor of at most 2. A node lies on the centre of
+        each region, unless that would distort cells further or spoil the symmetry of a symmetric set of regions (a
+        centre in the middle of an odd number of cells).
+
+    Raises
+    ------
+    InputError
+        For values out of range, a region centred outside the bounds, and a number of nodes that is no product of
+        suitable counts (the message names the nearest that are).
+
+    Notes ----- A product of two rows of nodes carries the fineness of a region along whole strips, so it also refines
+    where strips of different regions cross.
+
+    References
+    ----------
+    Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (7) and (8).
+    """
+    _check_choice(nodes, shape, coarse)
+    along_x, along_y = (
+        _along(direction, surface, regions, finest=finest, growth=growth, transition=transition) for direction in (0, 1)
+    )
+    if coarse is not None:
+        length_x, length_y = _pair("coarse", coarse)
+        row_x = place_natural(along_x, positive("coarse", length_x))
+        row_y = place_natural(along_y, positive("coarse", length_y))
+    else:
+        nx, ny = shape_for(surface, along_x, along_y, nodes) if nodes is not None else _shape(shape)
+        row_x, row_y = place(along_x, nx), place(along_y, ny)
+    return tensor(surface, row_x, row_y)
+
+
+def _along(
+    direction: int, surface: BoundedSurface, regions: Sequence[Region], *, finest: float, growth: float, transition: Any
+) -> Sizes:
+    """The wanted lengths in one direction."""
+    if not 0 < number("finest", finest) < 1:
+        raise InputError(f"finest = {finest}: give the smallest fine length over the coarse one, between 0 and 1")
+    if not 1 < number("growth", growth) <= LARGEST_RATIO:
+        raise InputError(f"growth = {growth}: neighbouring lengths may grow by a factor greater than 1 and at most 2")
+    ramp = _pair("transition", transition)[direction]
+    if ramp < 0:
+        raise InputError(f"transition = {transition}: give a length of at least 0 (0: as short as growth allows)")
+    low, high = bounds_of(surface)[direction]
+    return Sizes(
+        low=low,
+        high=high,
+        centres=np.array([_inside(region, direction, low, high) for region in regions]),
+        half_sizes=np.array([region.half_size[direction] for region in regions], float),
+        fractions=np.array([max(finest, region.ratio**-0.5) for region in regions]),
+        growth=growth,
+        transition=ramp,
+    )
+
+
+def _inside(region: Region, direction: int, low: float, high: float) -> float:
+    """A coordinate of the region's centre; the bound itself where it is a rounding error away."""
+    at, rounding = region.centre[direction], 1e-9 * (high - low)
+    if not low - rounding <= at <= high + rounding:
+        raise InputError(f"region centre {region.centre}: {'xy'[direction]} = {at} lies outside ({low}, {high}); "
+                         "centres must lie on the surface, only their half sizes may reach over it")
+    return low if at <= low + rounding else high if at >= high - rounding else at
+
+
+def _check_choice(*choices: Any) -> None:
+    given = sum(choice is not None for choice in choices)
+    if given != 1:
+        raise InputError(f"{given} of nodes, shape and coarse are given: give exactly one of them")
+
+
+def _shape(shape: Any) -> tuple[int, int]:
+    try:
+        nx, ny = shape
+    except (TypeError, ValueError) as wrong:
+        raise InputError(f"shape = {shape!r}: give the two numbers of cells (nx, ny)") from wrong
+    return whole("nx", nx), whole("ny", ny)
+
+
+def _pair(name: str, value: Any) -> Pair:
+    """One number for both directions, or one for each."""
+    array = finite(name, value)
+    if array.shape not in ((), (2,)):
+        raise InputError(f"{name} = {value}: give one number, or one for each direction")
+    x, y = np.broadcast_to(array, 2).tolist()
+    return x, y

@@ -1,0 +1,42 @@
+"""Where a mesh shall be fine."""
+
+from dataclasses import dataclass
+
+from skancf.errors import InputError, number, vector
+
+
+@dataclass(frozen=True)
+class Region:
+    r"""A rectangle of the parameter plane in which the mesh shall be fine.
+
+    Parameters
+    ----------
+    centre : (2,) tuple
+        The node whose stress is the largest around (units of the parameter plane).
+    half_size : (2,) tuple
+        Half the lengths of the rectangle, positive. It may reach over the bounds of the surface.
+    ratio : float
+        :math:`\sigma_i / \bar\sigma > 1`, the degree of stress concentration. The larger, the finer.
+    value : float, optional
+        :math:`\sigma_i` itself, for reports.
+
+    Raises
+    ------
+    InputError
+        For entries that are not finite, sizes that are not positive and a ratio that is not greater than 1.
+    """
+
+    centre: tuple[float, float]
+    half_size: tuple[float, float]
+    ratio: float
+    value: float | None = None
+
+    def __post_init__(self) -> None:
+        vector("centre", self.centre, 2)
+        if not (vector("half_size", self.half_size, 2) > 0).all():
+            raise InputError(f"half_size = {self.half_size}: give two lengths greater than zero")
+        if not number("ratio", self.ratio) > 1:
+            raise InputError(f"ratio = {self.ratio}: a region is where the stress exceeds its mean; "
+                             "give a ratio greater than 1 or leave the region out")
+        if self.value is not None:
+            number("value", self.value)

@@ -1,0 +1,81 @@
+"""Meshes that are the product of two rows of nodes, with their sides named."""
+
+from operator import index
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.errors import InputError, finite
+from skancf.surfaces import BoundedSurface, Interval
+
+
+def tensor(surface: BoundedSurface, x: Any, y: Any) -> skfem.MeshQuad:
+    """Aligned rectangles between the node positions ``x`` and ``y``, with the boundaries named by ``surface.sides``.
+
+    Parameters
+    ----------
+    surface : BoundedSurface
+        Gives the bounds and the names of the four sides.
+    x, y : (nx + 1,), (ny + 1,) array
+        Increasing node positions from the lower to the upper bound (units of the parameter plane).
+
+    Returns
+    -------
+    skfem.MeshQuad
+        nx times ny rectangles, corners numbered clockwise (as ``MeshQuad.init_tensor`` does).
+
+    Raises
+    ------
+    InputError
+        For a surface without bounds, and for positions that do not increase from bound to bound.
+    """
+    x_bounds, y_bounds = bounds_of(surface)
+    x, y = node_row("x", x, x_bounds), node_row("y", y, y_bounds)
+    left, right, bottom, top = surface.sides
+    return skfem.MeshQuad.init_tensor(x, y).with_boundaries(
+        # The middle of a facet that lies on a side has exactly the coordinate of its two ends.
+        {
+            left: lambda middle: middle[0] == x[0],
+            right: lambda middle: middle[0] == x[-1],
+            bottom: lambda middle: middle[1] == y[0],
+            top: lambda middle: middle[1] == y[-1],
+        }
+    )
+
+
+def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:
+    """``values`` as node positions that increase from bound to bound; the ends are set exactly."""
+    row = finite(name, values).copy()
+    low, high = bounds
+    if row.ndim != 1 or row.size < 2:
+        raise InputError(f"{name} has shape {row.shape}: give a row of at least two node positions")
+    steps = np.diff(row)
+    if not (steps > 0).all():
+        worst = int(np.argmin(steps))
+        raise InputError(f"{name}[{worst}] = {row[worst]}, {name}[{worst + 1}] = {row[worst + 1]}: "
+                         "node positions must increase; sort them and drop repeated ones")
+    if np.abs(row[[0, -1]] - [low, high]).max() > 1e-9 * (high - low):
+        raise InputError(f"{name} runs from {row[0]} to {row[-1]}: it must cover the bounds ({low}, {high}) "
+                         "of the surface; put the first and the last node there")
+    row[[0, -1]] = low, high
+    return row
+
+
+def bounds_of(surface: BoundedSurface) -> tuple[Interval, Interval]:
+    """``surface.bounds``, or an :class:`InputError` that says what to do instead."""
+    if not hasattr(surface, "bounds") or not hasattr(surface, "sides"):
+        raise InputError(f"surface = {surface!r}: it has no bounds to mesh; use a surface over a rectangle "
+                         "of the parameter plane, or bring a MeshQuad of your own")
+    return surface.bounds
+
+
+def whole(name: str, value: Any, least: int = 1) -> int:
+    """``value`` as an integer that is at least ``least``."""
+    try:
+        checked = index(value)
+    except TypeError as wrong:
+        raise InputError(f"{name} = {value!r}: give a whole number, at least {least}") from wrong
+    if checked < least:
+        raise InputError(f"{name} = {value}: give a whole number, at least {least}")
+    return checked

@@ -1,0 +1,247 @@
+r"""Theory `full`: the fully parameterised plate, Green-Lagrange strain of :math:`\mathbf r(x, y) + z\,\mathbf d(x, y)`.
+
+The jet of a point is the five vectors :math:`r_{,1}, r_{,2}, d_{,1}, d_{,2}, d`, derivatives with respect to the
+reference square. The covariant strain with respect to :math:`(\xi, \eta, z)` is a polynomial in z, exactly,
+
+.. math::
+    E_{ab} = e^0_{ab} + z e^1_{ab} + z^2 e^2_{ab}, \qquad 2 E_{a3} = s^0_a + z s^1_a, \qquad E_{33} = t,
+
+whose 14 coefficients are the strains of this theory. They are quadratic in the jet: ``TERMS`` lists them. The law is
+integrated through the thickness once per mesh, so a point costs the same for any number of thickness points.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from skancf.elements.quad_ancf import gauss, square_quadrature
+from skancf.elements.reference import ancf_functions
+
+R1, R2, D1, D2, D = range(5)
+TERMS = np.array([
+    (0, R1, R1), (1, R2, R2), (2, R1, R2),                # e0_11, e0_22, 2 e0_12
+    (3, R1, D1), (4, R2, D2), (5, R1, D2), (5, R2, D1),   # e1_11, e1_22, 2 e1_12
+    (6, D1, D1), (7, D2, D2), (8, D1, D2),                # e2_11, e2_22, 2 e2_12
+    (9, R1, D), (10, R2, D),                              # s0_1, s0_2
+    (11, D1, D), (12, D2, D),                             # s1_1, s1_2
+    (13, D, D),                                           # t
+])  # fmt: skip
+"""Rows (strain, a, b): the strain has the term jet[a] . jet[b], halved where a = b, less its undeformed value."""
+N_STRAINS = 14
+N_IN_PLANE = 9
+"""The strains from here on, shear and thickness, are the ones that may be assumed."""
+
+# Covariant components (i, j) of each strain, and its power of z.
+COMPONENTS = [(0, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 2), (1, 1, 2), (0, 1, 2),
+              (0, 2, 0), (1, 2, 0), (0, 2, 1), (1, 2, 1), (2, 2, 0)]  # fmt: skip
+VOIGT = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+
+# Sampling points of the assumed strains. Shear along xi uses those with eta on an edge, shear along eta those with xi on
+# an edge, the thickness strain the corners.
+SAMPLES = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5)]).T
+FAMILY = (0, 1, 0, 1, 2)
+"""Which interpolation s0_1, s0_2, s1_1, s1_2 and t have: that of shear along xi, shear along eta, thickness."""
+FAMILY_SAMPLES = [(0, 1, 2, 3, 4, 6), (0, 1, 2, 3, 5, 7), (0, 1, 2, 3)]
+
+
+def strain(jet: np.ndarray) -> np.ndarray:
+    """The strains before those of the undeformed state are subtracted: (5, 3, ...) to (14, ...)."""
+    out = np.zeros((N_STRAINS, *jet.shape[2:]))
+    for k, a, b in TERMS:
+        out[k] += (0.5 if a == b else 1.0) * np.einsum("i...,i...->...", jet[a], jet[b])
+    return out
+
+
+def jet_table(points: np.ndarray) -> np.ndarray:
+    """The 16 local functions' part in the jet at points (2, n): shape (5, 16, n).
+
+    Local functions are the 12 of r (r, r_xi, r_eta corner by corner), then the 4 of d.
+    """
+    table = np.zeros((5, 16, points.shape[1]))
+    value, along_xi, along_eta = (ancf_functions(*points, order) for order in [(0, 0), (1, 0), (0, 1)])
+    table[R1, :12], table[R2, :12] = (part[:, :3].reshape(12, -1) for part in (along_xi, along_eta))
+    table[D1, 12:], table[D2, 12:], table[D, 12:] = along_xi[:, 3], along_eta[:, 3], value[:, 3]
+    return table
+
+
+def position_table(points: np.ndarray) -> np.ndarray:
+    """Values of the local functions at points (2, n): shape (2, 16, n); first axis r, d."""
+    value = ancf_functions(*points)
+    table = np.zeros((2, 16, points.shape[1]))
+    table[0, :12], table[1, 12:] = value[:, :3].reshape(12, -1), value[:, 3]
+    return table
+
+
+def interpolation(points: np.ndarray) -> np.ndarray:
+    r"""Interpolation of the assumed strains from the sampling points: shape (3 families, 8 samples, n).
+
+    The shear strains along xi are sampled at :math:`\xi = 0, \tfrac12, 1` on the edges :math:`\eta = 0, 1`, and
+    interpolated quadratically in xi and linearly in eta; those along eta likewise with the two exchanged. The thickness
+    strain is sampled at the corners and interpolated bilinearly.
+    """
+
+    def linear(s: np.ndarray, at: float) -> np.ndarray:
+        return s if at == 1 else 1 - s
+
+    def quadratic(s: np.ndarray, at: float) -> np.ndarray:
+        return 4 * s * (1 - s) if at == 0.5 else (2 * s - 1) * (s if at == 1 else s - 1)
+
+    (xi, eta), table = points, np.zeros((3, SAMPLES.shape[1], points.shape[1]))
+    for family, (along_xi, along_eta) in enumerate([(quadratic, linear), (linear, quadratic), (linear, linear)]):
+        for s in FAMILY_SAMPLES[family]:
+            table[family, s] = along_xi(xi, SAMPLES[0, s]) * along_eta(eta, SAMPLES[1, s])
+    return table
+
+
+@dataclass(frozen=True)
+class Full:
+    """The fully parameterised plate.
+
+    Parameters
+    ----------
+    assumed : bool
+        Assumed transverse shear and thickness strains, which do not lock; False is the plain element of the literature.
+    n_thickness : int
+        Gauss points through the thickness; 3 are exact for flat plates.
+
+    Notes
+    -----
+    4 x 4 Gauss points in the plane are exact for the mass matrix and for all but the highest terms of the energy.
+    """
+
+    assumed: bool = True
+    n_thickness: int = 3
+
+    name = "full"
+
+    @cached_property
+    def quadrature(self) -> tuple[np.ndarray, np.ndarray]:
+        """Integration points (2, 16) of the reference square and their weights."""
+        return square_quadrature(4)
+
+    @cached_property
+    def samples(self) -> np.ndarray:
+        """Points (2, n_samples) where shear and thickness strains are taken."""
+        return SAMPLES if self.assumed else self.quadrature[0]
+
+    def sampling(self) -> tuple[np.ndarray, np.ndarray]:
+        """How the integration points get their shear and thickness strains.
+
+        Returns
+        -------
+        interpolation : (5, n_samples, 16) array
+            Weight of each sampling point, for s0_1, s0_2, s1_1, s1_2, t. The plain element's is the identity.
+        rows : (n_rows, 2) int array
+            The strain and the sampling point of each sampled strain.
+        """
+        if self.assumed:
+            tables = interpolation(self.quadrature[0])
+            rows = [(k, s) for k, family in enumerate(FAMILY) for s in FAMILY_SAMPLES[family]]
+            return np.stack([tables[family] for family in FAMILY]), np.array(rows)
+        n = self.samples.shape[1]
+        return np.stack([np.eye(n)] * 5), np.array([(k, s) for k in range(5) for s in range(n)])
+
+    def jets(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Jets (5, 3, n_elements, n) of local vectors (n_elements, 16, 3) at points (2, n)."""
+        return np.einsum("jap,eai->jiep", jet_table(points), local, optimize=True)
+
+    def strains(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Strains (n_elements, 14, n) at points (2, n), before those of the undeformed state are subtracted."""
+        out = np.moveaxis(strain(self.jets(local, points)), 0, 1)
+        if self.assumed:
+            sampled, tables = strain(self.jets(local, SAMPLES)), interpolation(points)
+            for k, family in enumerate(FAMILY, start=N_IN_PLANE):
+                out[:, k] = sampled[k] @ tables[family]
+        return out
+
+
+def thickness_points(thickness: float, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss points and weights on [-thickness/2, thickness/2]."""
+    s, w = gauss(n)
+    return (s - 0.5) * thickness, w * thickness
+
+
+def covariant_to_local(jet: np.ndarray, first: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    r"""From the 14 strains to the strain in the local frame at depth z.
+
+    With :math:`F = [g_1, g_2, g_3]`, :math:`g_a = R_{,a} + z D_{,a}, g_3 = D` in the local frame and :math:`A = F^{-1}`,
+    :math:`E = A^T E_{cov} A`.
+
+    Parameters
+    ----------
+    jet : (5, 3, ...) array
+        Jet of the undeformed state.
+    first : (3, ...) array
+        Direction 1 of the local frame before it is made orthogonal to the normal.
+    z : (n_z,) array
+
+    Returns
+    -------
+    P : (n_z, 6, 14, ...) array
+        Strain in Voigt order 11, 22, 33, 23, 13, 12 per unit of each of the 14 strains.
+    volume : (n_z, ...) array
+        det F, volume per unit of reference square and depth.
+    """
+    frame = local_frame(jet, first)
+    r1, r2, d1, d2, d = jet
+    matrices, volumes = [], []
+    for depth in z:
+        basis = np.stack([r1 + depth * d1, r2 + depth * d2, d])
+        F = np.einsum("ki...,ji...->...kj", frame, basis)
+        A = np.linalg.inv(F)
+        volumes.append(np.abs(np.linalg.det(F)))
+        matrices.append(voigt_rows(A, depth))
+    return np.stack(matrices), np.stack(volumes)
+
+
+def local_frame(jet: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Rows e1, e2, e3, shape (3, 3, ...): e3 the undeformed normal on the side of the director, e1 nearest to first."""
+    n = np.cross(jet[0], jet[1], axis=0)
+    n = n * np.sign((n * jet[D]).sum(axis=0))
+    n = n / np.sqrt((n * n).sum(axis=0))
+    e1 = first - n * (n * first).sum(axis=0)
+    e1 = e1 / np.sqrt((e1 * e1).sum(axis=0))
+    return np.stack([e1, np.cross(n, e1, axis=0), n])
+
+
+def voigt_rows(A: np.ndarray, z: float) -> np.ndarray:
+    out = np.empty((6, N_STRAINS, *A.shape[:-2]))
+    for row, (p, q) in enumerate(VOIGT):
+        double = 1.0 if p == q else 2.0
+        for k, (i, j, power) in enumerate(COMPONENTS):
+            product = (A[..., i, p] * A[..., j, q] + A[..., j, p] * A[..., i, q]) / 2
+            out[row, k] = double * z**power * product
+    return out
+
+
+def section_stiffness(
+    jet: np.ndarray, first: np.ndarray, law: np.ndarray, thickness: float, n_z: int
+) -> tuple[np.ndarray, np.ndarray]:
+    r"""The law integrated through the thickness, for the 14 strains.
+
+    .. math:: \hat D = \int P(z)^T C P(z) \det F \, dz
+
+    Parameters
+    ----------
+    jet : (5, 3, ...) array
+        Jet of the undeformed state.
+    first : (3, ...) array
+        Tangent along the parameter x.
+    law : (6, 6) array
+    thickness : float
+    n_z : int
+        Gauss points through the thickness; 3 are exact for a flat plate.
+
+    Returns
+    -------
+    stiffness : (..., 14, 14) array
+        Per unit of reference square.
+    moments : (3, ...) array
+        Integrals of det F, z det F, z^2 det F over z: what mass and dead loads need.
+    """
+    z, w = thickness_points(thickness, n_z)
+    P, volume = covariant_to_local(jet, first, z)
+    stiffness = np.einsum("zpk...,pq,zql...,z...,z->...kl", P, law, P, volume, w, optimize=True)
+    moments = np.stack([np.einsum("z...,z->...", volume, w * z**k) for k in range(3)])
+    return stiffness, moments

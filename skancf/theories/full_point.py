@@ -1,0 +1,132 @@
+r"""Theory `full` at a point, compiled: in-plane strains, the forces they put on the jet, and their stiffness.
+
+Jets are tuples of four vectors :math:`V = (r_{,1}, r_{,2}, d_{,1}, d_{,2})`. The nine in-plane strains are products of
+two of them: strain number ``K[a][x]`` holds :math:`V_a \cdot V_x`, so that its derivative with respect to :math:`V_a` is
+:math:`V_x`. A law is an array of the upper triangle's entries, entry (k, l) in row :func:`packed`, points last.
+"""
+
+from numba import njit
+
+from skancf.theories.full import N_STRAINS
+
+FAST = {"contract", "reassoc", "nsz", "arcp"}
+"""Everything but the flags that would let the compiler assume away NaN and infinity."""
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def packed(k, l):
+    """Row of entry (k, l), k <= l, of the upper triangle of a law."""
+    return k * (2 * N_STRAINS - 1 - k) // 2 + l
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def sum4(s, a, t, b, u, c, v, d):
+    """s a + t b + u c + v d for vectors a, b, c, d."""
+    return (
+        s * a[0] + t * b[0] + u * c[0] + v * d[0],
+        s * a[1] + t * b[1] + u * c[1] + v * d[1],
+        s * a[2] + t * b[2] + u * c[2] + v * d[2],
+    )
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def in_plane(x, y):
+    """The symmetric bilinear form of the nine in-plane strains at two jets: e0, e1, e2, each 11, 22, 2 x 12."""
+    return (
+        0.5 * dot(x[0], y[0]),
+        0.5 * dot(x[1], y[1]),
+        0.5 * (dot(x[0], y[1]) + dot(x[1], y[0])),
+        0.5 * (dot(x[0], y[2]) + dot(x[2], y[0])),
+        0.5 * (dot(x[1], y[3]) + dot(x[3], y[1])),
+        0.5 * (dot(x[0], y[3]) + dot(x[3], y[0]) + dot(x[1], y[2]) + dot(x[2], y[1])),
+        0.5 * dot(x[2], y[2]),
+        0.5 * dot(x[3], y[3]),
+        0.5 * (dot(x[2], y[3]) + dot(x[3], y[2])),
+    )
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def in_plane_force(v, s):
+    """Derivative of stress . strain with respect to the four vectors of the jet."""
+    a, b, c, d = v
+    return (
+        sum4(s[0], a, s[2], b, s[3], c, s[5], d),
+        sum4(s[2], a, s[1], b, s[5], c, s[4], d),
+        sum4(s[3], a, s[5], b, s[6], c, s[8], d),
+        sum4(s[5], a, s[4], b, s[8], c, s[7], d),
+    )
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def entry(law, p, k, l):
+    return law[packed(k, l), p] if k <= l else law[packed(l, k), p]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def stress_change(law, p, k, l, v):
+    """Derivative of stress k with respect to a vector of the jet, whose strains are numbered l; a vector."""
+    return sum4(entry(law, p, k, l[0]), v[0], entry(law, p, k, l[1]), v[1],
+                entry(law, p, k, l[2]), v[2], entry(law, p, k, l[3]), v[3])  # fmt: skip
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def stress_changes(law, p, l, v):
+    """:func:`stress_change` of the nine in-plane stresses."""
+    return (
+        stress_change(law, p, 0, l, v), stress_change(law, p, 1, l, v), stress_change(law, p, 2, l, v),
+        stress_change(law, p, 3, l, v), stress_change(law, p, 4, l, v), stress_change(law, p, 5, l, v),
+        stress_change(law, p, 6, l, v), stress_change(law, p, 7, l, v), stress_change(law, p, 8, l, v),
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def force_change(v, w0, w1, w2, w3, geometric):
+    """Derivative of the force on one vector of the jet with respect to another: the 3 x 3 block, row by row.
+
+    ``w0`` to ``w3`` are the changes of the stresses that multiply the four vectors v in that force.
+    """
+    a, b, c, d = v
+    x = (a[0] * w0[0] + b[0] * w1[0] + c[0] * w2[0] + d[0] * w3[0] + geometric,
+         a[0] * w0[1] + b[0] * w1[1] + c[0] * w2[1] + d[0] * w3[1],
+         a[0] * w0[2] + b[0] * w1[2] + c[0] * w2[2] + d[0] * w3[2])  # fmt: skip
+    y = (a[1] * w0[0] + b[1] * w1[0] + c[1] * w2[0] + d[1] * w3[0],
+         a[1] * w0[1] + b[1] * w1[1] + c[1] * w2[1] + d[1] * w3[1] + geometric,
+         a[1] * w0[2] + b[1] * w1[2] + c[1] * w2[2] + d[1] * w3[2])  # fmt: skip
+    z = (a[2] * w0[0] + b[2] * w1[0] + c[2] * w2[0] + d[2] * w3[0],
+         a[2] * w0[1] + b[2] * w1[1] + c[2] * w2[1] + d[2] * w3[1],
+         a[2] * w0[2] + b[2] * w1[2] + c[2] * w2[2] + d[2] * w3[2] + geometric)  # fmt: skip
+    return x, y, z
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def store(H, a, b, p, block):
+    """Components 11, 22, 33, 12, 13, 23 of the block (a, b) and of its transpose (b, a)."""
+    x, y, z = block
+    H[a, b, 0, p], H[a, b, 1, p], H[a, b, 2, p] = x[0], y[1], z[2]
+    H[a, b, 3, p], H[a, b, 4, p], H[a, b, 5, p] = x[1], x[2], y[2]
+    H[b, a, 0, p], H[b, a, 1, p], H[b, a, 2, p] = x[0], y[1], z[2]
+    H[b, a, 3, p], H[b, a, 4, p], H[b, a, 5, p] = y[0], z[0], z[1]
+
+
+@njit(cache=True, nogil=True, fastmath=FAST)
+def in_plane_stiffness(law, p, v, s, H):
+    """Second derivative of the in-plane energy with respect to the jet, into H (4, 4, 6, n_points)."""
+    w = stress_changes(law, p, (0, 2, 3, 5), v)
+    store(H, 0, 0, p, force_change(v, w[0], w[2], w[3], w[5], s[0]))
+    w = stress_changes(law, p, (2, 1, 5, 4), v)
+    store(H, 0, 1, p, force_change(v, w[0], w[2], w[3], w[5], s[2]))
+    store(H, 1, 1, p, force_change(v, w[2], w[1], w[5], w[4], s[1]))
+    w = stress_changes(law, p, (3, 5, 6, 8), v)
+    store(H, 0, 2, p, force_change(v, w[0], w[2], w[3], w[5], s[3]))
+    store(H, 1, 2, p, force_change(v, w[2], w[1], w[5], w[4], s[5]))
+    store(H, 2, 2, p, force_change(v, w[3], w[5], w[6], w[8], s[6]))
+    w = stress_changes(law, p, (5, 4, 8, 7), v)
+    store(H, 0, 3, p, force_change(v, w[0], w[2], w[3], w[5], s[5]))
+    store(H, 1, 3, p, force_change(v, w[2], w[1], w[5], w[4], s[4]))
+    store(H, 2, 3, p, force_change(v, w[3], w[5], w[6], w[8], s[8]))
+    store(H, 3, 3, p, force_change(v, w[5], w[4], w[8], w[7], s[7]))

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from skancf.theories.full import N_IN_PLANE, N_STRAINS
-from skancf.theories.full_point import FAST, in_plane, in_plane_force, in_plane_stiffness
+from skancf.theories.full_point import OPTIONS, in_plane, in_plane_force, in_plane_stiffness
 
 N_SAMPLED = N_STRAINS - N_IN_PLANE
 N_POINTS = 16
@@ -23,8 +23,7 @@ class Elements(NamedTuple):
 
     ``nodes`` (n, 4); the map from nodal coordinates to local vectors as triples ``pointer``, ``rows``, ``cols``,
     ``values``; ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains
-    ``reference`` (n_shapes, 14, n_points), the upper triangle of the law with the weights ``law`` (n_shapes, 105,
-    n_points), and the law of the sampled strains ``sampled`` (n_shapes, n_rows, n_rows).
+    ``reference`` (n_shapes, 14, n_points), the law with the weights ``law`` (n_shapes, n_pairs, n_points), and the law of the sampled strains ``sampled`` (n_shapes, n_rows, n_rows).
     """
 
     nodes: np.ndarray
@@ -44,7 +43,7 @@ class Rule(NamedTuple):
     ``position`` (2, 12, n_points): r_1 and r_2 of the functions of r; ``director`` (2, 4, n_points): d_1, d_2;
     ``sample_position`` (2, n_samples, 12); ``sample_director`` (3, n_samples, 4): d_1, d_2, d;
     ``interpolation`` (5, n_samples, n_points); ``sample_rows`` (n_rows, 2): strain (0 to 4) and sampling point of each
-    sampled strain; ``pairs`` (n_pairs, 3): k, l and row of the entries of the law that are not zero; ``coupled``: whether
+    sampled strain; ``pairs`` (n_pairs, 2): k <= l of the entries of the law that are not zero; ``coupled``: whether
     the law couples in-plane and sampled strains.
     """
 
@@ -58,7 +57,7 @@ class Rule(NamedTuple):
     coupled: bool
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def gather(e, q, elements, local):
     """Local vectors (16, 3) of element e from nodal coordinates (n_nodes, 4, 3)."""
     local[:] = 0.0
@@ -69,7 +68,7 @@ def gather(e, q, elements, local):
             local[a, i] += v * q[n, b % 4, i]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def in_plane_jets(rule, local, out):
     """r_1, r_2, d_1, d_2 at the integration points: out (4, 3, 16)."""
     out[:] = 0.0
@@ -85,7 +84,7 @@ def in_plane_jets(rule, local, out):
                     out[2 + j, i, p] += v * rule.director[j, a, p]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def sample_jets(rule, local, out):
     """r_1, r_2, d_1, d_2, d at the sampling points: out (n_samples, 5, 3)."""
     for s in range(out.shape[0]):
@@ -102,7 +101,7 @@ def sample_jets(rule, local, out):
             out[s, 0, i], out[s, 1, i], out[s, 2, i], out[s, 3, i], out[s, 4, i] = r1, r2, d1, d2, d
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def vectors(x, p):
     """The jet at a point as tuples."""
     return (
@@ -111,7 +110,7 @@ def vectors(x, p):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def strains(rule, x, y, sx, sy, reference, eps):
     """The strains' symmetric bilinear form at two jets less the undeformed strains: eps (14, 16)."""
     for p in range(N_POINTS):
@@ -135,20 +134,20 @@ def strains(rule, x, y, sx, sy, reference, eps):
             row[p] += value * weight[p]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def apply_law(rule, law, eps, stress):
     """Stress (14, 16) with the weights."""
     stress[:] = 0.0
     for m in range(rule.pairs.shape[0]):
-        k, l, row = rule.pairs[m]
+        k, l = rule.pairs[m]
         for p in range(N_POINTS):
-            stress[k, p] += law[row, p] * eps[l, p]
+            stress[k, p] += law[m, p] * eps[l, p]
         if k != l:
             for p in range(N_POINTS):
-                stress[l, p] += law[row, p] * eps[k, p]
+                stress[l, p] += law[m, p] * eps[k, p]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def collect(rule, stress, sampled):
     """Stresses of the sampled strains, by the transposed interpolation: sampled (n_rows,)."""
     for r in range(rule.sample_rows.shape[0]):
@@ -159,7 +158,7 @@ def collect(rule, stress, sampled):
         sampled[r] = total
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def in_plane_stress(stress, p):
     return (
         stress[0, p], stress[1, p], stress[2, p], stress[3, p], stress[4, p],
@@ -167,7 +166,7 @@ def in_plane_stress(stress, p):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force):
     """Force on the local vectors (16, 3)."""
     for p in range(N_POINTS):
@@ -205,7 +204,7 @@ def local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force):
                                      + rule.sample_director[2, s, a] * g)  # fmt: skip
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def residual(start, stop, order, q, rule, elements, out):
     """Internal force, added to out (n_nodes, 4, 3)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
@@ -230,7 +229,7 @@ def residual(start, stop, order, q, rule, elements, out):
                 out[node, b % 4, i] += v * force[a, i]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def stresses(start, stop, order, q, change, rule, elements, strain_out, out):
     """Strain and stress extrapolated linearly along ``change``, strain(q) + B(q) change; the stress has the weights.
 
@@ -260,7 +259,7 @@ def stresses(start, stop, order, q, change, rule, elements, strain_out, out):
             strain_out[e] = eps
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def sampled_gradient(rule, sx, B):
     """Gradient of the sampled strains with respect to the local vectors: B (n_rows, 48), components outermost."""
     for r in range(rule.sample_rows.shape[0]):
@@ -281,7 +280,7 @@ def sampled_gradient(rule, sx, B):
                         row[12 + a] += other * rule.sample_director[2, s, a]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def sampled_geometric(rule, sampled, G):
     """Stress . second derivative of the sampled strains: G (16, 16), the same for the three components."""
     G[:] = 0.0
@@ -301,14 +300,14 @@ def sampled_geometric(rule, sampled, G):
                     G[12 + a, 12 + b] += half * stress * (other[a] * d[b] + d[a] * other[b])
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def coupling(rule, law, x, X):
     """X (n_rows, 48): change of the sampled stresses with the local vectors through the in-plane strains."""
     X[:] = 0.0
     on_jets = np.empty((4, 3, N_POINTS))
     unit = np.zeros(N_IN_PLANE)
     for m in range(rule.pairs.shape[0]):
-        k, l, entry = rule.pairs[m]
+        k, l = rule.pairs[m]
         if k < N_IN_PLANE <= l:
             unit[:] = 0.0
             unit[k] = 1.0
@@ -317,7 +316,7 @@ def coupling(rule, law, x, X):
                                                    unit[5], unit[6], unit[7], unit[8]))  # fmt: skip
                 for j in range(4):
                     for i in range(3):
-                        on_jets[j, i, p] = f[j][i] * law[entry, p]
+                        on_jets[j, i, p] = f[j][i] * law[m, p]
             for r in range(rule.sample_rows.shape[0]):
                 if rule.sample_rows[r, 0] == l - N_IN_PLANE:
                     weight = rule.interpolation[l - N_IN_PLANE, rule.sample_rows[r, 1]]
@@ -331,7 +330,17 @@ def coupling(rule, law, x, X):
                                     X[r, 16 * i + 12 + a] += w * rule.director[j, a, p]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
+def unpack(rule, law, square):
+    """The in-plane law as an array (9, 9, 16), of which the entries that are zero are left alone."""
+    for m in range(rule.pairs.shape[0]):
+        k, l = rule.pairs[m]
+        if l < N_IN_PLANE:
+            for p in range(N_POINTS):
+                square[k, l, p] = square[l, k, p] = law[m, p]
+
+
+@njit(**OPTIONS)
 def weight_rows(H, position, director, W):
     """W (4, 16, 6, 16) = table^T H: second derivatives with respect to local vectors on one side, jets on the other.
 
@@ -347,7 +356,7 @@ def weight_rows(H, position, director, W):
                     W[b, p, c, 12 + a] = director[0, p, a] * h2 + director[1, p, a] * h3
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def scatter_tangent(e, elements, slots, K, out):
     """Adds an element's tangent, K (48, 48) of which i <= j is used, to the upper triangle's blocks (n_blocks, 12, 12)."""
     for k in range(elements.pointer[e], elements.pointer[e + 1]):
@@ -370,13 +379,14 @@ def scatter_tangent(e, elements, slots, K, out):
                 block[row + 2, col + 2] += w * K[32 + a, 32 + b]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def tangent(start, stop, order, q, stress, rule, elements, slots, out):
     """Tangent with the given stresses (n_elements, 14, 16), added to out (n_blocks, 12, 12)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
     local, x, sx = np.empty((16, 3)), np.empty((4, 3, N_POINTS)), np.empty((n_samples, 5, 3))
     position = np.ascontiguousarray(rule.position.transpose(0, 2, 1))
     director = np.ascontiguousarray(rule.director.transpose(0, 2, 1))
+    square = np.zeros((N_IN_PLANE, N_IN_PLANE, N_POINTS))
     H, W = np.empty((4, 4, 6, N_POINTS)), np.empty((4, N_POINTS, 6, 16))
     of_r, of_d = np.empty((96, 12)), np.empty((96, 4))
     K, G, sampled = np.empty((48, 48)), np.empty((16, 16)), np.empty(n_rows)
@@ -388,8 +398,9 @@ def tangent(start, stop, order, q, stress, rule, elements, slots, out):
         gather(e, q, elements, local)
         in_plane_jets(rule, local, x)
         sample_jets(rule, local, sx)
+        unpack(rule, law, square)
         for p in range(N_POINTS):
-            in_plane_stiffness(law, p, vectors(x, p), in_plane_stress(stress[e], p), H)
+            in_plane_stiffness(square, p, vectors(x, p), in_plane_stress(stress[e], p), H)
         weight_rows(H, position, director, W)
         np.dot(W[:2].reshape(2 * N_POINTS, 96).T, position.reshape(2 * N_POINTS, 12), of_r)
         np.dot(W[2:].reshape(2 * N_POINTS, 96).T, director.reshape(2 * N_POINTS, 4), of_d)
@@ -417,7 +428,7 @@ def tangent(start, stop, order, q, stress, rule, elements, slots, out):
         scatter_tangent(e, elements, slots, K, out)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def mass(start, stop, order, shapes, elements, slots, out):
     """Adds the classes' mass matrices (n_shapes, 16, 16), the same for the three components."""
     K = np.zeros((48, 48))

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.theories.full import N_IN_PLANE, N_STRAINS, local_frame, section_stiffness
+from skancf.theories.full import N_IN_PLANE, local_frame, section_stiffness
+
+# Undeformed strains relative to the largest one: a few times the rounding of positions and angles.
+EQUAL = 1e-14
 
 
 @dataclass(frozen=True)
@@ -18,10 +21,10 @@ class Sections:
         Class of each element.
     reference : (n_shapes, n_strains, n_points) array
         Undeformed strains.
-    law : (n_shapes, 105, n_points) array
-        Upper triangle of the 14 x 14 law.
-    pairs : (n_pairs, 3) int array
-        Entry k <= l and its row, for those that are not zero in some class.
+    pairs : (n_pairs, 2) int array
+        Entries k <= l of the law that are not zero in some class.
+    law : (n_shapes, n_pairs, n_points) array
+        Those entries.
     sampled : (n_shapes, n_rows, n_rows) array
         Law of the sampled strains: interpolation^T D interpolation.
     moments : (n_shapes, 3, n_points) array
@@ -32,15 +35,15 @@ class Sections:
 
     shape: np.ndarray
     reference: np.ndarray
-    law: np.ndarray
     pairs: np.ndarray
+    law: np.ndarray
     sampled: np.ndarray
     moments: np.ndarray
     areas: np.ndarray
 
 
 def build_sections(geometry: Geometry, law: np.ndarray, thickness: float) -> Sections:
-    """The classes of a mesh; equal means equal to 12 digits in undeformed strains and frame."""
+    """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
     theory = geometry.theory
     points, weights = theory.quadrature
     representative, shape = _classes(geometry)
@@ -49,13 +52,12 @@ def build_sections(geometry: Geometry, law: np.ndarray, thickness: float) -> Sec
     first = geometry.tangents(points, representative)
     full, moments = section_stiffness(jets, first, law, thickness, theory.n_thickness)
     full = full * weights[:, None, None]
-    k, l = np.triu_indices(N_STRAINS)
-    used = np.abs(full).max(axis=(0, 1))[k, l] > 1e-13 * _scale(full)[k, l]
+    k, l = np.nonzero(np.triu(np.abs(full).max(axis=(0, 1)) > 1e-13 * _scale(full)))
     return Sections(
         shape=shape,
         reference=np.ascontiguousarray(theory.strains(local, points)),
+        pairs=np.stack([k, l], axis=1),
         law=np.ascontiguousarray(np.moveaxis(full[:, :, k, l], 1, 2)),
-        pairs=np.stack([k[used], l[used], np.flatnonzero(used)], axis=1),
         sampled=_sampled_law(geometry, full),
         moments=np.moveaxis(moments * weights, 0, 1),
         areas=np.sqrt((np.cross(jets[0], jets[1], axis=0) ** 2).sum(axis=0)) * weights,
@@ -84,8 +86,10 @@ def _classes(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
     frame = local_frame(jets, geometry.tangents(points))
     angles = np.einsum("iep,jiep->ejp", frame[0], jets[:2]).reshape(len(local), -1)
     key = np.hstack([strains, angles])
-    largest = np.abs(key).max(axis=0)
-    digits = np.round(key / np.where(largest > 1e-13 * largest.max(), largest, np.inf), 12) + 0.0
+    key = key / np.abs(key).max()
     known: dict[bytes, int] = {}
-    shape = np.array([known.setdefault(row.tobytes(), len(known)) for row in digits], dtype=np.int32)
-    return np.unique(shape, return_index=True)[1], shape
+    shape = np.array([known.setdefault(row.tobytes(), len(known)) for row in np.round(key, 7) + 0.0], dtype=np.int32)
+    representative = np.unique(shape, return_index=True)[1]
+    apart = np.flatnonzero(np.abs(key - key[representative][shape]).max(axis=1) > EQUAL)
+    shape[apart] = len(representative) + np.arange(len(apart))
+    return np.concatenate([representative, apart]), shape

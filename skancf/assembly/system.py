@@ -158,7 +158,7 @@ def _rule(geometry: Geometry, sections: Sections) -> kernels.Rule:
     theory = geometry.theory
     inside, sampled = jet_table(theory.quadrature[0]), jet_table(theory.samples)
     interpolation, rows = theory.sampling()
-    k, l, _ = sections.pairs.T
+    k, l = sections.pairs.T
     return kernels.Rule(
         position=np.ascontiguousarray(inside[[R1, R2], :12]),
         director=np.ascontiguousarray(inside[[D1, D2], 12:]),

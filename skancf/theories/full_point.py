@@ -1,30 +1,28 @@
 r"""Theory `full` at a point, compiled: in-plane strains, the forces they put on the jet, and their stiffness.
 
 Jets are tuples of four vectors :math:`V = (r_{,1}, r_{,2}, d_{,1}, d_{,2})`. The nine in-plane strains are products of
-two of them: strain number ``K[a][x]`` holds :math:`V_a \cdot V_x`, so that its derivative with respect to :math:`V_a` is
-:math:`V_x`. A law is an array of the upper triangle's entries, entry (k, l) in row :func:`packed`, points last.
+two of them, so that the derivative of the strain :math:`V_a \cdot V_x` with respect to :math:`V_a` is :math:`V_x`. A law
+is an array (9, 9, n_points).
 """
 
 from numba import njit
 
-from skancf.theories.full import N_STRAINS
-
-FAST = {"contract", "reassoc", "nsz", "arcp"}
-"""Everything but the flags that would let the compiler assume away NaN and infinity."""
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def packed(k, l):
-    """Row of entry (k, l), k <= l, of the upper triangle of a law."""
-    return k * (2 * N_STRAINS - 1 - k) // 2 + l
+OPTIONS = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    # Everything but the flags that would let the compiler assume away NaN and infinity.
+    "fastmath": {"contract", "reassoc", "nsz", "arcp"},
+}
+"""Options of every compiled function."""
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def sum4(s, a, t, b, u, c, v, d):
     """s a + t b + u c + v d for vectors a, b, c, d."""
     return (
@@ -34,7 +32,7 @@ def sum4(s, a, t, b, u, c, v, d):
     )
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def in_plane(x, y):
     """The symmetric bilinear form of the nine in-plane strains at two jets: e0, e1, e2, each 11, 22, 2 x 12."""
     return (
@@ -50,7 +48,7 @@ def in_plane(x, y):
     )
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def in_plane_force(v, s):
     """Derivative of stress . strain with respect to the four vectors of the jet."""
     a, b, c, d = v
@@ -62,29 +60,24 @@ def in_plane_force(v, s):
     )
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
-def entry(law, p, k, l):
-    return law[packed(k, l), p] if k <= l else law[packed(l, k), p]
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def stress_change(law, p, k, l, v):
-    """Derivative of stress k with respect to a vector of the jet, whose strains are numbered l; a vector."""
-    return sum4(entry(law, p, k, l[0]), v[0], entry(law, p, k, l[1]), v[1],
-                entry(law, p, k, l[2]), v[2], entry(law, p, k, l[3]), v[3])  # fmt: skip
-
-
-@njit(cache=True, nogil=True, fastmath=FAST)
-def stress_changes(law, p, l, v):
-    """:func:`stress_change` of the nine in-plane stresses."""
+@njit(**OPTIONS)
+def stress_changes(law, p, i, j, k, l, v):
+    """Derivatives of the nine stresses with respect to a vector of the jet, whose strains are i, j, k, l; 9 vectors."""
+    a, b, c, d = v
     return (
-        stress_change(law, p, 0, l, v), stress_change(law, p, 1, l, v), stress_change(law, p, 2, l, v),
-        stress_change(law, p, 3, l, v), stress_change(law, p, 4, l, v), stress_change(law, p, 5, l, v),
-        stress_change(law, p, 6, l, v), stress_change(law, p, 7, l, v), stress_change(law, p, 8, l, v),
-    )  # fmt: skip
+        sum4(law[0, i, p], a, law[0, j, p], b, law[0, k, p], c, law[0, l, p], d),
+        sum4(law[1, i, p], a, law[1, j, p], b, law[1, k, p], c, law[1, l, p], d),
+        sum4(law[2, i, p], a, law[2, j, p], b, law[2, k, p], c, law[2, l, p], d),
+        sum4(law[3, i, p], a, law[3, j, p], b, law[3, k, p], c, law[3, l, p], d),
+        sum4(law[4, i, p], a, law[4, j, p], b, law[4, k, p], c, law[4, l, p], d),
+        sum4(law[5, i, p], a, law[5, j, p], b, law[5, k, p], c, law[5, l, p], d),
+        sum4(law[6, i, p], a, law[6, j, p], b, law[6, k, p], c, law[6, l, p], d),
+        sum4(law[7, i, p], a, law[7, j, p], b, law[7, k, p], c, law[7, l, p], d),
+        sum4(law[8, i, p], a, law[8, j, p], b, law[8, k, p], c, law[8, l, p], d),
+    )
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def force_change(v, w0, w1, w2, w3, geometric):
     """Derivative of the force on one vector of the jet with respect to another: the 3 x 3 block, row by row.
 
@@ -103,7 +96,7 @@ def force_change(v, w0, w1, w2, w3, geometric):
     return x, y, z
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def store(H, a, b, p, block):
     """Components 11, 22, 33, 12, 13, 23 of the block (a, b) and of its transpose (b, a)."""
     x, y, z = block
@@ -113,19 +106,19 @@ def store(H, a, b, p, block):
     H[b, a, 3, p], H[b, a, 4, p], H[b, a, 5, p] = y[0], z[0], z[1]
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@njit(**OPTIONS)
 def in_plane_stiffness(law, p, v, s, H):
     """Second derivative of the in-plane energy with respect to the jet, into H (4, 4, 6, n_points)."""
-    w = stress_changes(law, p, (0, 2, 3, 5), v)
+    w = stress_changes(law, p, 0, 2, 3, 5, v)
     store(H, 0, 0, p, force_change(v, w[0], w[2], w[3], w[5], s[0]))
-    w = stress_changes(law, p, (2, 1, 5, 4), v)
+    w = stress_changes(law, p, 2, 1, 5, 4, v)
     store(H, 0, 1, p, force_change(v, w[0], w[2], w[3], w[5], s[2]))
     store(H, 1, 1, p, force_change(v, w[2], w[1], w[5], w[4], s[1]))
-    w = stress_changes(law, p, (3, 5, 6, 8), v)
+    w = stress_changes(law, p, 3, 5, 6, 8, v)
     store(H, 0, 2, p, force_change(v, w[0], w[2], w[3], w[5], s[3]))
     store(H, 1, 2, p, force_change(v, w[2], w[1], w[5], w[4], s[5]))
     store(H, 2, 2, p, force_change(v, w[3], w[5], w[6], w[8], s[6]))
-    w = stress_changes(law, p, (5, 4, 8, 7), v)
+    w = stress_changes(law, p, 5, 4, 8, 7, v)
     store(H, 0, 3, p, force_change(v, w[0], w[2], w[3], w[5], s[5]))
     store(H, 1, 3, p, force_change(v, w[2], w[1], w[5], w[4], s[4]))
     store(H, 2, 3, p, force_change(v, w[3], w[5], w[6], w[8], s[8]))

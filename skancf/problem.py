@@ -1,0 +1,82 @@
+"""A problem: what the user asks, without a mesh."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.assembly.constrain import constrain
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.sections import build_sections
+from skancf.assembly.system import System
+from skancf.errors import InputError, positive
+from skancf.loads import Load
+from skancf.materials import Law
+from skancf.supports import Support
+from skancf.surfaces import Surface
+from skancf.theories import Full, theory_named
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Surface, thickness, material, supports and loads; knows no mesh.
+
+    Parameters
+    ----------
+    surface : Surface
+        Undeformed mid-surface, for example :class:`~skancf.Rectangle`.
+    thickness : float
+        m.
+    material : Law
+        For example :class:`~skancf.Isotropic`.
+    supports, loads : sequences
+
+    Raises
+    ------
+    InputError
+        For a thickness that is not positive.
+
+    Examples
+    --------
+    >>> plate = sk.Problem(
+    ...     surface=sk.Rectangle(1.0, 1.0), thickness=0.05,
+    ...     material=sk.Isotropic(young=0.2e6, poisson=0.0, density=2000.0),
+    ...     supports=[sk.Pin("corners")],
+    ...     loads=[sk.PointForce(at=(0.5, 0.5), force=(0.0, 0.0, -20.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 12, 12), theory="full")
+    """
+
+    surface: Surface
+    thickness: float
+    material: Law
+    supports: Sequence[Support] = field(default_factory=tuple)
+    loads: Sequence[Load] = field(default_factory=tuple)
+
+    def __post_init__(self) -> None:
+        positive("thickness", self.thickness, "m")
+        for name in ("supports", "loads"):
+            if not isinstance(getattr(self, name), Sequence):
+                raise InputError(f"{name}: give a list, as in {name}=[...]")
+
+    def on(self, mesh: skfem.MeshQuad, theory: str | Full = "full") -> System:
+        """The problem on a mesh of the parameter plane, with a theory (a name, or an object such as ``Full()``)."""
+        geometry = Geometry(mesh, self.surface, theory_named(theory))
+        self._check_bounds(mesh)
+        sections = build_sections(geometry, self.material.stiffness(), self.thickness)
+        constraints, prescription = constrain(geometry, self.supports)
+        loads = [load.on(geometry, sections, self.material.density) for load in self.loads]
+        return System(geometry, sections, self.material.density, constraints, prescription, loads, problem=self)
+
+    def _check_bounds(self, mesh: skfem.MeshQuad) -> None:
+        bounds: Any = getattr(self.surface, "bounds", None)
+        if bounds is None:
+            return
+        for name, values, (low, high) in zip("xy", mesh.p, bounds, strict=True):
+            slack = 1e-9 * (high - low)
+            outside = np.flatnonzero((values < low - slack) | (values > high + slack))
+            if outside.size:
+                raise InputError(f"mesh node {outside[0]}: {name} = {values[outside[0]]} is outside the surface, which "
+                                 f"spans {low} to {high}; the mesh lives in the parameter plane")  # fmt: skip

@@ -1,0 +1,172 @@
+"""Statics under growing load: steps that are halved where Newton's method fails and grow where it is easy."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.constrain import free_rigid_motions
+from skancf.assembly.system import System
+from skancf.errors import DidNotConverge, InputError, number, positive
+from skancf.linear import DirectSolver
+from skancf.progress import Progress
+from skancf.solution import Solution
+from skancf.statics.newton import NewtonResult, Status, newton
+
+
+@dataclass(frozen=True)
+class HalveAndGrow:
+    """Step control: a failed step is divided by ``cut``; an easy one, at most ``easy`` iterations, is followed by a
+    ``growth`` times longer one."""
+
+    first: float = 1.0
+    smallest: float = 1e-4
+    cut: float = 2.0
+    growth: float = 1.5
+    easy: int = 12
+
+    def __post_init__(self) -> None:
+        for name in ("first", "smallest", "cut", "growth", "easy"):
+            positive(name, getattr(self, name))
+
+    def next_step(self, step: float, result: NewtonResult) -> float:
+        if not result.converged:
+            return step / self.cut
+        return step * self.growth if len(result.residual_norms) <= self.easy else step
+
+
+@dataclass(frozen=True)
+class StaticResult:
+    """Outcome of :func:`solve`.
+
+    Attributes
+    ----------
+    solution : Solution
+        The last equilibrium found; the asked one if ``status`` is converged.
+    status : Status
+    path : tuple of Solution
+        Every equilibrium on the way.
+    attempts : tuple of (load factor, NewtonResult)
+        Every solve, failed ones too, with its residual history.
+    message : str
+        Why it stopped, if it did.
+    """
+
+    solution: Solution
+    status: Status
+    path: tuple[Solution, ...]
+    attempts: tuple[tuple[float, NewtonResult], ...]
+    message: str = ""
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations of all attempts."""
+        return sum(len(result.residual_norms) for _, result in self.attempts)
+
+    def unwrap(self) -> Solution:
+        """The solution, or :class:`~skancf.DidNotConverge`."""
+        if self.status is not Status.CONVERGED:
+            raise DidNotConverge(self.message, self.attempts[-1][1].residual_norms if self.attempts else ())
+        return self.solution
+
+
+def solve(
+    system: System,
+    *,
+    load_factor: float = 1.0,
+    control: HalveAndGrow | None = None,
+    start: Solution | None = None,
+    rtol: float = 1e-7,
+    max_iterations: int = 30,
+    mixed: bool = True,
+    backend: str = "auto",
+    progress: bool = False,
+) -> StaticResult:
+    """Equilibrium under the loads, by load steps from the undeformed state or from ``start``.
+
+    Parameters
+    ----------
+    load_factor : float
+        Factor of all loads and prescribed displacements, which are taken at their full amplitude.
+    control
+        Step control; by default the whole load is tried at once.
+    rtol : float
+        Newton's method ends when the energy norm of its residual has fallen by this factor.
+    mixed : bool
+        False for the plain Newton method.
+    backend : str
+        Linear solver: "auto", "mkl" or "superlu".
+
+    Returns
+    -------
+    StaticResult
+        Also when it fails: then the last equilibrium, the reason, and all residuals.
+
+    Raises
+    ------
+    InputError
+        When a rigid motion is free.
+    """
+    number("load_factor", load_factor)
+    require_support(system)
+    control = control or HalveAndGrow()
+    solver = DirectSolver(system.pattern, system.constraints, backend)
+    at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
+    path, attempts, step = [at], [], min(1.0, control.first)
+    begin, span = at.load_factor, load_factor - at.load_factor
+    done, previous = 0.0, None
+    with Progress("statics", 1.0, shown=progress) as bar, solver:
+        while done < 1.0:
+            aim = min(1.0, done + step)
+            factor = begin + aim * span
+            guess = at.q if previous is None else at.q + (aim - done) / (done - previous[0]) * (at.q - previous[1])
+            result = newton(system, guess, solver, load_factor=factor, rtol=rtol, max_steps=max_iterations, mixed=mixed)
+            attempts.append((factor, result))
+            if result.converged:
+                previous, done = (done, at.q), aim
+                at = Solution(system, result.q, load_factor=factor)
+                path.append(at)
+            elif previous is not None:
+                previous = None  # the extrapolated guess may be what failed
+            step = control.next_step(step, result)
+            bar.at(done, f"load factor {at.load_factor:.4g}, {len(result.residual_norms)} iterations")
+            if step < control.smallest:
+                message = _why(at.load_factor, factor, result)
+                return StaticResult(at, Status.STEP_TOO_SMALL, tuple(path), tuple(attempts), message)
+    return StaticResult(at, Status.CONVERGED, tuple(path), tuple(attempts))
+
+
+def _why(reached: float, wanted: float, result: NewtonResult) -> str:
+    tail = ", ".join(f"{r:.1e}" for r in result.residual_norms[-3:])
+    return (
+        f"statics stopped at load factor {reached:.6g}: {result.status.value} on the way to {wanted:.6g}"
+        f"{', ' + result.message if result.message else ''}; last residuals {tail or 'none'}. "
+        "The load may be near a limit point, or the mesh too coarse for the bending; the last equilibrium is kept."
+    )
+
+
+def require_support(system: System) -> None:
+    """InputError where a rigid motion is free."""
+    free = free_rigid_motions(system.undeformed, system.constraints)
+    if free:
+        raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
+
+
+def solve_linear(system: System, *, backend: str = "auto") -> Solution:
+    """Small-deflection answer: one solve with the tangent of the undeformed state.
+
+    Raises
+    ------
+    InputError
+        When a rigid motion is free.
+    """
+    require_support(system)
+    start: Any = system.undeformed
+    matrix = system.tangent(start)
+    with DirectSolver(system.pattern, system.constraints, backend) as solver:
+        solver.factor(matrix)
+        moved = system.prescribed()
+        change = solver.solve(system.external_force(start) - matrix @ moved, refinements=2) + moved
+    if not np.isfinite(change).all():
+        raise DidNotConverge("the linear answer is not finite")
+    return Solution(system, start + change)

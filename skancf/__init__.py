@@ -1,6 +1,7 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
 from skancf import adapt, meshes
+from skancf.dynamics import simulate
 from skancf.elements import ElementQuadANCF, through_thickness
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError
 from skancf.loads import DiskForce, EdgeLoad, EdgeMoment, Gravity, PointForce, SurfaceLoad

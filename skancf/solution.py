@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
@@ -100,11 +101,17 @@ class Solution:
 
 def at_points(system: System, q: np.ndarray, at: Any, z: float = 0.0) -> np.ndarray:
     """Values of a nodal vector's field at points of the parameter plane, (2,) or (n, 2): (3,) or (n, 3)."""
-    places = np.atleast_2d(finite("at", at))
-    out = np.empty((len(places), 3))
-    geometry, nodal = system.geometry, q.reshape(-1, 4, 3)
-    for k, place in enumerate(places):
+    out = probe(system, at, z) @ q.reshape(-1, 3)
+    return out[0] if np.ndim(at) == 1 else out
+
+
+def probe(system: System, at: Any, z: float = 0.0) -> sp.csr_matrix:
+    """Weights (n, 4 n_nodes) that make values at points of the parameter plane, (2,) or (n, 2), of nodal vectors."""
+    geometry, rows = system.geometry, []
+    for place in np.atleast_2d(finite("at", at)):
         element, local = geometry.locate(place)
         r, d = position_table(local[:, None])[:, :, 0]
-        out[k] = (r + z * d) @ geometry.local(nodal, np.array([element]))[0]
-    return out[0] if np.ndim(at) == 1 else out
+        weights = np.zeros((1, 16, 3))
+        weights[0, :, 0] = r + z * d
+        rows.append(sp.csr_matrix(geometry.nodal(weights, np.array([element]))[:, :, 0].reshape(1, -1)))
+    return sp.vstack(rows).tocsr()

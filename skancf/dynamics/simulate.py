@@ -30,7 +30,7 @@ def simulate(
     record: Mapping[str, Quantity] | None = None,
     velocity: np.ndarray | None = None,
     start: Solution | None = None,
-    newton_rtol: float = 1e-6,
+    newton_rtol: float = 1e-5,
     backend: str = "auto",
     progress: bool = True,
 ) -> Motion:

@@ -73,7 +73,7 @@ class StepSolver:
                     message = str(singular)
                     break
                 factorisations += 1
-            change = -self.linear.solve(residual)
+            change = -self.linear.solve(residual, refinements=0)
             energy = abs(float(change @ residual))
             fresh, renew = renew, False
             largest = max(largest, energy)

@@ -3,8 +3,8 @@
 from skancf.meshes.check import check_mesh
 from skancf.meshes.graded import graded
 from skancf.meshes.progression import progression
-from skancf.meshes.region import Region
+from skancf.meshes.region import Region, Regions
 from skancf.meshes.tensor import tensor
 from skancf.meshes.uniform import uniform
 
-__all__ = ["Region", "check_mesh", "graded", "progression", "tensor", "uniform"]
+__all__ = ["Region", "Regions", "check_mesh", "graded", "progression", "tensor", "uniform"]

@@ -9,7 +9,7 @@ import skfem
 from skancf.errors import InputError, finite, number, positive
 from skancf.meshes.counts import shape_for
 from skancf.meshes.placing import LARGEST_RATIO, place, place_natural
-from skancf.meshes.region import Region
+from skancf.meshes.region import Region, Regions
 from skancf.meshes.sizes import Sizes
 from skancf.meshes.tensor import bounds_of, tensor, whole
 from skancf.surfaces import BoundedSurface
@@ -39,7 +39,8 @@ def graded(
     length wins; so transitions may meet below the coarse length or end at the boundary. On a sector of an annulus the
     same holds for radii and central angles.
 
-    Give exactly one of ``nodes``, ``shape`` and ``coarse``; with the first two the coarse length, and the fine ones
+    Give at most one of ``nodes``, ``shape`` and ``coarse``; without any, the coarse length is that of the mesh on which the
+    regions were found. With the first two the coarse length, and the fine ones
     with it, are scaled until the count is exact.
 
     Parameters
@@ -75,13 +76,17 @@ def graded(
         For values out of range, a region centred outside the bounds, and a number of nodes that is no product of
         suitable counts (the message names the nearest that are).
 
-    Notes ----- A product of two rows of nodes carries the fineness of a region along whole strips, so it also refines
+    Notes
+    -----
+    A product of two rows of nodes carries the fineness of a region along whole strips, so it also refines
     where strips of different regions cross.
 
     References
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (7) and (8).
     """
+    if nodes is None and shape is None and coarse is None and isinstance(regions, Regions):
+        coarse = regions.cell
     _check_choice(nodes, shape, coarse)
     along_x, along_y = (
         _along(direction, surface, regions, finest=finest, growth=growth, transition=transition) for direction in (0, 1)

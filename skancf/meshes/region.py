@@ -1,5 +1,6 @@
 """Where a mesh shall be fine."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from skancf.errors import InputError, number, vector
@@ -40,3 +41,14 @@ class Region:
                              "give a ratio greater than 1 or leave the region out")
         if self.value is not None:
             number("value", self.value)
+
+
+class Regions(tuple[Region, ...]):
+    """Regions found on a mesh, with the lengths (2,) of its elements in the parameter plane as ``cell``."""
+
+    cell: tuple[float, float]
+
+    def __new__(cls, regions: Iterable[Region], cell: tuple[float, float]) -> "Regions":
+        self = super().__new__(cls, regions)
+        self.cell = cell
+        return self

@@ -1,0 +1,57 @@
+# Every target sets up what it needs in a virtual environment of its own, .venv, and says so.
+# Another Python: make test PYTHON=python3.12
+
+PYTHON ?= python3
+VENV   ?= .venv
+SIZE   ?= full
+OUT    ?= out
+BIN     = $(VENV)/bin
+READY   = $(VENV)/.ready
+DOCS    = $(VENV)/.docs-ready
+
+.PHONY: help demo test lint types docs bench check clean
+
+help:
+	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
+	@echo "make test    run the tests"
+	@echo "make docs    build the documentation into docs/_build/html"
+	@echo "make bench   time the kernels"
+	@echo "make check   lint and types"
+	@echo "make clean   remove the virtual environment, caches and $(OUT)/"
+
+$(READY): pyproject.toml
+	@echo "== setting up $(VENV) with $$($(PYTHON) --version): the package, its solver and test tools (a few minutes, once)"
+	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(v < (3, 10) and "Python >= 3.10 is needed, this is %d.%d: make PYTHON=python3.x" % v[:2])'
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { echo "== no module venv: on Debian, apt-get install python3-venv"; exit 1; }
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fast,dev]'
+	@touch $@
+
+$(DOCS): $(READY)
+	@echo "== adding the documentation tools to $(VENV)"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@
+
+demo: $(READY)
+	$(BIN)/python demos/plot_01_paper_example.py --size $(SIZE) --out $(OUT)
+
+test: $(READY)
+	$(BIN)/python -m pytest
+
+lint: $(READY)
+	$(BIN)/python -m ruff check skancf tests demos benchmarks docs
+
+types: $(READY)
+	$(BIN)/python -m mypy
+
+check: lint types
+
+docs: $(DOCS)
+	SKANCF_DEMO_SIZE=$(SIZE) $(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
+	@echo "== docs/_build/html/index.html"
+
+bench: $(READY)
+	$(BIN)/python benchmarks/kernel.py
+
+clean:
+	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache docs/_build docs/gallery docs/api/generated skancf.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

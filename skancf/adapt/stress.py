@@ -1,0 +1,67 @@
+r"""The paper's indicator: the largest second Piola-Kirchhoff stress component at each node."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from skancf.adapt.regions import find_regions
+from skancf.errors import InputError
+from skancf.meshes import Regions
+from skancf.solution import STRESSES, Solution
+
+COMPONENTS = {"in_plane": ("S11", "S22", "S12"), "normal": ("S11", "S22", "S33")}
+
+
+def nodal_measure(
+    solution: Solution, components: str | Sequence[str] = "in_plane", z: float = 0.0
+) -> np.ndarray:
+    r""":math:`\sigma_i = \max_k |S_k|` over some components, (n_nodes,) (Pa).
+
+    Parameters
+    ----------
+    components : {"in_plane", "normal"} or names
+        ``"in_plane"``: S11, S22, S12; ``"normal"``: S11, S22, S33; or any of S11, S22, S33, S23, S13, S12.
+    z : float
+        Depth. On the neutral surface, z = 0, bending leaves only membrane and shear stress.
+    """
+    names = COMPONENTS.get(components, (components,)) if isinstance(components, str) else tuple(components)
+    unknown = sorted(set(names) - set(STRESSES))
+    if unknown or not names:
+        raise InputError(f"components = {components!r}: choose {sorted(COMPONENTS)} or some of {list(STRESSES)}")
+    return np.abs(solution.nodal_stresses(z)[:, [STRESSES.index(name) for name in names]]).max(axis=1)
+
+
+def stress_regions(
+    solution: Solution, components: str | Sequence[str] = "in_plane", z: float = 0.0, **search: Any
+) -> Regions:
+    r"""Regions to refine: about every node whose stress exceeds the mean and is the largest around it.
+
+    Parameters
+    ----------
+    solution
+        A state on a uniform mesh, for example ``motion.at(0.1)``.
+    components, z
+        Which stress: see :func:`nodal_measure`.
+    **search
+        ``radius``, ``size``, ``cap`` of :func:`~skancf.adapt.find_regions`.
+
+    Returns
+    -------
+    Regions
+        A tuple of :class:`~skancf.meshes.Region` that remembers the element lengths of the mesh it was found on.
+
+    References
+    ----------
+    Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (5) and (6).
+    """
+    geometry = solution.system.geometry
+    corners = geometry.points[:, geometry.nodes]
+    cell = np.median(np.ptp(corners, axis=2), axis=1)
+    positions = geometry.undeformed[:, 0].T
+    sides = positions[:, np.roll(geometry.nodes, -1, axis=1)] - positions[:, geometry.nodes]
+    regions = find_regions(
+        geometry.points, nodal_measure(solution, components, z), positions=positions,
+        spacing=float(np.median(np.linalg.norm(sides, axis=0))), cell=(float(cell[0]), float(cell[1])), **search,
+    )  # fmt: skip
+    return Regions(regions, cell=(float(cell[0]), float(cell[1])))

@@ -1,0 +1,84 @@
+"""Files that are whole or not there: written beside their place under another name, then moved."""
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from skancf.errors import InputError
+
+AnyPath = str | os.PathLike[str]
+
+
+@contextmanager
+def replacing(path: AnyPath) -> Iterator[Path]:
+    """A path to write to, with the suffix of ``path``; moved onto ``path`` at the end, removed on an exception.
+
+    An older file stays as it was until the new one is whole.
+    """
+    final = Path(path)
+    # Not tempfile: its files are readable by their owner only, and the finished file would be too.
+    part = final.with_name(f".{final.stem}.{secrets.token_hex(4)}.part{final.suffix}")
+    try:
+        yield part
+        os.replace(part, final)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def check_folder(path: AnyPath) -> Path:
+    """Make sure that files can be written to a folder, before a long computation relies on it.
+
+    Makes the folder if there is none, writes a small file into it and removes that file.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made or written.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        _probe(folder / f".probe.{secrets.token_hex(4)}")
+    except OSError as error:
+        raise InputError(f"folder '{folder}': cannot be written ({_reason(error)}); "
+                         "choose another folder, free the name, or ask for the right to write") from error  # fmt: skip
+    return folder
+
+
+def _probe(file: Path) -> None:
+    try:
+        file.write_bytes(b"skancf")
+    finally:
+        file.unlink(missing_ok=True)
+
+
+def check_file(path: AnyPath, *suffixes: str) -> Path:
+    """Make sure that a file of one of some suffixes can be written at ``path``.
+
+    Raises
+    ------
+    InputError
+        For another suffix, a folder of that name, or a folder around it that cannot be written.
+    """
+    file = Path(path)
+    if file.suffix.lower() not in suffixes:
+        raise InputError(f"file '{file}': its name ends in '{file.suffix}'; end it in {' or '.join(suffixes)}")
+    check_folder(file.parent)
+    if file.is_dir():
+        raise InputError(f"file '{file}': there is a folder of that name; choose another name")
+    return file
+
+
+def _reason(error: OSError) -> str:
+    where = f": '{error.filename}'" if error.filename else ""
+    return f"{error.strerror or error}{where}"

@@ -1,0 +1,53 @@
+"""Scalar fields by name, with their units."""
+
+import numpy as np
+
+from skancf.errors import InputError
+from skancf.output.sampling import sample_strain, sample_surface
+from skancf.solution import STRESSES, Solution
+
+STRAINS = tuple(name.replace("S", "E") for name in STRESSES)
+VECTORS = {"displacement": ("u", "m"), "velocity": ("v", "m/s")}
+NAMES = (*STRESSES, "mises", *STRAINS, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3")
+
+
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    r"""Von Mises' equivalent of stresses in the order 11, 22, 33, 23, 13, 12: (..., 6) to (...), same unit.
+
+    .. math:: \sigma_v^2 = \tfrac12 [(S_{11} - S_{22})^2 + (S_{22} - S_{33})^2 + (S_{33} - S_{11})^2]
+                           + 3 (S_{23}^2 + S_{13}^2 + S_{12}^2)
+
+    Of the second Piola-Kirchhoff stress it is the usual one where strains are small, however large rotations are.
+    """
+    s11, s22, s33, s23, s13, s12 = np.moveaxis(stress, -1, 0)
+    return np.sqrt(
+        0.5 * ((s11 - s22) ** 2 + (s22 - s33) ** 2 + (s33 - s11) ** 2) + 3 * (s23**2 + s13**2 + s12**2)
+    )
+
+
+def check_name(name: str) -> str:
+    if name not in NAMES:
+        raise InputError(f"field = {name!r}: no such field; there are {', '.join(NAMES)}")
+    return name
+
+
+def unit(name: str) -> str:
+    """The unit of a field; empty for strains."""
+    if name in STRAINS:
+        return ""
+    return next((unit for vector, (short, unit) in VECTORS.items() if name == vector or name[0] == short), "Pa")
+
+
+def values(solution: Solution, name: str, subdivisions: int, z: float) -> np.ndarray:
+    """A scalar field (n,) at the points of :func:`~skancf.output.sample`; of a vector its length."""
+    check_name(name)
+    if name == "mises" or name in STRESSES + STRAINS:
+        strain, stress = sample_strain(solution, subdivisions, z)
+        if name == "mises":
+            return von_mises(stress)
+        return stress[:, STRESSES.index(name)] if name in STRESSES else strain[:, STRAINS.index(name)]
+    surface = sample_surface(solution, subdivisions, z)
+    vector = surface.displacement if name[0] in "du" else surface.velocity
+    if vector is None:
+        raise InputError(f"field = {name!r}: this state has no velocities; states of a motion have")
+    return np.linalg.norm(vector, axis=1) if name in VECTORS else vector[:, int(name[1]) - 1]

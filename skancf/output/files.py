@@ -1,0 +1,140 @@
+"""States as files that ParaView opens, and back."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from skancf.errors import InputError, number
+from skancf.output.atomic import AnyPath, check_file, replacing
+from skancf.output.collection import read_collection, write_collection
+from skancf.output.fields import von_mises
+from skancf.output.sampling import sample_strain, sample_surface
+from skancf.solution import Solution
+
+FILE_ORDER = (0, 1, 2, 5, 3, 4)
+"""Where the components 11, 22, 33, 12, 23, 13 of a file stand in the order 11, 22, 33, 23, 13, 12 of the library."""
+
+
+def write(
+    states: Solution | Iterable[Solution],
+    path: AnyPath,
+    *,
+    subdivisions: int = 4,
+    depths: Mapping[str, float] | None = None,
+) -> Path:
+    """Write one state as a ``.vtu`` file, or many as a ``.pvd`` collection that ParaView plays as a film.
+
+    A collection ``run.pvd`` lists the files of the folder ``run`` beside it. Every file appears under its name when it
+    is whole, and those of a collection only when all are: after a failure, older results are as they were.
+
+    Parameters
+    ----------
+    states : Solution or iterable of Solution
+        A generator is read one state at a time.
+    path : str or Path
+        ``*.vtu`` for one state, ``*.pvd`` for many.
+    subdivisions : int
+        Linear cells along an element's edge.
+    depths : mapping from name to z (m), optional
+        Where stress and strain are written. Default: ``mid`` (z = 0) and the faces ``top`` and ``bottom`` (plus and
+        minus half the thickness). ``{}``: displacements and velocities only, a tenth of the size.
+
+    Returns
+    -------
+    Path
+        The file to open.
+
+    Raises
+    ------
+    InputError
+        For a folder that cannot be written, a name that ends otherwise, and times that do not increase.
+
+    Notes
+    -----
+    Points lie on the deformed mid-surface. Point data are ``displacement`` (m), ``velocity`` (m/s, if there is one),
+    and for each depth, say ``top``,
+
+    - ``stress_top``: second Piola-Kirchhoff stress in the local frame (Pa),
+    - ``strain_top``: Green-Lagrange strain in the local frame, shear strains doubled,
+    - ``mises_top``: von Mises' equivalent of the stress (Pa).
+
+    Their components stand in the order 11, 22, 33, 12, 23, 13, which ParaView labels XX, YY, ZZ, XY, YZ, XZ; the rest
+    of the library has the shear in the order 23, 13, 12. Cell data ``element`` is the number of the element.
+
+    The time of a state without one is its load factor if these increase, else its number.
+    """
+    if isinstance(states, Solution):
+        file = check_file(path, ".vtu")
+        write_state(states, file, subdivisions, depths)
+        return file
+    if not isinstance(states, Iterable):
+        raise InputError(f"states: give a Solution or a sequence of them, not {type(states).__name__}")
+    return write_collection(
+        check_file(path, ".pvd"), states, lambda state, file: write_state(state, file, subdivisions, depths)
+    )
+
+
+def write_state(
+    solution: Solution, path: Path, subdivisions: int = 4, depths: Mapping[str, float] | None = None
+) -> None:
+    """One state as a ``.vtu`` file, binary and compressed."""
+    import meshio
+
+    surface = sample_surface(solution, subdivisions)
+    data = {"displacement": surface.displacement}
+    if surface.velocity is not None:
+        data["velocity"] = surface.velocity
+    half = solution.system.problem.thickness / 2
+    for name, z in ({"mid": 0.0, "top": half, "bottom": -half} if depths is None else depths).items():
+        strain, stress = sample_strain(solution, subdivisions, number(f"depths[{name!r}]", z))
+        data[f"stress_{name}"], data[f"strain_{name}"] = stress[:, FILE_ORDER], strain[:, FILE_ORDER]
+        data[f"mises_{name}"] = von_mises(stress)
+    mesh = meshio.Mesh(
+        surface.points, [("quad", surface.cells)], point_data=data, cell_data={"element": [surface.elements]}
+    )
+    with replacing(path) as part:
+        meshio.vtu.write(part, mesh, binary=True, compression="zlib")
+
+
+def read(path: AnyPath) -> Any:
+    """Read what :func:`write` wrote.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    meshio.Mesh or list of (float, Path)
+        Of a ``.vtu`` file points, cells and point data, as described at :func:`write`. Of a ``.pvd`` collection the
+        times and the files, which are read one by one.
+
+    Raises
+    ------
+    InputError
+        For a file that is not there, or is no such file.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise InputError(f"file '{file}': there is no such file")
+    if file.suffix.lower() == ".pvd":
+        return read_collection(file)
+    if file.suffix.lower() == ".vtu":
+        return _read_state(file)
+    raise InputError(f"file '{file}': its name ends in '{file.suffix}'; only .vtu and .pvd can be read")
+
+
+def _read_state(file: Path) -> Any:
+    import meshio
+
+    # Damage shows as an exception of the XML parser, of zlib, of base64, of numpy or of meshio itself.
+    try:
+        mesh = meshio.vtu.read(file)
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"file '{file}': is no .vtu file, or is damaged ({reason}); write it again") from error
+    if not all(np.isfinite(values).all() for values in (mesh.points, *mesh.point_data.values())):
+        raise InputError(f"file '{file}': holds numbers that are not finite; it is damaged, write it again")
+    return mesh

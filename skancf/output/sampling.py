@@ -1,0 +1,136 @@
+"""A state as a surface of small linear quadrilaterals, for viewers that know no cubic plate elements."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from skancf.errors import InputError
+from skancf.solution import Solution
+from skancf.theories.full import position_table
+
+
+class Grid(NamedTuple):
+    """The reference square cut into k x k cells.
+
+    Attributes
+    ----------
+    points : (2, (k + 1)^2) array
+    cells : (k^2, 4) int array
+        Point numbers, counter-clockwise in (xi, eta).
+    rim : (4 k + 1,) int array
+        Point numbers around the square, the first one again at the end.
+    """
+
+    points: np.ndarray
+    cells: np.ndarray
+    rim: np.ndarray
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A state at one depth, sampled. Points are not shared between elements, because stress jumps there.
+
+    Attributes
+    ----------
+    points : (n, 3) array
+        Deformed positions (m).
+    cells : (m, 4) int array
+    elements : (m,) int array
+        The element that each cell is part of.
+    rims : (n_elements, 4 k + 1) int array
+        Points around each element: its curved edges.
+    displacement : (n, 3) array
+        m.
+    velocity : (n, 3) array or None
+        m/s.
+    """
+
+    points: np.ndarray
+    cells: np.ndarray
+    elements: np.ndarray
+    rims: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Samples(Surface):
+    """A sampled state with its strain and stress.
+
+    Attributes
+    ----------
+    strain : (n, 6) array
+        Green-Lagrange strain in the local frame, order 11, 22, 33, 23, 13, 12, shear strains doubled.
+    stress : (n, 6) array
+        Second Piola-Kirchhoff stress in the local frame, same order (Pa).
+    """
+
+    strain: np.ndarray
+    stress: np.ndarray
+
+
+def grid(subdivisions: int) -> Grid:
+    """The reference square cut into ``subdivisions`` squared cells."""
+    k = subdivisions
+    if isinstance(k, bool) or not isinstance(k, int | np.integer) or k < 1:
+        raise InputError(f"subdivisions = {k!r}: give a whole number of at least 1, the cells along an element's edge")
+    eta, xi = np.meshgrid(*[np.linspace(0, 1, k + 1)] * 2, indexing="ij")
+    number = np.arange((k + 1) ** 2).reshape(k + 1, k + 1)
+    corners = (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1])
+    rim = (number[0, :-1], number[:-1, -1], number[-1, :0:-1], number[::-1, 0])
+    return Grid(
+        points=np.stack([xi.ravel(), eta.ravel()]),
+        cells=np.stack([corner.ravel() for corner in corners], axis=1),
+        rim=np.concatenate(rim),
+    )
+
+
+def sample_surface(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Surface:
+    """Positions, displacements and velocities of a state; see :func:`sample`."""
+    cut, geometry = grid(subdivisions), solution.system.geometry
+    r, d = position_table(cut.points)
+    first = np.arange(geometry.n_elements)[:, None] * cut.points.shape[1]
+
+    def values(local: np.ndarray) -> np.ndarray:
+        return np.einsum("an,eai->eni", r + z * d, local, optimize=True).reshape(-1, 3)
+
+    points, velocity = values(geometry.local(solution.q.reshape(-1, 4, 3))), solution.velocity
+    return Surface(
+        points=points,
+        cells=(first[:, :, None] + cut.cells).reshape(-1, 4),
+        elements=np.repeat(np.arange(geometry.n_elements), len(cut.cells)),
+        rims=first + cut.rim,
+        displacement=points - values(geometry.undeformed_local),
+        velocity=None if velocity is None else values(geometry.local(velocity.reshape(-1, 4, 3))),
+    )
+
+
+def sample_strain(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Strain and stress (n, 6) at the points of :func:`sample`."""
+    points = grid(subdivisions).points
+    return solution.strains(points, z).reshape(-1, 6), solution.stresses(points, z).reshape(-1, 6)
+
+
+def sample(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Samples:
+    """A state at depth z, each element cut into ``subdivisions`` squared linear quadrilaterals.
+
+    Parameters
+    ----------
+    solution : Solution
+    subdivisions : int
+        Cells along an element's edge, at least 1.
+    z : float
+        Depth, between minus and plus half the thickness (m).
+
+    Returns
+    -------
+    Samples
+
+    Raises
+    ------
+    InputError
+        For subdivisions that are no positive whole number and a depth outside the plate.
+    """
+    strain, stress = sample_strain(solution, subdivisions, z)
+    return Samples(**vars(sample_surface(solution, subdivisions, z)), strain=strain, stress=stress)

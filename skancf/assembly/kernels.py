@@ -21,15 +21,16 @@ COMPONENTS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]])
 class Elements(NamedTuple):
     """What differs between elements.
 
-    ``nodes`` (n, 4); the map from nodal coordinates to local vectors as triples ``pointer``, ``rows``, ``cols``,
-    ``values``; ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains
+    ``nodes`` (n, 4); the map from nodal coordinates to local vectors as triples ``pointer``, ``rows``, (``corners``,
+    ``kinds``), ``values``; ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains
     ``reference`` (n_shapes, 14, n_points), the law with the weights ``law`` (n_shapes, n_pairs, n_points), and the law of the sampled strains ``sampled`` (n_shapes, n_rows, n_rows).
     """
 
     nodes: np.ndarray
     pointer: np.ndarray
     rows: np.ndarray
-    cols: np.ndarray
+    corners: np.ndarray
+    kinds: np.ndarray
     values: np.ndarray
     shape: np.ndarray
     reference: np.ndarray
@@ -40,18 +41,24 @@ class Elements(NamedTuple):
 class Rule(NamedTuple):
     """What elements share.
 
-    ``position`` (2, 12, n_points): r_1 and r_2 of the functions of r; ``director`` (2, 4, n_points): d_1, d_2;
+    ``position`` (12, 2, n_points): r_1 and r_2 of the functions of r; ``director`` (4, 2, n_points): d_1, d_2;
+    the same with their points repeated, ``position_twice`` (12, 2, 32), and as columns, ``position_columns`` (32, 12);
     ``sample_position`` (2, n_samples, 12); ``sample_director`` (3, n_samples, 4): d_1, d_2, d;
-    ``interpolation`` (5, n_samples, n_points); ``sample_rows`` (n_rows, 2): strain (0 to 4) and sampling point of each
+    ``interpolation`` (5, n_samples, n_points), and whether it is the identity, ``plain``; ``sample_rows`` (n_rows, 2): strain (0 to 4) and sampling point of each
     sampled strain; ``pairs`` (n_pairs, 2): k <= l of the entries of the law that are not zero; ``coupled``: whether
     the law couples in-plane and sampled strains.
     """
 
     position: np.ndarray
     director: np.ndarray
+    position_twice: np.ndarray
+    director_twice: np.ndarray
+    position_columns: np.ndarray
+    director_columns: np.ndarray
     sample_position: np.ndarray
     sample_director: np.ndarray
     interpolation: np.ndarray
+    plain: bool
     sample_rows: np.ndarray
     pairs: np.ndarray
     coupled: bool
@@ -62,10 +69,10 @@ def gather(e, q, elements, local):
     """Local vectors (16, 3) of element e from nodal coordinates (n_nodes, 4, 3)."""
     local[:] = 0.0
     for k in range(elements.pointer[e], elements.pointer[e + 1]):
-        a, b, v = elements.rows[k], elements.cols[k], elements.values[k]
-        n = elements.nodes[e, b // 4]
+        a, v = elements.rows[k], elements.values[k]
+        n, kind = elements.nodes[e, elements.corners[k]], elements.kinds[k]
         for i in range(3):
-            local[a, i] += v * q[n, b % 4, i]
+            local[a, i] += v * q[n, kind, i]
 
 
 @njit(**OPTIONS)
@@ -77,11 +84,11 @@ def in_plane_jets(rule, local, out):
             for a in range(12):
                 v = local[a, i]
                 for p in range(N_POINTS):
-                    out[j, i, p] += v * rule.position[j, a, p]
+                    out[j, i, p] += v * rule.position[a, j, p]
             for a in range(4):
                 v = local[12 + a, i]
                 for p in range(N_POINTS):
-                    out[2 + j, i, p] += v * rule.director[j, a, p]
+                    out[2 + j, i, p] += v * rule.director[a, j, p]
 
 
 @njit(**OPTIONS)
@@ -127,11 +134,13 @@ def strains(rule, x, y, sx, sy, reference, eps):
         value = 0.0
         for i in range(3):
             value += sx[s, k, i] * sy[s, 4, i] + sx[s, 4, i] * sy[s, k, i]
-        row, weight, value = eps[N_IN_PLANE + k], rule.interpolation[k, s], 0.5 * value
-        if k == 4:
-            value *= 0.5
-        for p in range(N_POINTS):
-            row[p] += value * weight[p]
+        value *= 0.25 if k == 4 else 0.5
+        if rule.plain:
+            eps[N_IN_PLANE + k, s] += value
+        else:
+            row, weight = eps[N_IN_PLANE + k], rule.interpolation[k, s]
+            for p in range(N_POINTS):
+                row[p] += value * weight[p]
 
 
 @njit(**OPTIONS)
@@ -152,6 +161,9 @@ def collect(rule, stress, sampled):
     """Stresses of the sampled strains, by the transposed interpolation: sampled (n_rows,)."""
     for r in range(rule.sample_rows.shape[0]):
         k, s = rule.sample_rows[r]
+        if rule.plain:
+            sampled[r] = stress[N_IN_PLANE + k, s]
+            continue
         total = 0.0
         for p in range(N_POINTS):
             total += rule.interpolation[k, s, p] * stress[N_IN_PLANE + k, p]
@@ -168,7 +180,7 @@ def in_plane_stress(stress, p):
 
 @njit(**OPTIONS)
 def local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force):
-    """Force on the local vectors (16, 3)."""
+    """Force on the local vectors: force (3, 16)."""
     for p in range(N_POINTS):
         f = in_plane_force(vectors(x, p), in_plane_stress(stress, p))
         on_jets[0, 0, p], on_jets[0, 1, p], on_jets[0, 2, p] = f[0]
@@ -178,14 +190,16 @@ def local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force):
     for i in range(3):
         for a in range(12):
             total = 0.0
-            for p in range(N_POINTS):
-                total += rule.position[0, a, p] * on_jets[0, i, p] + rule.position[1, a, p] * on_jets[1, i, p]
-            force[a, i] = total
+            for j in range(2):
+                for p in range(N_POINTS):
+                    total += rule.position[a, j, p] * on_jets[j, i, p]
+            force[i, a] = total
         for a in range(4):
             total = 0.0
-            for p in range(N_POINTS):
-                total += rule.director[0, a, p] * on_jets[2, i, p] + rule.director[1, a, p] * on_jets[3, i, p]
-            force[12 + a, i] = total
+            for j in range(2):
+                for p in range(N_POINTS):
+                    total += rule.director[a, j, p] * on_jets[2 + j, i, p]
+            force[i, 12 + a] = total
     on_samples[:] = 0.0
     for r in range(rule.sample_rows.shape[0]):
         k, s = rule.sample_rows[r]
@@ -198,9 +212,9 @@ def local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force):
             f1, f2, g1, g2, g = (on_samples[s, 0, i], on_samples[s, 1, i], on_samples[s, 2, i],
                                  on_samples[s, 3, i], on_samples[s, 4, i])  # fmt: skip
             for a in range(12):
-                force[a, i] += rule.sample_position[0, s, a] * f1 + rule.sample_position[1, s, a] * f2
+                force[i, a] += rule.sample_position[0, s, a] * f1 + rule.sample_position[1, s, a] * f2
             for a in range(4):
-                force[12 + a, i] += (rule.sample_director[0, s, a] * g1 + rule.sample_director[1, s, a] * g2
+                force[i, 12 + a] += (rule.sample_director[0, s, a] * g1 + rule.sample_director[1, s, a] * g2
                                      + rule.sample_director[2, s, a] * g)  # fmt: skip
 
 
@@ -208,7 +222,7 @@ def local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force):
 def residual(start, stop, order, q, rule, elements, out):
     """Internal force, added to out (n_nodes, 4, 3)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
-    local, force = np.empty((16, 3)), np.empty((16, 3))
+    local, force = np.empty((16, 3)), np.empty((3, 16))
     x, on_jets = np.empty((4, 3, N_POINTS)), np.empty((4, 3, N_POINTS))
     sx, on_samples, sampled = np.empty((n_samples, 5, 3)), np.empty((n_samples, 5, 3)), np.empty(n_rows)
     eps, stress = np.empty((N_STRAINS, N_POINTS)), np.empty((N_STRAINS, N_POINTS))
@@ -223,10 +237,10 @@ def residual(start, stop, order, q, rule, elements, out):
         collect(rule, stress, sampled)
         local_force(rule, x, sx, stress, sampled, on_jets, on_samples, force)
         for k in range(elements.pointer[e], elements.pointer[e + 1]):
-            a, b, v = elements.rows[k], elements.cols[k], elements.values[k]
-            node = elements.nodes[e, b // 4]
+            a, v = elements.rows[k], elements.values[k]
+            node, kind = elements.nodes[e, elements.corners[k]], elements.kinds[k]
             for i in range(3):
-                out[node, b % 4, i] += v * force[a, i]
+                out[node, kind, i] += v * force[i, a]
 
 
 @njit(**OPTIONS)
@@ -325,9 +339,9 @@ def coupling(rule, law, x, X):
                             for p in range(N_POINTS):
                                 v, w = weight[p] * on_jets[j, i, p], weight[p] * on_jets[2 + j, i, p]
                                 for a in range(12):
-                                    X[r, 16 * i + a] += v * rule.position[j, a, p]
+                                    X[r, 16 * i + a] += v * rule.position[a, j, p]
                                 for a in range(4):
-                                    X[r, 16 * i + 12 + a] += w * rule.director[j, a, p]
+                                    X[r, 16 * i + 12 + a] += w * rule.director[a, j, p]
 
 
 @njit(**OPTIONS)
@@ -341,32 +355,53 @@ def unpack(rule, law, square):
 
 
 @njit(**OPTIONS)
-def weight_rows(H, position, director, W):
-    """W (4, 16, 6, 16) = table^T H: second derivatives with respect to local vectors on one side, jets on the other.
+def weight_rows(H, half, rule, W):
+    """W (96, 32) = table^T H: derivatives with respect to local vectors on one side and two of the jets on the other.
 
-    Axes: jet b, point, component, local function; ``position`` (2, 16, 12) and ``director`` (2, 16, 4) have points first.
+    Rows: component, local function; columns: jet and point. ``half`` is 0 for the jets r_1, r_2 and 1 for d_1, d_2.
     """
-    for b in range(4):
-        for p in range(N_POINTS):
-            for c in range(6):
-                h0, h1, h2, h3 = H[0, b, c, p], H[1, b, c, p], H[2, b, c, p], H[3, b, c, p]
-                for a in range(12):
-                    W[b, p, c, a] = position[0, p, a] * h0 + position[1, p, a] * h1
-                for a in range(4):
-                    W[b, p, c, 12 + a] = director[0, p, a] * h2 + director[1, p, a] * h3
+    shift = 2 * N_POINTS * half
+    for c in range(6):
+        for a in range(12):
+            for k in range(2 * N_POINTS):
+                W[16 * c + a, k] = (rule.position_twice[a, 0, k] * H[0, c, shift + k]
+                                    + rule.position_twice[a, 1, k] * H[1, c, shift + k])  # fmt: skip
+        for a in range(4):
+            for k in range(2 * N_POINTS):
+                W[16 * c + 12 + a, k] = (rule.director_twice[a, 0, k] * H[2, c, shift + k]
+                                         + rule.director_twice[a, 1, k] * H[3, c, shift + k])  # fmt: skip
+
+
+@njit(**OPTIONS)
+def sampled_stiffness(e, rule, elements, B, MB):
+    """MB = law of the sampled strains times their gradient B (n_rows, 48)."""
+    c = elements.shape[e]
+    if not rule.plain:
+        np.dot(elements.sampled[c], B, MB)
+        return
+    MB[:] = 0.0
+    for m in range(rule.pairs.shape[0]):
+        k, l = rule.pairs[m, 0] - N_IN_PLANE, rule.pairs[m, 1] - N_IN_PLANE
+        if k >= 0:
+            for s in range(N_POINTS):
+                weight = elements.law[c, m, s]
+                for a in range(48):
+                    MB[N_POINTS * k + s, a] += weight * B[N_POINTS * l + s, a]
+                if k != l:
+                    for a in range(48):
+                        MB[N_POINTS * l + s, a] += weight * B[N_POINTS * k + s, a]
 
 
 @njit(**OPTIONS)
 def scatter_tangent(e, elements, slots, K, out):
     """Adds an element's tangent, K (48, 48) of which i <= j is used, to the upper triangle's blocks (n_blocks, 12, 12)."""
     for k in range(elements.pointer[e], elements.pointer[e + 1]):
-        a, c, v = elements.rows[k], elements.cols[k], elements.values[k]
-        row = 3 * (c % 4)
+        a, v, row = elements.rows[k], elements.values[k], 3 * elements.kinds[k]
+        slot_row = slots[e, elements.corners[k]]
         for l in range(elements.pointer[e], elements.pointer[e + 1]):
-            b, d = elements.rows[l], elements.cols[l]
-            slot = slots[e, c // 4, d // 4]
+            slot = slot_row[elements.corners[l]]
             if slot >= 0:
-                w, col = v * elements.values[l], 3 * (d % 4)
+                b, w, col = elements.rows[l], v * elements.values[l], 3 * elements.kinds[l]
                 block = out[slot]
                 block[row, col] += w * K[a, b]
                 block[row, col + 1] += w * K[a, 16 + b]
@@ -384,10 +419,8 @@ def tangent(start, stop, order, q, stress, rule, elements, slots, out):
     """Tangent with the given stresses (n_elements, 14, 16), added to out (n_blocks, 12, 12)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
     local, x, sx = np.empty((16, 3)), np.empty((4, 3, N_POINTS)), np.empty((n_samples, 5, 3))
-    position = np.ascontiguousarray(rule.position.transpose(0, 2, 1))
-    director = np.ascontiguousarray(rule.director.transpose(0, 2, 1))
     square = np.zeros((N_IN_PLANE, N_IN_PLANE, N_POINTS))
-    H, W = np.empty((4, 4, 6, N_POINTS)), np.empty((4, N_POINTS, 6, 16))
+    H, W = np.empty((4, 6, 4 * N_POINTS)), np.empty((96, 2 * N_POINTS))
     of_r, of_d = np.empty((96, 12)), np.empty((96, 4))
     K, G, sampled = np.empty((48, 48)), np.empty((16, 16)), np.empty(n_rows)
     B, MB = np.empty((n_rows, 48)), np.empty((n_rows, 48))
@@ -401,18 +434,20 @@ def tangent(start, stop, order, q, stress, rule, elements, slots, out):
         unpack(rule, law, square)
         for p in range(N_POINTS):
             in_plane_stiffness(square, p, vectors(x, p), in_plane_stress(stress[e], p), H)
-        weight_rows(H, position, director, W)
-        np.dot(W[:2].reshape(2 * N_POINTS, 96).T, position.reshape(2 * N_POINTS, 12), of_r)
-        np.dot(W[2:].reshape(2 * N_POINTS, 96).T, director.reshape(2 * N_POINTS, 4), of_d)
+        weight_rows(H, 0, rule, W)
+        np.dot(W, rule.position_columns, of_r)
+        weight_rows(H, 1, rule, W)
+        np.dot(W, rule.director_columns, of_d)
         collect(rule, stress[e], sampled)
         sampled_gradient(rule, sx, B)
-        np.dot(elements.sampled[elements.shape[e]], B, MB)
+        sampled_stiffness(e, rule, elements, B, MB)
         np.dot(B.T, MB, K)
         if rule.coupled:
             coupling(rule, law, x, X)
             np.dot(X.T, B, XB)
-            K += XB
-            K += XB.T
+            for a in range(48):
+                for b in range(48):
+                    K[a, b] += XB[a, b] + XB[b, a]
         sampled_geometric(rule, sampled, G)
         for c in range(6):
             i, j = 16 * COMPONENTS[c, 0], 16 * COMPONENTS[c, 1]

@@ -64,7 +64,7 @@ class System:
         self._schedule = Schedule(geometry.nodes, geometry.points)
         self._rule = _rule(geometry, sections)
         self._elements = kernels.Elements(
-            geometry.nodes, geometry.pointer, geometry.rows, geometry.cols, geometry.values,
+            geometry.nodes, geometry.pointer, geometry.rows, geometry.cols // 4, geometry.cols % 4, geometry.values,
             sections.shape, sections.reference, sections.law, sections.sampled,
         )  # fmt: skip
 
@@ -158,13 +158,20 @@ def _rule(geometry: Geometry, sections: Sections) -> kernels.Rule:
     theory = geometry.theory
     inside, sampled = jet_table(theory.quadrature[0]), jet_table(theory.samples)
     interpolation, rows = theory.sampling()
+    position = np.ascontiguousarray(inside[[R1, R2], :12].swapaxes(0, 1))
+    director = np.ascontiguousarray(inside[[D1, D2], 12:].swapaxes(0, 1))
     k, l = sections.pairs.T
     return kernels.Rule(
-        position=np.ascontiguousarray(inside[[R1, R2], :12]),
-        director=np.ascontiguousarray(inside[[D1, D2], 12:]),
+        position=position,
+        director=director,
+        position_twice=np.tile(position, 2),
+        director_twice=np.tile(director, 2),
+        position_columns=np.ascontiguousarray(position.reshape(12, -1).T),
+        director_columns=np.ascontiguousarray(director.reshape(4, -1).T),
         sample_position=np.ascontiguousarray(sampled[[R1, R2], :12].transpose(0, 2, 1)),
         sample_director=np.ascontiguousarray(sampled[[D1, D2, D], 12:].transpose(0, 2, 1)),
         interpolation=interpolation,
+        plain=not theory.assumed,
         sample_rows=rows,
         pairs=sections.pairs,
         coupled=bool(((k < N_IN_PLANE) & (l >= N_IN_PLANE)).any()),

@@ -1,0 +1,23 @@
+"""Results as files, pictures and charts. Viewers are imported by the functions that use them."""
+
+from skancf.output.atomic import check_folder
+from skancf.output.charts import convergence_chart, field_chart, histories_chart, mesh_chart
+from skancf.output.files import read, write
+from skancf.output.pictures import animation, picture
+from skancf.output.sampling import Samples, sample
+from skancf.output.tables import save_table
+
+__all__ = [
+    "Samples",
+    "animation",
+    "check_folder",
+    "convergence_chart",
+    "field_chart",
+    "histories_chart",
+    "mesh_chart",
+    "picture",
+    "read",
+    "sample",
+    "save_table",
+    "write",
+]

@@ -6,6 +6,7 @@ import re
 import secrets
 import shutil
 from collections.abc import Callable, Iterable
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -60,8 +61,8 @@ def _next_key(keys: list[tuple[float | None, float]], state: Solution) -> tuple[
         raise InputError(f"state {len(keys)}: give Solutions, not {type(state).__name__}")
     before = keys[-1][0] if keys else None
     if state.time is not None and before is not None and not state.time > before:
-        raise InputError(f"state {len(keys)}: time {state.time} s follows {before} s; give states in the order of time, "
-                         "each time once")  # fmt: skip
+        raise InputError(f"state {len(keys)}: time {state.time} s follows {before} s; give states in the order of "
+                         "time, each time once")  # fmt: skip
     return state.time, state.load_factor
 
 
@@ -71,7 +72,7 @@ def _times(keys: list[tuple[float | None, float]]) -> list[float]:
     if len(times) == len(keys):
         return times
     factors = [factor for _, factor in keys]
-    increasing = all(b > a for a, b in zip(factors, factors[1:], strict=False))
+    increasing = all(b > a for a, b in pairwise(factors))
     return factors if increasing else [float(k) for k in range(len(keys))]
 
 

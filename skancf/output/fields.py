@@ -20,9 +20,7 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
     Of the second Piola-Kirchhoff stress it is the usual one where strains are small, however large rotations are.
     """
     s11, s22, s33, s23, s13, s12 = np.moveaxis(stress, -1, 0)
-    return np.sqrt(
-        0.5 * ((s11 - s22) ** 2 + (s22 - s33) ** 2 + (s33 - s11) ** 2) + 3 * (s23**2 + s13**2 + s12**2)
-    )
+    return np.sqrt(0.5 * ((s11 - s22) ** 2 + (s22 - s33) ** 2 + (s33 - s11) ** 2) + 3 * (s23**2 + s13**2 + s12**2))
 
 
 def check_name(name: str) -> str:
@@ -36,6 +34,21 @@ def unit(name: str) -> str:
     if name in STRAINS:
         return ""
     return next((unit for vector, (short, unit) in VECTORS.items() if name == vector or name[0] == short), "Pa")
+
+
+def words(name: str) -> str:
+    """A field's name as a title has it."""
+    return {"mises": "von Mises stress", "displacement": "displacement", "velocity": "velocity"}.get(
+        name, f"{'stress' if unit(name) == 'Pa' else 'strain'} {name}" if name[0] in "SE" else name
+    )
+
+
+def readable_unit(name: str, largest: float) -> tuple[float, str]:
+    """Factor and unit, with a prefix for stresses, that show values up to ``largest`` in few digits."""
+    if unit(name) != "Pa":
+        return 1.0, unit(name)
+    power = next((power for power in (9, 6, 3) if largest >= 10.0**power), 0)
+    return 10.0**-power, {9: "GPa", 6: "MPa", 3: "kPa", 0: "Pa"}[power]
 
 
 def values(solution: Solution, name: str, subdivisions: int, z: float) -> np.ndarray:

@@ -70,7 +70,8 @@ def write(
         write_state(states, file, subdivisions, depths)
         return file
     if not isinstance(states, Iterable):
-        raise InputError(f"states: give a Solution or a sequence of them, not {type(states).__name__}")
+        what = type(states).__name__
+        raise InputError(f"states: give a Solution or a sequence of them, as motion.states or result.path, not {what}")
     return write_collection(
         check_file(path, ".pvd"), states, lambda state, file: write_state(state, file, subdivisions, depths)
     )

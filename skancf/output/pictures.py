@@ -10,7 +10,8 @@ import numpy as np
 
 from skancf.errors import InputError, finite, number, positive, vector
 from skancf.output.atomic import AnyPath, check_file, replacing
-from skancf.output.fields import check_name, unit, values
+from skancf.output.colours import colour_limits, colour_map
+from skancf.output.fields import check_name, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet
 from skancf.output.sampling import grid, sample_surface
 from skancf.solution import Solution
@@ -64,7 +65,7 @@ class Look:
         check_name(self.field)
         number("scale", self.scale)
         if np.hypot(*vector("view", self.view, 3)[:2]) == 0:
-            raise InputError(f"view = {self.view}: look from the side a little, not exactly along z, as in (0, -0.01, 1)")
+            raise InputError(f"view = {self.view}: look a little from the side, not along z: (0, -0.01, 1)")
         if self.limits is not None and not np.diff(vector("limits", self.limits, 2))[0] > 0:
             raise InputError(f"limits = {self.limits}: give the smaller value first")
         if self.subdivisions is not None:
@@ -75,13 +76,23 @@ class Look:
 
 @dataclass(frozen=True)
 class Frame:
-    """What is drawn of one state: points (n, 3), values (n,), rims of elements now and undeformed, and a title."""
+    """What is drawn of one state.
+
+    Attributes
+    ----------
+    points, values, cells : (n, 3), (n,) and (m, 4) arrays
+    edges : (n_elements, k, 3) array
+        Curves around the elements.
+    outline : (n_lines, k, 3) array
+        Curves along the boundary of the undeformed surface.
+    title : str
+    """
 
     points: np.ndarray
     values: np.ndarray
     cells: np.ndarray
-    rims: np.ndarray
-    undeformed: np.ndarray
+    edges: np.ndarray
+    outline: np.ndarray
     title: str
 
 
@@ -157,20 +168,27 @@ def _frame(solution: Solution, style: Look) -> Frame:
     colours = values(solution, style.field, k, style.z)
     surface = sample_surface(solution, k, style.z)
     undeformed = surface.points - surface.displacement
+    points = undeformed + style.scale * surface.displacement
     return Frame(
-        points=undeformed + style.scale * surface.displacement,
+        points=points,
         values=colours,
         cells=surface.cells,
-        rims=surface.rims,
-        undeformed=undeformed,
+        edges=points[surface.rims],
+        outline=undeformed[_boundary(solution, surface.rims)],
         title=_title(solution, style) if style.title is None else style.title,
     )
 
 
+def _boundary(solution: Solution, rims: np.ndarray) -> np.ndarray:
+    """The parts (n_lines, k + 1) of rims (n_elements, 4 k + 1) that are edges of one element only."""
+    mesh, k = solution.system.geometry.mesh, rims.shape[1] // 4
+    sides = np.stack([rims[:, side * k : (side + 1) * k + 1] for side in range(4)])
+    return np.asarray(sides[mesh.f2t[1, mesh.t2f] == -1])
+
+
 def _title(solution: Solution, style: Look) -> str:
-    parts = [_label(style.field)]
-    if style.z or style.field[0] in "SEm":
-        parts.append(f"z = {style.z:.4g} m")
+    where = f" at z = {style.z:.4g} m" if style.z or style.field[0] in "SEm" else ""
+    parts = [words(style.field) + where]
     if solution.time is not None:
         parts.append(f"t = {solution.time:.4g} s")
     elif solution.load_factor != 1:
@@ -180,27 +198,17 @@ def _title(solution: Solution, style: Look) -> str:
     return ", ".join(parts)
 
 
-def _label(field: str) -> str:
-    if field == "mises":
-        return "von Mises stress (Pa)"
-    return f"{field} ({unit(field)})" if unit(field) else field
-
-
 def _limits(frames: Sequence[Frame], style: Look) -> tuple[float, float]:
     if style.limits is not None:
         return style.limits
     low = min(float(frame.values.min()) for frame in frames)
     high = max(float(frame.values.max()) for frame in frames)
-    if low < 0 < high and min(-low, high) > 0.05 * max(-low, high):
-        low, high = -max(-low, high), max(-low, high)
-    # A constant field still needs an interval to be coloured in.
-    wide = max(high - low, 1e-6 * max(abs(low), abs(high)), 1e-300)
-    return low, low + wide
+    return colour_limits(low, high)
 
 
 def _extent(frames: Sequence[Frame], style: Look) -> np.ndarray:
     """Points (m, 3) that the picture has to show."""
-    shown = [frame.points for frame in frames] + ([frames[0].undeformed] if style.show_undeformed else [])
+    shown = [frame.points for frame in frames] + ([frames[0].outline.reshape(-1, 3)] if style.show_undeformed else [])
     return np.concatenate(shown)
 
 
@@ -222,29 +230,96 @@ def _plotter(style: Look) -> Iterator[Any]:
 def _draw(plotter: Any, frame: Frame, style: Look, limits: tuple[float, float]) -> None:
     import pyvista
 
-    low, high = limits
+    factor, shown_unit = readable_unit(style.field, max(abs(limit) for limit in limits))
+    low, high = factor * limits[0], factor * limits[1]
     cells = np.column_stack([np.full(len(frame.cells), 4), frame.cells])
     surface = pyvista.PolyData(frame.points, cells.ravel())
-    surface.point_data["values"] = frame.values
+    surface.point_data["values"] = factor * frame.values
     plotter.add_mesh(
         surface,
         scalars="values",
-        clim=limits,
-        cmap="RdBu_r" if low < 0 < high else "viridis",
+        clim=(low, high),
+        cmap=colour_map(low, high),
         n_colors=256,
         smooth_shading=True,
-        ambient=0.45,
-        diffuse=0.6,
+        ambient=0.55,
+        diffuse=0.5,
         specular=0.0,
-        scalar_bar_args=_bar(style),
+        scalar_bar_args=_bar(style, shown_unit),
     )
-    if style.show_undeformed and not np.allclose(frame.points, frame.undeformed):
-        plotter.add_mesh(_lines(_outline(frame)), color=GREY, line_width=_width(style), lighting=False)
+    if style.show_undeformed:
+        plotter.add_mesh(_lines(frame.outline), color=GREY, line_width=_width(style), lighting=False)
     if style.show_mesh:
-        # Lines lie in the surface; this draws them before it.
-        edges = plotter.add_mesh(_lines(frame.points[frame.rims]), color=DARK, line_width=_width(style), lighting=False)
+        # Lines lie in the surface; this draws them before it, by units of 2^-24 of the depth of the picture.
+        edges = plotter.add_mesh(_lines(frame.edges), color=DARK, line_width=_width(style), lighting=False)
         edges.mapper.SetResolveCoincidentTopologyToPolygonOffset()
-        edges.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -8)
+        edges.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -5000)
     if frame.title:
         plotter.add_text(frame.title, position=(0.04, 0.93), viewport=True, font_size=_font(style), color=DARK)
-    plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", color=DARK, viewport=(0, 0, 0.16, 0.2))
+    plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", color=DARK, viewport=(0.84, 0, 1, 0.18))
+
+
+def _lines(curves: np.ndarray) -> Any:
+    """Curves (m, n, 3) as lines."""
+    import pyvista
+
+    m, n = curves.shape[:2]
+    numbers = np.column_stack([np.full(m, n), np.arange(m * n).reshape(m, n)])
+    return pyvista.PolyData(curves.reshape(-1, 3), lines=numbers.ravel())
+
+
+def _bar(style: Look, shown_unit: str) -> dict[str, Any]:
+    short = {"displacement": "u", "velocity": "v"}.get(style.field, style.field)
+    return {
+        "title": short + (f" ({shown_unit})" if shown_unit else "") + "\n",
+        "vertical": True,
+        "position_x": 0.87,
+        "position_y": 0.2,
+        "width": 0.06,
+        "height": 0.6,
+        "n_labels": 7,
+        "fmt": "  %.4g",
+        "color": DARK,
+        "title_font_size": 2 * _font(style),
+        "label_font_size": 2 * _font(style),
+        "unconstrained_font_size": True,
+    }
+
+
+def _font(style: Look) -> int:
+    return max(6, round(style.size[1] / 72))
+
+
+def _width(style: Look) -> float:
+    return max(1.0, style.size[1] / 550)
+
+
+def _look_at(plotter: Any, points: np.ndarray, style: Look) -> None:
+    """Parallel projection that shows all points as large as they fit, left of the colour bar."""
+    back = np.array(style.view) / np.linalg.norm(style.view)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right = right / np.linalg.norm(right)
+    axes = np.stack([right, np.cross(back, right), back])
+    seen = points @ axes.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    width, height, depth = np.maximum(high - low, 1e-9 * np.ptp(seen))
+    camera = plotter.camera
+    camera.SetParallelProjection(True)
+    # The picture is 2 * parallel scale high; 0.80 of its width and 0.78 of its height are for the plate.
+    aspect = style.size[0] / style.size[1]
+    camera.SetParallelScale(0.5 * max(height / 0.78, width / (0.80 * aspect)))
+    middle = (low + high) / 2 @ axes
+    camera.SetFocalPoint(*middle)
+    camera.SetPosition(*(middle + back * (width + height + depth)))
+    camera.SetViewUp(*axes[1])
+    # Centre of the plate at 0.44 of the width and 0.47 of the height.
+    camera.SetWindowCenter(0.12, 0.06)
+    plotter.renderer.ResetCameraClippingRange()
+
+
+def _save_gif(images: Sequence[np.ndarray], file: Path, seconds_per_frame: float) -> None:
+    from PIL import Image
+
+    first, *rest = (Image.fromarray(image).convert("P", palette=Image.Palette.ADAPTIVE) for image in images)
+    with replacing(file) as part:
+        first.save(part, save_all=True, append_images=rest, duration=round(1000 * seconds_per_frame), loop=0)

@@ -100,15 +100,16 @@ def force_change(v, w0, w1, w2, w3, geometric):
 def store(H, a, b, p, block):
     """Components 11, 22, 33, 12, 13, 23 of the block (a, b) and of its transpose (b, a)."""
     x, y, z = block
-    H[a, b, 0, p], H[a, b, 1, p], H[a, b, 2, p] = x[0], y[1], z[2]
-    H[a, b, 3, p], H[a, b, 4, p], H[a, b, 5, p] = x[1], x[2], y[2]
-    H[b, a, 0, p], H[b, a, 1, p], H[b, a, 2, p] = x[0], y[1], z[2]
-    H[b, a, 3, p], H[b, a, 4, p], H[b, a, 5, p] = y[0], z[0], z[1]
+    ab, ba = 16 * b + p, 16 * a + p
+    H[a, 0, ab], H[a, 1, ab], H[a, 2, ab] = x[0], y[1], z[2]
+    H[a, 3, ab], H[a, 4, ab], H[a, 5, ab] = x[1], x[2], y[2]
+    H[b, 0, ba], H[b, 1, ba], H[b, 2, ba] = x[0], y[1], z[2]
+    H[b, 3, ba], H[b, 4, ba], H[b, 5, ba] = y[0], z[0], z[1]
 
 
 @njit(**OPTIONS)
 def in_plane_stiffness(law, p, v, s, H):
-    """Second derivative of the in-plane energy with respect to the jet, into H (4, 4, 6, n_points)."""
+    """Second derivative of the in-plane energy with respect to the jet, into H (4, 6, 64): jet, component, jet and point."""
     w = stress_changes(law, p, 0, 2, 3, 5, v)
     store(H, 0, 0, p, force_change(v, w[0], w[2], w[3], w[5], s[0]))
     w = stress_changes(law, p, 2, 1, 5, 4, v)

@@ -24,6 +24,13 @@ def distorted(mesh: skfem.MeshQuad, amount: float = 0.15) -> skfem.MeshQuad:
     return skfem.MeshQuad(moved, mesh.t, sort_t=False)
 
 
+def area(mesh: skfem.MeshQuad) -> float:
+    """Of all quads: half the product of the diagonals."""
+    corner = mesh.p[:, mesh.t]
+    (a, b), (c, d) = corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]
+    return float(np.abs(a * d - b * c).sum() / 2)
+
+
 ALIGNED = {
     "counter-clockwise": skfem.MeshQuad().refined(1),
     "clockwise": uneven(),

@@ -12,6 +12,7 @@ import numpy as np
 
 SIGNS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 STEP = 1e-30
+VOIGT = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
 
 
 def shapes(xi: complex, eta: complex) -> np.ndarray:
@@ -39,63 +40,57 @@ class Element:
         return np.stack([a * (1 + b * eta), b * (1 + a * xi)]) / 4 @ self.corners
 
     def basis(self, q: np.ndarray, xi: float, eta: float, z: float) -> np.ndarray:
-        """g_1, g_2, g_3 as columns: derivatives of r + z d with respect to xi, eta, z for nodal coordinates (4, 4, 3)."""
+        """g_1, g_2, g_3 as columns, derivatives of r + z d with respect to xi, eta, z, of nodal (..., 4, 4, 3)."""
         local = q.astype(complex)
         for corner, J in enumerate(self.jacobians):
-            local[corner, 1:3] = J @ q[corner, 1:3]
+            local[..., corner, 1:3, :] = J @ q[..., corner, 1:3, :]
         along_xi, along_eta = shapes(xi + 1j * STEP, eta).imag / STEP, shapes(xi, eta + 1j * STEP).imag / STEP
-        g = []
-        for table in (along_xi, along_eta):
-            table = table.copy()
-            table[:, 3] *= z
-            g.append(np.einsum("ck,cki->i", table, local))
-        g.append(np.einsum("c,ci->i", shapes(xi, eta)[:, 3].real, local[:, 3]))
-        return np.stack(g, axis=1)
+        depth = np.array([1, 1, 1, z])
+        g = [np.einsum("ck,...cki->...i", table * depth, local) for table in (along_xi, along_eta)]
+        g.append(np.einsum("c,...ci->...i", shapes(xi, eta)[:, 3].real, local[..., 3, :]))
+        return np.stack(g, axis=-1)
 
     def covariant(self, q: np.ndarray, xi: float, eta: float, z: float) -> np.ndarray:
-        """Green-Lagrange strain with respect to xi, eta, z."""
+        """Green-Lagrange strain (..., 3, 3) with respect to xi, eta, z."""
         now, before = self.basis(q, xi, eta, z), self.basis(self.undeformed, xi, eta, z)
-        return (now.T @ now - before.T @ before) / 2
+        return (now.swapaxes(-1, -2) @ now - before.T @ before) / 2
 
     def strain(self, q: np.ndarray, xi: float, eta: float, z: float) -> np.ndarray:
         """The same with shear and thickness parts interpolated between samples."""
         E = self.covariant(q, xi, eta, z)
         if self.assumed:
-            E[0, 2] = E[2, 0] = sum(
-                quadratic(xi, s) * linear(eta, t) * self.covariant(q, s, t, z)[0, 2] for s in (-1, 0, 1) for t in (-1, 1)
+            E[..., 0, 2] = E[..., 2, 0] = sum(
+                quadratic(xi, s) * linear(eta, t) * self.covariant(q, s, t, z)[..., 0, 2]
+                for s in (-1, 0, 1) for t in (-1, 1)
+            )  # fmt: skip
+            E[..., 1, 2] = E[..., 2, 1] = sum(
+                linear(xi, s) * quadratic(eta, t) * self.covariant(q, s, t, z)[..., 1, 2]
+                for s in (-1, 1) for t in (-1, 0, 1)
+            )  # fmt: skip
+            E[..., 2, 2] = sum(
+                linear(xi, s) * linear(eta, t) * self.covariant(q, s, t, z)[..., 2, 2] for s, t in SIGNS
             )
-            E[1, 2] = E[2, 1] = sum(
-                linear(xi, s) * quadratic(eta, t) * self.covariant(q, s, t, z)[1, 2] for s in (-1, 1) for t in (-1, 0, 1)
-            )
-            E[2, 2] = sum(linear(xi, s) * linear(eta, t) * self.covariant(q, s, t, z)[2, 2] for s, t in SIGNS)
         return E
 
-    def energy(self, q: np.ndarray, law: np.ndarray, thickness: float, frame: Callable, n_z: int = 3) -> complex:
-        """Of nodal coordinates (4, 4, 3); ``frame(x, y)`` are rows e1, e2, e3."""
+    def energy(self, q: np.ndarray, law: np.ndarray, thickness: float, frame: Callable, n_z: int = 3) -> np.ndarray:
+        """Of nodal coordinates (..., 4, 4, 3), as many states as you like; ``frame(x, y)`` are rows e1, e2, e3."""
         s, w = np.polynomial.legendre.leggauss(4)
         depth, depth_weight = np.polynomial.legendre.leggauss(n_z)
         total = 0.0
-        for i in range(4):
-            for j in range(4):
-                Q = frame(*self.at(s[i], s[j]))
-                for k in range(n_z):
-                    point = s[i], s[j], depth[k] * thickness / 2
-                    F = Q @ self.basis(self.undeformed, *point).real
-                    A = np.linalg.inv(F)
-                    E = A.T @ self.strain(q, *point) @ A
-                    voigt = np.array([E[0, 0], E[1, 1], E[2, 2], 2 * E[1, 2], 2 * E[0, 2], 2 * E[0, 1]])
-                    volume = abs(np.linalg.det(F)) * w[i] * w[j] * depth_weight[k] * thickness / 2
-                    total = total + voigt @ law @ voigt / 2 * volume
+        for i, j, k in np.ndindex(4, 4, n_z):
+            point = s[i], s[j], depth[k] * thickness / 2
+            F = frame(*self.at(s[i], s[j])) @ self.basis(self.undeformed, *point).real
+            A = np.linalg.inv(F)
+            E = A.T @ self.strain(q, *point) @ A
+            voigt = np.stack([E[..., a, b] * (1 if a == b else 2) for a, b in VOIGT])
+            volume = abs(np.linalg.det(F)) * w[i] * w[j] * depth_weight[k] * thickness / 2
+            total = total + np.einsum("a...,ab,b...->...", voigt, law, voigt) / 2 * volume
         return total
 
     def force(self, q: np.ndarray, law: np.ndarray, thickness: float, frame: Callable) -> np.ndarray:
         """Derivative of the energy, (4, 4, 3)."""
-        out = np.empty((4, 4, 3))
-        for index in np.ndindex(out.shape):
-            step = q.astype(complex)
-            step[index] += 1j * STEP
-            out[index] = self.energy(step, law, thickness, frame).imag / STEP
-        return out
+        steps = q + 1j * STEP * np.eye(48).reshape(48, 4, 4, 3)
+        return self.energy(steps, law, thickness, frame).imag.reshape(4, 4, 3) / STEP
 
 
 def linear(s: float, at: int) -> float:

@@ -1,0 +1,41 @@
+"""What all charts share: figures, colours, saving."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from skancf.errors import InputError, positive, vector
+from skancf.output.atomic import AnyPath, check_file, replacing
+from skancf.output.colours import colour_limits, colour_map
+
+INK, BAND = "#303030", "#D55E00"
+
+
+def new_figure(width: float, height: float) -> Any:
+    """A figure (inches) that belongs to no window."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), dpi=150, layout="constrained")
+
+
+def save(figure: Any, path: AnyPath) -> Path:
+    """Write a figure, whole or not at all."""
+    file = check_file(path, ".png", ".pdf", ".svg")
+    with replacing(file) as part:
+        figure.savefig(part, bbox_inches="tight", pad_inches=0.1)
+    return file
+
+
+def contour_colours(values: np.ndarray, limits: tuple[float, float] | None, levels: int) -> dict[str, Any]:
+    """About so many levels between limits, and their colours."""
+    from matplotlib.ticker import MaxNLocator
+
+    positive("levels", levels)
+    if limits is None:
+        low, high = colour_limits(float(values.min()), float(values.max()))
+    else:
+        low, high = vector("limits", limits, 2).tolist()
+        if not low < high:
+            raise InputError(f"limits = {limits}: give the smaller value first")
+    return {"levels": MaxNLocator(levels).tick_values(low, high), "cmap": colour_map(low, high)}

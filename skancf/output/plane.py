@@ -1,0 +1,71 @@
+"""Meshes of the parameter plane as curves and triangles of the x-y plane."""
+
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.errors import InputError, finite
+from skancf.meshes import Region
+from skancf.surfaces import Surface
+
+ENOUGH_CELLS = 15_000
+
+
+def to_plane(surface: Surface | None, points: np.ndarray) -> np.ndarray:
+    """x and y in space, (2, ...), of points of the parameter plane (2, ...)."""
+    return points if surface is None else surface.position(*points)[:2]
+
+
+def edge_curves(mesh: skfem.MeshQuad, surface: Surface | None) -> np.ndarray:
+    """All edges as polylines, (n_facets, n, 2); straight ones where there is no surface."""
+    ends = mesh.p[:, mesh.facets]
+    s = np.linspace(0, 1, 2 if surface is None else 13)
+    points = ends[:, 0, :, None] * (1 - s) + ends[:, 1, :, None] * s
+    return np.moveaxis(to_plane(surface, points), 0, -1)
+
+
+def region_within(mesh: skfem.MeshQuad, region: Region) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corner (2,) of a region, cut off at the bounds of the mesh."""
+    centre, half = np.array(region.centre), np.array(region.half_size)
+    low = np.maximum(centre - half, mesh.p.min(axis=1))
+    return low, np.minimum(centre + half, mesh.p.max(axis=1))
+
+
+def region_outline(mesh: skfem.MeshQuad, surface: Surface | None, region: Region) -> np.ndarray:
+    """The outline of a region, (2, n)."""
+    low, high = region_within(mesh, region)
+    s = np.linspace(0, 1, 25)
+    rim = np.concatenate([[s, 0 * s], [0 * s + 1, s], [1 - s, 0 * s + 1], [0 * s, 1 - s]], axis=1)
+    return to_plane(surface, low[:, None] + (high - low)[:, None] * rim)
+
+
+def label_place(mesh: skfem.MeshQuad, surface: Surface | None, region: Region) -> np.ndarray:
+    """Where a region's label goes: below its middle, where a named point often is."""
+    low, high = region_within(mesh, region)
+    return to_plane(surface, low + np.array([0.5, 0.25]) * (high - low))
+
+
+def subdivided(mesh: skfem.MeshQuad, values: Any, surface: Surface | None) -> tuple[Any, np.ndarray]:
+    """Triangles (matplotlib) and values of a bilinear field, fine enough for curved boundaries and contours.
+
+    Quadrilaterals are cut into four triangles about their middle, which favours no diagonal.
+    """
+    from matplotlib.tri import Triangulation
+
+    fine, field = mesh, finite("values", values)
+    if field.shape != (mesh.p.shape[1],):
+        raise InputError(f"values have shape {field.shape}: give one for each of the {mesh.p.shape[1]} nodes")
+    for _ in range(3):
+        if fine.t.shape[1] <= ENOUGH_CELLS / 4:
+            fine, field = _refine(fine, field)
+    middle = fine.p.shape[1] + np.arange(fine.t.shape[1])
+    triangles = np.concatenate([np.stack([fine.t[k], fine.t[(k + 1) % 4], middle], axis=1) for k in range(4)])
+    points = np.concatenate([fine.p, fine.p[:, fine.t].mean(axis=1)], axis=1)
+    return Triangulation(*to_plane(surface, points), triangles), np.concatenate([field, field[fine.t].mean(axis=0)])
+
+
+def _refine(mesh: skfem.MeshQuad, field: np.ndarray) -> tuple[skfem.MeshQuad, np.ndarray]:
+    """Halve the edges; new nodes are numbered nodes, edges, elements, as ``refined`` of scikit-fem does."""
+    new = np.concatenate([field, field[mesh.facets].mean(axis=0), field[mesh.t].mean(axis=0)])
+    return skfem.MeshQuad(mesh.p, mesh.t).refined(), new

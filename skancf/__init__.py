@@ -1,15 +1,57 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
 from skancf import adapt, meshes
-from skancf.dynamics import simulate
+from skancf.dynamics import FixedStep, GeneralizedAlpha, LocalError, Motion, simulate
 from skancf.elements import ElementQuadANCF, through_thickness
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError
 from skancf.loads import DiskForce, EdgeLoad, EdgeMoment, Gravity, PointForce, SurfaceLoad
 from skancf.materials import Anisotropic, Isotropic, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
-from skancf.statics import solve, solve_linear
+from skancf.statics import HalveAndGrow, StaticResult, solve, solve_linear
 from skancf.supports import Clamp, Pin, Prescribed, Roller, SimpleSupport, Symmetry
 from skancf.surfaces import AnnulusSector, Plane, Rectangle
 from skancf.theories import Full
 from skancf.version import __version__
+
+__all__ = [
+    "Anisotropic",
+    "AnnulusSector",
+    "Clamp",
+    "DidNotConverge",
+    "DiskForce",
+    "EdgeLoad",
+    "EdgeMoment",
+    "ElementQuadANCF",
+    "FixedStep",
+    "Full",
+    "GeneralizedAlpha",
+    "Gravity",
+    "HalveAndGrow",
+    "InputError",
+    "Isotropic",
+    "LocalError",
+    "Motion",
+    "Orthotropic",
+    "Pin",
+    "Plane",
+    "PointForce",
+    "Prescribed",
+    "Problem",
+    "Rectangle",
+    "Roller",
+    "SimpleSupport",
+    "SingularMatrix",
+    "SkancfError",
+    "Solution",
+    "StaticResult",
+    "SurfaceLoad",
+    "Symmetry",
+    "__version__",
+    "adapt",
+    "meshes",
+    "simulate",
+    "solve",
+    "solve_linear",
+    "through_thickness",
+]  # fmt: skip

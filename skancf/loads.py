@@ -121,8 +121,8 @@ class DiskForce:
         radii = self.radius * np.sqrt((np.arange(n_rings) + 0.5) / n_rings)
         angles = 2 * pi * (np.arange(n_angles) + 0.5) / n_angles
         offsets = np.stack([np.outer(radii, f(angles)).ravel() for f in (np.cos, np.sin)])
-        slopes = np.stack([d[:, None][:, 0] for d in geometry.surface.derivatives(*np.asarray(self.at, float))], axis=1)
-        tangents, triangle = np.linalg.qr(slopes)
+        slopes = np.stack(geometry.surface.derivatives(*np.asarray(self.at, float)), axis=1)
+        triangle = np.linalg.qr(slopes)[1]
         points = np.asarray(self.at, float)[:, None] + np.linalg.solve(triangle, offsets)
         located = [geometry.locate(point) for point in points.T]
         forces = np.tile(np.asarray(self.force, float) / len(located), (len(located), 1))

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-import skancf as sk
 import skfem
-from skancf.elements import ALL, MappingPlate, through_thickness
-
 from reference import quads
+
+import skancf as sk
+from skancf.elements import ALL, MappingPlate, through_thickness
 
 # Products of a few polynomials of size one; slopes divide by edges of 0.15 and more, quads make the factor larger.
 ROUNDING = 1e-13

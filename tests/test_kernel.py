@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import skancf as sk
 import skfem
-from skancf.elements import ElementQuadANCF, through_thickness
-
 from reference import quads, twin
+
+import skancf as sk
+from skancf.elements import ElementQuadANCF, through_thickness
 
 # Sums of about a thousand products; relative to the largest entry.
 SUMS = 1e-12

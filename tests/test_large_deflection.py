@@ -4,12 +4,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-import skancf as sk
+from reference import elastica
 from scipy.integrate import solve_bvp
+
+import skancf as sk
 from skancf.linear import available_backends
 from skancf.statics import Status
-
-from reference import elastica
 
 YOUNG, THICKNESS, WIDTH = 1.2e6, 0.1, 1.0
 RIGIDITY = YOUNG * WIDTH * THICKNESS**3 / 12

@@ -5,6 +5,7 @@ import gc
 import numpy as np
 import pytest
 from scipy.sparse.linalg import splu
+
 from skancf.errors import InputError, SingularMatrix, SkancfError
 from skancf.linear import (
     BACKENDS,

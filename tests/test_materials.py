@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 import skancf as sk
 from skancf.errors import InputError
 from skancf.materials import ALL

@@ -5,6 +5,7 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 import skfem
+
 from skancf.errors import InputError
 from skancf.meshes import Region, check_mesh, graded, progression, tensor, uniform
 from skancf.meshes.placing import largest_ratio, place

@@ -7,8 +7,9 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-import skancf as sk
 from PIL import Image
+
+import skancf as sk
 from skancf import output
 from skancf.errors import InputError, SkancfError
 from skancf.output import atomic

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from skancf.adapt.regions import find_regions
 from skancf.errors import InputError
 from skancf.meshes import graded, uniform

@@ -4,9 +4,9 @@ from functools import cache
 
 import numpy as np
 import pytest
-import skancf as sk
-
 from reference import navier, ritz
+
+import skancf as sk
 
 MESHES = (8, 16, 32)
 

@@ -1,6 +1,5 @@
 """A mesh on a surface for a theory: undeformed nodal coordinates, local vectors, where things are."""
 
-from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -13,8 +12,6 @@ from skancf.errors import InputError, vector
 from skancf.meshes import check_mesh
 from skancf.surfaces import Surface, normal
 from skancf.theories import Full
-
-Where = "str | Sequence[str] | Sequence[float] | Sequence[Sequence[float]] | Callable[..., Any]"
 
 
 class Geometry:
@@ -143,8 +140,10 @@ class Geometry:
         distance = np.linalg.norm(self.points - point[:, None], axis=0)
         nearest = int(np.argmin(distance))
         if distance[nearest] > 1e-8 * np.ptp(self.points, axis=1).max():
-            raise InputError(f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
-                             f"{tuple(self.points[:, nearest].tolist())}; choose a mesh with a node at the point")  # fmt: skip
+            raise InputError(
+                f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
+                f"{tuple(self.points[:, nearest].tolist())}; choose a mesh with a node at the point"
+            )
         return nearest
 
     @cached_property
@@ -154,8 +153,10 @@ class Geometry:
     def locate(self, at: Any) -> tuple[int, np.ndarray]:
         """The element that holds a point of the parameter plane, and the point's local coordinates (2,)."""
         point = vector("point", at, 2)
-        outside = InputError(f"point {tuple(point.tolist())} lies outside the surface; in the parameter plane the mesh "
-                             f"spans {self.points.min(axis=1).tolist()} to {self.points.max(axis=1).tolist()}")  # fmt: skip
+        outside = InputError(
+            f"point {tuple(point.tolist())} lies outside the surface; in the parameter plane the mesh "
+            f"spans {self.points.min(axis=1).tolist()} to {self.points.max(axis=1).tolist()}"
+        )
         try:
             element = int(self._finder(point[:1], point[1:])[0])
         except ValueError as error:

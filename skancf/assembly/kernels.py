@@ -21,9 +21,11 @@ COMPONENTS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]])
 class Elements(NamedTuple):
     """What differs between elements.
 
-    ``nodes`` (n, 4); the map from nodal coordinates to local vectors as triples ``pointer``, ``rows``, (``corners``,
-    ``kinds``), ``values``; ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains
-    ``reference`` (n_shapes, 14, n_points), the law with the weights ``law`` (n_shapes, n_pairs, n_points), and the law of the sampled strains ``sampled`` (n_shapes, n_rows, n_rows).
+    ``nodes`` (n, 4); the map from nodal coordinates to local vectors as triples: those of element e are
+    ``pointer[e]:pointer[e + 1]``, c[``rows``] += ``values`` * the vector ``kinds`` of the corner ``corners``;
+    ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains ``reference``
+    (n_shapes, 14, n_points), the law with the weights ``law`` (n_shapes, n_pairs, n_points), and the law of the sampled
+    strains ``sampled`` (n_shapes, n_rows, n_rows).
     """
 
     nodes: np.ndarray
@@ -41,12 +43,12 @@ class Elements(NamedTuple):
 class Rule(NamedTuple):
     """What elements share.
 
-    ``position`` (12, 2, n_points): r_1 and r_2 of the functions of r; ``director`` (4, 2, n_points): d_1, d_2;
-    the same with their points repeated, ``position_twice`` (12, 2, 32), and as columns, ``position_columns`` (32, 12);
-    ``sample_position`` (2, n_samples, 12); ``sample_director`` (3, n_samples, 4): d_1, d_2, d;
-    ``interpolation`` (5, n_samples, n_points), and whether it is the identity, ``plain``; ``sample_rows`` (n_rows, 2): strain (0 to 4) and sampling point of each
-    sampled strain; ``pairs`` (n_pairs, 2): k <= l of the entries of the law that are not zero; ``coupled``: whether
-    the law couples in-plane and sampled strains.
+    ``position`` (12, 2, n_points): r_1 and r_2 of the functions of r, ``director`` (4, 2, n_points): d_1 and d_2; both
+    also with their points repeated, ``position_twice`` (12, 2, 32), and as columns, ``position_columns`` (32, 12).
+    ``sample_position`` (2, n_samples, 12), ``sample_director`` (3, n_samples, 4): d_1, d_2, d at the sampling points.
+    ``interpolation`` (5, n_samples, n_points), and whether it is the identity, ``plain``. ``sample_rows`` (n_rows, 2):
+    strain (0 to 4) and sampling point of each sampled strain. ``pairs`` (n_pairs, 2): k <= l of the entries of the law
+    that are not zero. ``coupled``: whether the law couples in-plane and sampled strains.
     """
 
     position: np.ndarray
@@ -394,7 +396,7 @@ def sampled_stiffness(e, rule, elements, B, MB):
 
 @njit(**OPTIONS)
 def scatter_tangent(e, elements, slots, K, out):
-    """Adds an element's tangent, K (48, 48) of which i <= j is used, to the upper triangle's blocks (n_blocks, 12, 12)."""
+    """Adds an element's tangent, K (48, 48) of which i <= j is used, to the upper blocks, out (n_blocks, 12, 12)."""
     for k in range(elements.pointer[e], elements.pointer[e + 1]):
         a, v, row = elements.rows[k], elements.values[k], 3 * elements.kinds[k]
         slot_row = slots[e, elements.corners[k]]

@@ -137,8 +137,7 @@ class System:
     @cached_property
     def mass(self) -> BlockMatrix:
         """The constant mass matrix, with the rotary part of r_z."""
-        geometry, theory = self.geometry, self.geometry.theory
-        r, d = position_table(theory.quadrature[0])
+        r, d = position_table(self.geometry.theory.quadrature[0])
         m0, m1, m2 = np.moveaxis(self.density * self.sections.moments, 1, 0)
         shapes = (
             np.einsum("ap,bp,sp->sab", r, r, m0)

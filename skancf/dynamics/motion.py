@@ -22,7 +22,7 @@ class MotionStatus(Enum):
 
 @dataclass(frozen=True)
 class Step:
-    """One attempted step: its end, its length, the estimated error, Newton iterations, factorisations, accepted or not."""
+    """One attempted step: its end and length (s), error, Newton iterations, factorisations, accepted or not."""
 
     time: float
     dt: float
@@ -109,4 +109,4 @@ def hermite(t: float, times: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[
     s = (t - times[0]) / dt
     value = ((1 - s) ** 2 * (1 + 2 * s), s**2 * (3 - 2 * s), s * (1 - s) ** 2 * dt, s**2 * (s - 1) * dt)
     slope = (6 * s * (s - 1) / dt, 6 * s * (1 - s) / dt, (1 - s) * (1 - 3 * s), s * (3 * s - 2))
-    return tuple(w[0] * q[0] + w[1] * q[1] + w[2] * v[0] + w[3] * v[1] for w in (value, slope))  # type: ignore
+    return tuple(w[0] * q[0] + w[1] * q[1] + w[2] * v[0] + w[3] * v[1] for w in (value, slope))

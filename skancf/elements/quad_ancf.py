@@ -54,8 +54,8 @@ class ElementQuadANCF(skfem.Element):
         jacobian = nodal_jacobian(mapping.mesh, tind)[:, :, corner, :, None]
         xi, eta = (row if row.ndim == 2 else row[None, :] for row in X[:2])
 
-        def function(*order: int) -> np.ndarray:
-            local = ancf_functions(xi, eta, order)[corner]
+        def function(m: int, n: int) -> np.ndarray:
+            local = ancf_functions(xi, eta, (m, n))[corner]
             if kind in (1, 2):
                 return jacobian[kind - 1, 0] * local[1] + jacobian[kind - 1, 1] * local[2]
             return local[kind] + 0 * jacobian[0, 0]

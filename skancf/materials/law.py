@@ -1,7 +1,7 @@
 r"""Linear elastic laws S = C E, as 6 x 6 matrices.
 
-Voigt order is 11, 22, 33, 23, 13, 12 with doubled shear strains; direction 3 is the normal of the undeformed surface and
-direction 1 its tangent along the parameter x, unless a material angle turns 1 and 2 about 3.
+Voigt order is 11, 22, 33, 23, 13, 12 with doubled shear strains; direction 3 is the normal of the undeformed surface
+and direction 1 its tangent along the parameter x, unless a material angle turns 1 and 2 about 3.
 """
 
 from dataclasses import dataclass, field
@@ -97,8 +97,8 @@ class Anisotropic:
     angle : float
         From the tangent along the parameter x to the material's axis 1, radians.
     kind : {"plane_stress", "3d"}
-        ``"plane_stress"`` condenses the in-plane block for S_33 = 0, which the element needs because its thickness strain
-        is constant through the thickness; ``"3d"`` takes the matrix as it is and suffers Poisson thickness locking.
+        ``"plane_stress"`` condenses the in-plane block for S_33 = 0, which the element needs because its thickness
+        strain is constant through the thickness; ``"3d"`` takes the matrix as it is and suffers Poisson thickness locking.
     shear_correction : float
         Factor of the transverse shear block.
 

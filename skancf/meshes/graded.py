@@ -39,8 +39,8 @@ def graded(
     length wins; so transitions may meet below the coarse length or end at the boundary. On a sector of an annulus the
     same holds for radii and central angles.
 
-    Give at most one of ``nodes``, ``shape`` and ``coarse``; without any, the coarse length is that of the mesh on which the
-    regions were found. With the first two the coarse length, and the fine ones
+    Give at most one of ``nodes``, ``shape`` and ``coarse``; without any, the coarse length is that of the mesh on which
+    the regions were found. With the first two the coarse length, and the fine ones
     with it, are scaled until the count is exact.
 
     Parameters

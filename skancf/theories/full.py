@@ -37,8 +37,8 @@ COMPONENTS = [(0, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (0, 1, 1), 
               (0, 2, 0), (1, 2, 0), (0, 2, 1), (1, 2, 1), (2, 2, 0)]  # fmt: skip
 VOIGT = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
 
-# Sampling points of the assumed strains. Shear along xi uses those with eta on an edge, shear along eta those with xi on
-# an edge, the thickness strain the corners.
+# Sampling points of the assumed strains. Shear along xi uses those with eta on an edge, shear along eta those with xi
+# on an edge, the thickness strain the corners.
 SAMPLES = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (1, 0.5), (0.5, 1), (0, 0.5)]).T
 FAMILY = (0, 1, 0, 1, 2)
 """Which interpolation s0_1, s0_2, s1_1, s1_2 and t have: that of shear along xi, shear along eta, thickness."""
@@ -59,7 +59,7 @@ def jet_table(points: np.ndarray) -> np.ndarray:
     Local functions are the 12 of r (r, r_xi, r_eta corner by corner), then the 4 of d.
     """
     table = np.zeros((5, 16, points.shape[1]))
-    value, along_xi, along_eta = (ancf_functions(*points, order) for order in [(0, 0), (1, 0), (0, 1)])
+    value, along_xi, along_eta = (ancf_functions(points[0], points[1], order) for order in [(0, 0), (1, 0), (0, 1)])
     table[R1, :12], table[R2, :12] = (part[:, :3].reshape(12, -1) for part in (along_xi, along_eta))
     table[D1, 12:], table[D2, 12:], table[D, 12:] = along_xi[:, 3], along_eta[:, 3], value[:, 3]
     return table
@@ -165,8 +165,8 @@ def thickness_points(thickness: float, n: int) -> tuple[np.ndarray, np.ndarray]:
 def covariant_to_local(jet: np.ndarray, first: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     r"""From the 14 strains to the strain in the local frame at depth z.
 
-    With :math:`F = [g_1, g_2, g_3]`, :math:`g_a = R_{,a} + z D_{,a}, g_3 = D` in the local frame and :math:`A = F^{-1}`,
-    :math:`E = A^T E_{cov} A`.
+    With :math:`F = [g_1, g_2, g_3]`, :math:`g_a = R_{,a} + z D_{,a}, g_3 = D` in the local frame, and
+    :math:`A = F^{-1}`, :math:`E = A^T E_{cov} A`.
 
     Parameters
     ----------

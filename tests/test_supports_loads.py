@@ -1,0 +1,311 @@
+"""Supports hold what they say, loads do the work they should, and mistakes are named."""
+
+import numpy as np
+import pytest
+import skfem
+
+import skancf as sk
+from skancf.errors import InputError
+
+SUMS = 1e-12  # sums of a few hundred products
+MATERIAL = sk.Isotropic(1e6, 0.3, 2000.0)
+UNIT = sk.Rectangle(1, 1)
+DIRECTIONS = [v + c for v in ("r", "rx", "ry", "d") for c in ("_1", "_2", "_3")]
+
+
+def system_with(supports=(), loads=(), surface=UNIT, n=2, mesh=None, thickness=0.1, material=MATERIAL):
+    mesh = sk.meshes.uniform(surface, n, n) if mesh is None else mesh
+    return sk.Problem(surface, thickness, material, list(supports), list(loads)).on(mesh)
+
+
+def held_at(system, point):
+    """Names of the coordinates held at a node; None where a frame of its own is needed."""
+    node = system.geometry.node_at(point)
+    assert node not in system.constraints.frame_nodes
+    return {name for name, held in zip(DIRECTIONS, system.constraints.fixed[node], strict=True) if held}
+
+
+def each(*vectors, components="123"):
+    return {f"{v}_{c}" for v in vectors for c in components}
+
+
+# --- which coordinates are held --------------------------------------------------------------------------------------
+
+MIDDLE = (0.0, 0.5)  # of the left edge, which runs along y
+CASES = {
+    "pin": (sk.Pin("left"), each("r", "ry")),
+    "clamp": (sk.Clamp("left"), each("r", "ry", "d")),
+    "soft": (sk.SimpleSupport("left"), each("r", "ry")),
+    "hard": (sk.SimpleSupport("left", kind="hard"), each("r", "ry") | {"d_2"}),
+    "roller": (sk.Roller("left"), {"r_3", "ry_3"}),
+    "hard roller": (sk.Roller("left", kind="hard"), {"r_3", "ry_3", "d_2"}),
+    "roller along x": (sk.Roller("left", (2.0, 0, 0)), {"r_1", "ry_1"}),
+    "symmetry": (sk.Symmetry("left"), {"r_1", "ry_1", "rx_2", "rx_3", "d_1"}),
+    "prescribed": (sk.Prescribed("left", (0.1, None, 0.0)), {"r_1", "ry_1", "r_3", "ry_3"}),
+    "point pin": (sk.Pin(MIDDLE), each("r")),
+    "point clamp": (sk.Clamp(MIDDLE), each("r", "rx", "ry", "d")),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_held_coordinates(case):
+    support, expected = CASES[case]
+    system = system_with([support])
+    assert held_at(system, MIDDLE) == expected
+    assert held_at(system, (0.5, 0.5)) == held_at(system, (1.0, 0.5)) == set()
+
+
+def test_at_a_corner_both_edges_count():
+    around, one = system_with([sk.Pin("boundary")]), system_with([sk.Pin("left")])
+    assert held_at(around, (0, 0)) == each("r", "rx", "ry")
+    assert held_at(one, (0, 0)) == each("r", "ry")
+    two = system_with([sk.SimpleSupport("left", kind="hard"), sk.SimpleSupport("bottom", kind="hard")])
+    assert held_at(two, (0, 0)) == each("r", "rx", "ry") | {"d_1", "d_2"}
+
+
+def test_places():
+    geometry = system_with(n=4).geometry
+    left = np.flatnonzero(geometry.points[0] == 0)
+    assert np.array_equal(geometry.nodes_on("left"), left)
+    assert np.array_equal(geometry.nodes_on(lambda x, y: x < 1e-9), left)
+    assert np.array_equal(geometry.nodes_on([(0, y) for y in np.linspace(0, 1, 5)]), left)
+    assert np.array_equal(geometry.nodes_on(["left", "right", "top", "bottom"]), geometry.nodes_on("boundary"))
+    corners = geometry.nodes_on("corners")
+    assert np.array_equal(corners, geometry.nodes_on([(0, 0), (1, 0), (0, 1), (1, 1)])) and len(corners) == 4
+    assert len(geometry.facets_on(lambda x, y: x < 1e-9)) == 4
+
+
+# --- symmetry --------------------------------------------------------------------------------------------------------
+
+HEAVY = sk.SurfaceLoad((0.0, 0.0, 2000.0))  # bends the plates below by about their thickness and more
+
+
+def positions_at(system, points):
+    solution = sk.solve(system, rtol=1e-10).unwrap()
+    u = solution.displacement(points)
+    assert np.abs(u).max() > 0.02, "too small to tell a nonlinear answer"
+    return u
+
+
+def test_quarter_plate_is_the_full_plate():
+    full = system_with([sk.Clamp("boundary")], [HEAVY], n=8, thickness=0.02)
+    quarter = sk.Rectangle(0.5, 0.5)
+    supports = [sk.Clamp(["left", "bottom"]), sk.Symmetry(["right", "top"])]
+    part = system_with(supports, [HEAVY], quarter, n=4, thickness=0.02)
+    at = part.mesh.p.T
+    # Newton's method to 1e-10 on displacements of 0.03.
+    assert np.abs(positions_at(part, at) - positions_at(full, at)).max() < 1e-9
+    loose = system_with([sk.Clamp(["left", "bottom"]), sk.Pin((0.5, 0.5))], [HEAVY], quarter, n=4, thickness=0.02)
+    assert np.abs(positions_at(loose, at) - positions_at(full, at)).max() > 1e-3, "symmetry matters"
+
+
+def test_half_a_sector_is_the_sector():
+    whole, half = sk.AnnulusSector(0.5, 1.0, 1.0), sk.AnnulusSector(0.5, 1.0, 0.5)
+    full = system_with([sk.Clamp("inner")], [HEAVY], whole, n=6, thickness=0.05)
+    mesh = sk.meshes.uniform(half, 6, 3)
+    part = system_with([sk.Clamp("inner"), sk.Symmetry("end")], [HEAVY], half, mesh=mesh, thickness=0.05)
+    assert len(part.constraints.frame_nodes) == 7, "the plane of symmetry is askew: nodes need frames of their own"
+    at = mesh.p.T
+    assert np.abs(positions_at(part, at) - positions_at(full, at)).max() < 1e-9
+
+
+def turned_strip(angle, length, n):
+    """A strip of width 0.5 that runs along ``angle`` from the origin, sides named along it."""
+    mesh = sk.meshes.uniform(sk.Rectangle(length, 0.5), n, 2)
+    c, s = np.cos(angle), np.sin(angle)
+    return skfem.MeshQuad(np.array([[c, -s], [s, c]]) @ mesh.p, mesh.t, sort_t=False).with_boundaries(mesh.boundaries)
+
+
+def test_symmetry_on_a_skew_edge():
+    angle, to_space = 0.4, np.array([[np.cos(0.4), -np.sin(0.4), 0], [np.sin(0.4), np.cos(0.4), 0], [0, 0, 1.0]])
+
+    def strip(angle, length, n, supports):
+        return system_with(supports, [HEAVY], sk.Plane(), mesh=turned_strip(angle, length, n), thickness=0.05)
+
+    full = strip(angle, 2.0, 8, [sk.Clamp(["left", "right"])])
+    half = strip(angle, 1.0, 4, [sk.Clamp("left"), sk.Symmetry("right")])
+    straight = strip(0.0, 1.0, 4, [sk.Clamp("left"), sk.Symmetry("right")])
+    assert len(half.constraints.frame_nodes) == 3 and not len(straight.constraints.frame_nodes)
+    u = positions_at(half, half.mesh.p.T)
+    assert np.abs(u - positions_at(full, half.mesh.p.T)).max() < 1e-9
+    assert np.abs(u - positions_at(straight, straight.mesh.p.T) @ to_space.T).max() < 1e-9
+
+
+# --- rollers, prescribed displacements, reactions --------------------------------------------------------------------
+
+
+def test_skew_roller_holds_its_direction_only():
+    direction = np.array([1.0, 0.0, 1.0]) / np.sqrt(2)
+    system = system_with([sk.Clamp("left"), sk.Roller("right", (1, 0, 1))], [HEAVY], n=4)
+    solution = sk.solve(system, rtol=1e-10).unwrap()
+    u = solution.displacements[:, system.geometry.nodes_on("right")]
+    assert np.abs(direction @ u).max() < 1e-13 < 1e-5 < np.abs(u).max()
+    reaction = solution.reactions("right")
+    assert np.abs(np.cross(reaction, direction)).max() < SUMS * np.linalg.norm(reaction)
+
+
+def pulled(u, nu=0.0):
+    """A strip 2 x 1 between frictionless sides, its right end moved."""
+    supports = [sk.Roller("left", (1, 0, 0)), sk.Roller("bottom", (0, 1, 0)), sk.Roller("boundary")]
+    strip = sk.Rectangle(2, 1)
+    return system_with([*supports, sk.Prescribed("right", (u, None, None))], [], strip, material=sk.Isotropic(1e6, nu, 1.0))
+
+
+def test_reaction_to_a_prescribed_displacement():
+    u, area = 0.4, 0.1
+    stretch = 1 + u / 2
+    result = sk.solve(pulled(u), rtol=1e-10)
+    force = 1e6 * area * stretch * (stretch**2 - 1) / 2  # P = F S with S = E (F^2 - 1) / 2
+    assert np.allclose(result.unwrap().reactions("right"), [force, 0, 0], atol=1e-9 * force)
+    assert np.allclose(result.solution.reactions("left"), [-force, 0, 0], atol=1e-9 * force)
+    assert np.allclose(result.solution.displacement((2.0, 0.3)), [u, 0, 0], atol=1e-12)
+    assert np.allclose(result.solution.displacement((1.0, 0.3)), [u / 2, 0, 0], atol=1e-9)
+    half = sk.solve(pulled(u), load_factor=0.5).unwrap()
+    assert np.allclose(half.displacement((2.0, 0.3)), [u / 2, 0, 0], atol=1e-12)
+    small = 1e-6
+    linear = sk.solve_linear(pulled(small)).reactions("right")[0]
+    assert np.isclose(linear, 1e6 * area * small / 2, rtol=3e-6)  # quadratic strain: 1.5 u / L
+
+
+def test_conflicting_displacements_are_refused():
+    with pytest.raises(InputError, match=r"node \(1\.0, 0\.0\) prescribe different values"):
+        system_with([sk.Prescribed("right", (0.1, None, None)), sk.Prescribed("right", (0.2, None, None))])
+    with pytest.raises(InputError, match="different values"):
+        system_with([sk.Clamp("right"), sk.Prescribed("right", (0.2, None, None))])
+    twice = system_with([sk.Prescribed("right", (0.1, None, None)), sk.Prescribed("right", (0.1, None, 0.0))])
+    assert np.isclose(twice.prescribed().reshape(-1, 4, 3)[twice.geometry.nodes_on("right"), 0, 0], 0.1).all()
+
+
+# --- loads -----------------------------------------------------------------------------------------------------------
+
+PLATE = sk.Rectangle(2, 1, origin=(0.5, -0.3))
+CENTRE = np.array([1.5, 0.2, 0])
+FORCE = np.array([1.0, -2.0, 3.0])
+LOADS = {  # load: force, point through which it acts
+    "surface": (sk.SurfaceLoad(FORCE), 2.0 * FORCE, CENTRE),
+    "edge": (sk.EdgeLoad("right", FORCE), 1.0 * FORCE, np.array([2.5, 0.2, 0])),
+    "two edges": (sk.EdgeLoad(["top", "bottom"], FORCE), 4.0 * FORCE, CENTRE),
+    "gravity": (sk.Gravity((0, 0, -10.0)), np.array([0, 0, -10.0 * 2000 * 0.1 * 2]), CENTRE),
+    "point": (sk.PointForce((1.234, 0.111), FORCE), FORCE, np.array([1.234, 0.111, 0])),
+    "point on an edge": (sk.PointForce((2.5, 0.2), FORCE), FORCE, np.array([2.5, 0.2, 0])),
+    "disk": (sk.DiskForce((1.3, 0.25), 0.2, FORCE), FORCE, np.array([1.3, 0.25, 0])),
+}
+
+
+def virtual_work(system, force):
+    """Of a nodal force in the six rigid motions about the origin: resultant force and moment."""
+    q, f = system.undeformed.reshape(-1, 4, 3), force.reshape(-1, 4, 3)
+    return f[:, 0].sum(axis=0), np.cross(q, f).sum(axis=(0, 1))
+
+
+@pytest.mark.parametrize("n", [1, 3])
+@pytest.mark.parametrize("name", LOADS)
+def test_resultants(name, n):
+    load, expected, through = LOADS[name]
+    system = system_with([], [load], PLATE, n=n)
+    force, moment = virtual_work(system, system.external_force(system.undeformed))
+    scale = np.abs(expected).max()
+    assert np.abs(force - expected).max() < SUMS * scale
+    assert np.abs(moment - np.cross(through, expected)).max() < 10 * SUMS * scale
+    assert np.abs(moment - np.cross(through + [0.01, 0, 0], expected)).max() > 1e-3 * scale, "a shift of 1 cm shows"
+
+
+def test_edge_moment_is_a_moment():
+    moment = np.array([0.3, -0.7, 0.0])
+    system = system_with([], [sk.EdgeMoment("right", moment)], PLATE, n=3)
+    force, total = virtual_work(system, system.external_force(system.undeformed))
+    assert np.abs(force).max() == 0 and np.allclose(total, moment, atol=SUMS)
+    # It turns with the director: in a state turned by a right angle about y the same moment, other forces.
+    turned = system.undeformed.reshape(-1, 4, 3) @ np.array([[0, 0, 1.0], [0, 1, 0], [-1, 0, 0]])
+    forces = system.external_force(turned.ravel()).reshape(-1, 4, 3)
+    assert np.isclose(np.cross(turned, forces).sum(axis=(0, 1))[1], moment[1], atol=SUMS)
+
+
+def test_load_that_varies_over_the_surface():
+    system = system_with([], [sk.SurfaceLoad(lambda x, y: (0 * x, 0 * x, x * y))], UNIT, n=3)
+    force, moment = virtual_work(system, system.external_force(system.undeformed))
+    assert np.allclose(force, [0, 0, 1 / 4], atol=SUMS) and np.allclose(moment, [1 / 6, -1 / 6, 0], atol=SUMS)
+
+
+def test_loads_on_a_sector():
+    sector = sk.AnnulusSector(0.5, 1.0, 1.0)
+    loads = {0.375: sk.SurfaceLoad((0, 0, 1.0)), 1.0: sk.EdgeLoad("outer", (0, 0, 1.0)), 0.5: sk.EdgeLoad("end", (0, 0, 1))}
+    for expected, load in loads.items():
+        found = [system_with([], [load], sector, n=n) for n in (4, 8)]
+        error = [abs(virtual_work(s, s.external_force(s.undeformed))[0][2] / expected - 1) for s in found]
+        # The arc is made of cubics: order 4, or straight edges: exact.
+        assert error[1] < SUMS or (error[1] < 1e-6 and error[0] / error[1] > 12)
+
+
+def test_reactions_balance_the_loads():
+    loads = [HEAVY, sk.EdgeLoad("right", (30.0, 20.0, 0)), sk.PointForce((0.61, 0.37), (0, 0, 100.0))]
+    total = np.array([30.0, 20.0, 2100.0])
+    system = system_with([sk.Clamp("left"), sk.Roller("right")], loads, n=4)
+    for factor in (1.0, 0.5):
+        solution = sk.solve(system, load_factor=factor, rtol=1e-10).unwrap()
+        assert np.abs(solution.reactions() + factor * total).max() < 1e-9 * total.max()
+        parts = solution.reactions("left") + solution.reactions("right")
+        assert np.allclose(parts, solution.reactions(), rtol=0, atol=1e-9)
+    tiny = system_with([sk.Clamp("left"), sk.Roller("right")], [sk.SurfaceLoad((0, 0, 1e-6))], n=4)
+    # Rounding of the membrane stiffness, 1e-16 times 1e6, against the load 1e-6.
+    assert np.abs(sk.solve_linear(tiny).reactions() + [0, 0, 1e-6]).max() < 1e-6 * 1e-6 + 1e-9
+
+
+# --- free motions ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("supports,message", [
+    ([], "translation along x.*translation along z.*rotation about x.*rotation about z"),
+    ([sk.Pin((0.5, 0.5))], "leave free rotation about x, rotation about y, rotation about z;"),
+    ([sk.Pin((0.0, 0.0))], r"leave free 3 combination\(s\)"),
+    ([sk.Pin([(0.0, 0.5), (1.0, 0.5)])], "leave free rotation about x;"),
+    ([sk.Pin([(0.0, 0.0), (1.0, 1.0)])], r"leave free 1 combination\(s\)"),
+    ([sk.Roller("boundary")], "leave free translation along x, translation along y, rotation about z;"),
+    ([sk.SimpleSupport("left")], r"leave free 1 combination\(s\)"),
+], ids=["nothing", "point", "corner", "line", "diagonal", "roller", "hinge"])  # fmt: skip
+def test_free_motions_are_named(supports, message):
+    for solve in (sk.solve, sk.solve_linear):
+        with pytest.raises(InputError, match=message):
+            solve(system_with(supports, [HEAVY]))
+
+
+# --- mistakes --------------------------------------------------------------------------------------------------------
+
+NAN = float("nan")
+BOWTIE = skfem.MeshQuad(np.array([[0.0, 1, 1, 0], [0, 0, 1, 1]]), np.array([[0], [2], [1], [3]]), sort_t=False)
+MISTAKES = {
+    "unknown name": (lambda: system_with([sk.Clamp("lefft")]), "no boundary 'lefft'.*'bottom'.*'left'"),
+    "unknown name of a load": (lambda: system_with([], [sk.EdgeLoad("lefft", FORCE)]), "no boundary 'lefft'"),
+    "no edge": (lambda: system_with([], [sk.EdgeLoad((0.0, 0.0), FORCE)]), "no edge of the boundary"),
+    "no node": (lambda: system_with([sk.Pin((0.3, 0.5))]), r"point \(0\.3, 0\.5\): no node.*nearest.*\(0\.5, 0\.5\)"),
+    "nowhere true": (lambda: system_with([sk.Pin(lambda x, y: x > 2)]), "true at no node"),
+    "point outside": (lambda: system_with([], [sk.PointForce((1.5, 0.5), FORCE)]), r"point \(1\.5, 0\.5\) lies outside"),
+    "disk outside": (lambda: system_with([], [sk.DiskForce((0.95, 0.5), 0.1, FORCE)]), "lies outside"),
+    "symmetry at a point": (lambda: system_with([sk.Symmetry((0.0, 0.0))]), "needs an edge"),
+    "kind": (lambda: sk.SimpleSupport("left", kind="medium"), "'soft'.*'hard'"),
+    "no direction": (lambda: sk.Roller("left", (0, 0, 0)), "needs a direction"),
+    "nan direction": (lambda: sk.Roller("left", (0, NAN, 0)), "direction"),
+    "two entries": (lambda: sk.Prescribed("left", (0.0, 1.0)), "three entries"),
+    "nan displacement": (lambda: sk.Prescribed("left", (NAN, None, None)), "displacement.*finite"),
+    "nan surface load": (lambda: sk.SurfaceLoad((0, 0, NAN)), "force.*finite"),
+    "nan from a function": (lambda: system_with([], [sk.SurfaceLoad(lambda x, y: (x, x, NAN * x))]), "force.*not finite"),
+    "nan edge load": (lambda: sk.EdgeLoad("left", (0, NAN, 0)), "force.*finite"),
+    "nan moment": (lambda: sk.EdgeMoment("left", (0, NAN, 0)), "moment.*finite"),
+    "nan point": (lambda: sk.PointForce((NAN, 0), FORCE), "at = .*finite"),
+    "nan gravity": (lambda: sk.Gravity((0, 0, NAN)), "acceleration.*finite"),
+    "radius": (lambda: sk.DiskForce((0.5, 0.5), 0.0, FORCE), "radius = 0.0 m"),
+    "thickness": (lambda: system_with(thickness=0.0), "thickness = 0.0 m.*greater than zero"),
+    "nan thickness": (lambda: system_with(thickness=NAN), "thickness"),
+    "no list": (lambda: sk.Problem(UNIT, 0.1, MATERIAL, sk.Clamp("left")), "supports: give a list"),
+    "theory": (lambda: sk.Problem(UNIT, 0.1, MATERIAL).on(sk.meshes.uniform(UNIT, 1, 1), "ful"), "unknown.*full"),
+    "mesh outside": (lambda: system_with(mesh=skfem.MeshQuad().scaled(2.0)), "outside the surface"),
+    "inverted quad": (lambda: system_with(surface=sk.Plane(), mesh=BOWTIE), "element 0 with corners"),
+    "load factor": (lambda: sk.solve(system_with([sk.Clamp("left")]), load_factor=NAN), "load_factor"),
+}
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_mistakes_are_named(case):
+    make, message = MISTAKES[case]
+    with pytest.raises(InputError, match="(?s)" + message):
+        make()

@@ -187,7 +187,7 @@ def report(name: str, result: Study, out: Path) -> None:
     output.write(frames, out / f"{name}_graded.pvd", subdivisions=2)
     columns = {"t": result.fine.motion.times}
     for r in runs:
-        columns |= {f"{r.label}, point {p}, u{i}": r.points[p][:, k] for p in POINTS for k, i in enumerate("xyz")}
+        columns |= {f"{r.label} {p} u{i}": r.points[p][:, k] for p in POINTS for k, i in enumerate("xyz")}
     output.save_table(out / f"{name}_displacements.csv", columns)
 
 

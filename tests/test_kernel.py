@@ -143,6 +143,17 @@ def test_mass_is_that_of_the_form_and_constant(mesh, rng):
     assert np.isclose(energy, 14 * 2000.0 * THICKNESS * quads.area(mesh), rtol=SUMS)
 
 
+def test_mass_of_a_sector():
+    surface = sk.AnnulusSector(0.5, 1.0, 1.0)
+    rigid = {n: np.zeros(((n + 1) ** 2, 4, 3)) for n in (4, 8)}
+    errors = []
+    for n, velocity in rigid.items():
+        velocity[:, 0] = [1, 2, 3]
+        mass = system_on(sk.meshes.uniform(surface, n, n), surface=surface).mass
+        errors.append(abs(velocity.ravel() @ (mass @ velocity.ravel()) / (14 * 2000.0 * THICKNESS * 0.375) - 1))
+    assert errors[1] < 1e-6 and errors[0] / errors[1] > 12, "arcs are made of cubics: order 4"
+
+
 # --- the slow twin ---------------------------------------------------------------------------------------------------
 
 SECTOR = sk.AnnulusSector(0.5, 1.0, 1.0)

@@ -125,7 +125,8 @@ def test_symmetry_on_a_skew_edge():
     full = strip(angle, 2.0, 8, [sk.Clamp(["left", "right"])])
     half = strip(angle, 1.0, 4, [sk.Clamp("left"), sk.Symmetry("right")])
     straight = strip(0.0, 1.0, 4, [sk.Clamp("left"), sk.Symmetry("right")])
-    assert len(half.constraints.frame_nodes) == 3 and not len(straight.constraints.frame_nodes)
+    # Three nodes on the plane of symmetry, three on the clamped edge, of which the slope along it is held.
+    assert len(half.constraints.frame_nodes) == 6 and not len(straight.constraints.frame_nodes)
     u = positions_at(half, half.mesh.p.T)
     assert np.abs(u - positions_at(full, half.mesh.p.T)).max() < 1e-9
     assert np.abs(u - positions_at(straight, straight.mesh.p.T) @ to_space.T).max() < 1e-9
@@ -144,11 +145,12 @@ def test_skew_roller_holds_its_direction_only():
     assert np.abs(np.cross(reaction, direction)).max() < SUMS * np.linalg.norm(reaction)
 
 
-def pulled(u, nu=0.0):
+def pulled(u):
     """A strip 2 x 1 between frictionless sides, its right end moved."""
     supports = [sk.Roller("left", (1, 0, 0)), sk.Roller("bottom", (0, 1, 0)), sk.Roller("boundary")]
     strip = sk.Rectangle(2, 1)
-    return system_with([*supports, sk.Prescribed("right", (u, None, None))], [], strip, material=sk.Isotropic(1e6, nu, 1.0))
+    supports.append(sk.Prescribed("right", (u, None, None)))
+    return system_with(supports, [], strip, material=sk.Isotropic(1e6, 0.0, 1.0))
 
 
 def test_reaction_to_a_prescribed_displacement():
@@ -172,15 +174,23 @@ def test_conflicting_displacements_are_refused():
         system_with([sk.Prescribed("right", (0.1, None, None)), sk.Prescribed("right", (0.2, None, None))])
     with pytest.raises(InputError, match="different values"):
         system_with([sk.Clamp("right"), sk.Prescribed("right", (0.2, None, None))])
-    twice = system_with([sk.Prescribed("right", (0.1, None, None)), sk.Prescribed("right", (0.1, None, 0.0))])
-    assert np.isclose(twice.prescribed().reshape(-1, 4, 3)[twice.geometry.nodes_on("right"), 0, 0], 0.1).all()
+    system_with([sk.Clamp("right"), sk.Prescribed("right", (0.0, 0.0, None))])
+
+
+@pytest.mark.xfail(strict=True, raises=InputError, reason="equal values of two supports are called different")
+def test_two_supports_may_prescribe_the_same_displacement():
+    """As they do in the corner that two edges share."""
+    edges = [sk.Prescribed(edge, (0.1, None, None)) for edge in ("right", "top")]
+    moved = system_with(edges).prescribed().reshape(-1, 4, 3)
+    nodes = system_with().geometry.nodes_on(["right", "top"])
+    assert np.allclose(moved[nodes, 0, 0], 0.1, rtol=SUMS)
 
 
 # --- loads -----------------------------------------------------------------------------------------------------------
 
 PLATE = sk.Rectangle(2, 1, origin=(0.5, -0.3))
 CENTRE = np.array([1.5, 0.2, 0])
-FORCE = np.array([1.0, -2.0, 3.0])
+FORCE, SHIFT = np.array([1.0, -2.0, 3.0]), np.array([0.01, 0, 0])
 LOADS = {  # load: force, point through which it acts
     "surface": (sk.SurfaceLoad(FORCE), 2.0 * FORCE, CENTRE),
     "edge": (sk.EdgeLoad("right", FORCE), 1.0 * FORCE, np.array([2.5, 0.2, 0])),
@@ -207,7 +217,7 @@ def test_resultants(name, n):
     scale = np.abs(expected).max()
     assert np.abs(force - expected).max() < SUMS * scale
     assert np.abs(moment - np.cross(through, expected)).max() < 10 * SUMS * scale
-    assert np.abs(moment - np.cross(through + [0.01, 0, 0], expected)).max() > 1e-3 * scale, "a shift of 1 cm shows"
+    assert np.abs(moment - np.cross(through + SHIFT, expected)).max() > 1e-3 * scale, "a shift of 1 cm shows"
 
 
 def test_edge_moment_is_a_moment():
@@ -221,6 +231,29 @@ def test_edge_moment_is_a_moment():
     assert np.isclose(np.cross(turned, forces).sum(axis=(0, 1))[1], moment[1], atol=SUMS)
 
 
+def test_stiffness_of_an_edge_moment(rng):
+    """The symmetric part of the derivative of the residual, and all of it while the strip bends in its plane."""
+    system = system_with([], [sk.EdgeMoment("right", (0.0, -300.0, 0.0))], n=1)
+    planar = system.undeformed.reshape(-1, 4, 3).copy()
+    planar[:, :, [0, 2]] += 0.1 * rng.normal(size=(4, 4, 2))
+    spatial = planar + 0.1 * rng.normal(size=planar.shape)
+
+    def residual(q):
+        return system.internal_force(q) - system.external_force(q)
+
+    for state, symmetric in ((planar, True), (spatial, False)):
+        q, eps = state.ravel(), 1e-5
+        numeric = np.array([residual(q + e) - residual(q - e) for e in eps * np.eye(system.n_dofs)]).T / (2 * eps)
+        tangent = system.tangent(q).to_scipy().toarray()
+        within = np.tile([True, False, True], system.n_dofs // 3)
+        # Differences of a cubic: eps^2, and rounding over eps, against the stiffness of membranes.
+        close = 1e-8 * np.abs(tangent).max()
+        assert np.abs(tangent - (numeric + numeric.T) / 2).max() < close
+        if symmetric:
+            assert np.abs((tangent - numeric)[np.ix_(within, within)]).max() < close
+        assert (np.abs(numeric - numeric.T)[np.ix_(within, within)].max() < close) == symmetric
+
+
 def test_load_that_varies_over_the_surface():
     system = system_with([], [sk.SurfaceLoad(lambda x, y: (0 * x, 0 * x, x * y))], UNIT, n=3)
     force, moment = virtual_work(system, system.external_force(system.undeformed))
@@ -229,8 +262,9 @@ def test_load_that_varies_over_the_surface():
 
 def test_loads_on_a_sector():
     sector = sk.AnnulusSector(0.5, 1.0, 1.0)
-    loads = {0.375: sk.SurfaceLoad((0, 0, 1.0)), 1.0: sk.EdgeLoad("outer", (0, 0, 1.0)), 0.5: sk.EdgeLoad("end", (0, 0, 1))}
-    for expected, load in loads.items():
+    up = (0, 0, 1.0)
+    loads = [(0.375, sk.SurfaceLoad(up)), (1.0, sk.EdgeLoad("outer", up)), (0.5, sk.EdgeLoad("end", up))]
+    for expected, load in loads:
         found = [system_with([], [load], sector, n=n) for n in (4, 8)]
         error = [abs(virtual_work(s, s.external_force(s.undeformed))[0][2] / expected - 1) for s in found]
         # The arc is made of cubics: order 4, or straight edges: exact.
@@ -246,9 +280,18 @@ def test_reactions_balance_the_loads():
         assert np.abs(solution.reactions() + factor * total).max() < 1e-9 * total.max()
         parts = solution.reactions("left") + solution.reactions("right")
         assert np.allclose(parts, solution.reactions(), rtol=0, atol=1e-9)
-    tiny = system_with([sk.Clamp("left"), sk.Roller("right")], [sk.SurfaceLoad((0, 0, 1e-6))], n=4)
-    # Rounding of the membrane stiffness, 1e-16 times 1e6, against the load 1e-6.
-    assert np.abs(sk.solve_linear(tiny).reactions() + [0, 0, 1e-6]).max() < 1e-6 * 1e-6 + 1e-9
+
+
+@pytest.mark.parametrize("load", [
+    1e-3,
+    pytest.param(2000.0, marks=pytest.mark.xfail(strict=True, reason="reactions use the nonlinear internal force")),
+])  # fmt: skip
+def test_reactions_of_the_linear_answer_balance_the_load(load):
+    system = system_with([sk.Clamp("left"), sk.Roller("right")], [sk.SurfaceLoad((0, 0, load))], n=4)
+    solution = sk.solve_linear(system)
+    assert np.abs(solution.displacements).max() < 1.2 * 0.1 * load / 2000.0  # at 2000 Pa about the thickness
+    # Rounding of the membrane stiffness 1e5 N/m is 1e-11 N; a linear answer has no other error.
+    assert np.allclose(solution.reactions(), [0, 0, -load], rtol=0, atol=1e-8 * load + 1e-9)
 
 
 # --- free motions ----------------------------------------------------------------------------------------------------
@@ -273,13 +316,31 @@ def test_free_motions_are_named(supports, message):
 
 NAN = float("nan")
 BOWTIE = skfem.MeshQuad(np.array([[0.0, 1, 1, 0], [0, 0, 1, 1]]), np.array([[0], [2], [1], [3]]), sort_t=False)
+NOT_YET = {  # refused, but by an error of Python or numpy that names neither the value nor the rule
+    "empty place": lambda: system_with([sk.Clamp([])]),
+    "number as a place": lambda: system_with([sk.Clamp(5)]),
+    "names and points mixed": lambda: system_with([sk.Clamp(["left", (0, 0)])]),
+    "load function of two components": lambda: system_with([], [sk.SurfaceLoad(lambda x, y: (x, y))]),
+}
+
+
+@pytest.mark.xfail(strict=True, raises=(TypeError, ValueError), reason="not an InputError yet")
+@pytest.mark.parametrize("case", NOT_YET)
+def test_mistakes_that_are_not_named_yet(case):
+    try:
+        NOT_YET[case]()
+    except InputError:
+        return
+    pytest.fail("accepted")
+
+
 MISTAKES = {
     "unknown name": (lambda: system_with([sk.Clamp("lefft")]), "no boundary 'lefft'.*'bottom'.*'left'"),
     "unknown name of a load": (lambda: system_with([], [sk.EdgeLoad("lefft", FORCE)]), "no boundary 'lefft'"),
     "no edge": (lambda: system_with([], [sk.EdgeLoad((0.0, 0.0), FORCE)]), "no edge of the boundary"),
     "no node": (lambda: system_with([sk.Pin((0.3, 0.5))]), r"point \(0\.3, 0\.5\): no node.*nearest.*\(0\.5, 0\.5\)"),
     "nowhere true": (lambda: system_with([sk.Pin(lambda x, y: x > 2)]), "true at no node"),
-    "point outside": (lambda: system_with([], [sk.PointForce((1.5, 0.5), FORCE)]), r"point \(1\.5, 0\.5\) lies outside"),
+    "point outside": (lambda: system_with([], [sk.PointForce((1.5, 0.5), FORCE)]), r"point \(1\.5, 0\.5\) lies out"),
     "disk outside": (lambda: system_with([], [sk.DiskForce((0.95, 0.5), 0.1, FORCE)]), "lies outside"),
     "symmetry at a point": (lambda: system_with([sk.Symmetry((0.0, 0.0))]), "needs an edge"),
     "kind": (lambda: sk.SimpleSupport("left", kind="medium"), "'soft'.*'hard'"),
@@ -288,7 +349,7 @@ MISTAKES = {
     "two entries": (lambda: sk.Prescribed("left", (0.0, 1.0)), "three entries"),
     "nan displacement": (lambda: sk.Prescribed("left", (NAN, None, None)), "displacement.*finite"),
     "nan surface load": (lambda: sk.SurfaceLoad((0, 0, NAN)), "force.*finite"),
-    "nan from a function": (lambda: system_with([], [sk.SurfaceLoad(lambda x, y: (x, x, NAN * x))]), "force.*not finite"),
+    "nan from a function": (lambda: system_with([], [sk.SurfaceLoad(lambda x, y: (x, x, NAN * x))]), "force.*finite"),
     "nan edge load": (lambda: sk.EdgeLoad("left", (0, NAN, 0)), "force.*finite"),
     "nan moment": (lambda: sk.EdgeMoment("left", (0, NAN, 0)), "moment.*finite"),
     "nan point": (lambda: sk.PointForce((NAN, 0), FORCE), "at = .*finite"),

@@ -17,6 +17,7 @@ class MotionStatus(Enum):
 
     FINISHED = "finished"
     STEP_TOO_SMALL = "the step became too small"
+    FAILED = "an error on the way"
     INTERRUPTED = "interrupted from the keyboard"
 
 

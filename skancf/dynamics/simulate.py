@@ -11,7 +11,7 @@ from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.motion import Motion, MotionStatus, Step, hermite
 from skancf.dynamics.step_solver import StepSolver
 from skancf.dynamics.steps import FixedStep, LocalError
-from skancf.errors import InputError, finite, positive
+from skancf.errors import InputError, SkancfError, finite, positive
 from skancf.progress import Progress
 from skancf.solution import Solution
 
@@ -137,8 +137,11 @@ class _Run:
         try:
             return self._go(q, v, begin, bar)
         except KeyboardInterrupt:
-            reached = self.steps[-1].time if self.steps else begin
-            return MotionStatus.INTERRUPTED, f"interrupted from the keyboard at t = {reached:.6g} s"
+            return MotionStatus.INTERRUPTED, f"interrupted from the keyboard at t = {self._reached(begin):.6g} s"
+        except SkancfError as error:
+            if not self.steps:
+                raise
+            return MotionStatus.FAILED, f"stopped at t = {self._reached(begin):.6g} s, what was computed is kept: {error}"
         finally:
             self.solver.close()
 
@@ -175,6 +178,9 @@ class _Run:
                     "what was computed is kept. Look for a mechanism, an element that folds, or a load that jumps."
                 )
         return MotionStatus.FINISHED, ""
+
+    def _reached(self, begin: float) -> float:
+        return max((step.time for step in self.steps if step.accepted), default=begin)
 
     def _keep(self, t: float, q: np.ndarray, v: np.ndarray) -> None:
         self.record_times.append(t)

@@ -8,6 +8,7 @@ from skancf.assembly.system import System
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.errors import SingularMatrix
 from skancf.linear import BlockMatrix, DirectSolver
+from skancf.statics.newton import ROUNDING, work
 
 MAX_ITERATIONS = 20
 SLOW = 0.25
@@ -35,6 +36,7 @@ class StepSolver:
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
         self.factored_dt = 0.0
         self.energy = 0.0
+        self.rounding = 0.0
 
     def close(self) -> None:
         self.linear.close()
@@ -74,10 +76,13 @@ class StepSolver:
                     break
                 factorisations += 1
             change = -self.linear.solve(residual, refinements=0)
-            energy = abs(float(change @ residual))
+            energy = work(change, residual)
+            if not np.isfinite(energy):
+                message = f"values that are not finite {self._place(residual)}"
+                break
             fresh, renew = renew, False
             largest = max(largest, energy)
-            if energy <= self.rtol**2 * max(self.energy, largest):
+            if energy <= self.rtol**2 * max(self.energy, largest) + self.rounding:
                 q1 = q1 + change
                 return self._finish(q1, q, v, a, dt, iteration, factorisations)
             if energy > SLOW**2 * last and not fresh:
@@ -106,6 +111,8 @@ class StepSolver:
         values += self.rule.mass_factor(dt) * self.system.mass.values
         self.linear.factor(BlockMatrix(tangent.pattern, values))
         self.factored_dt = dt
+        # The energy that rounding of the coordinates puts into a correction.
+        self.rounding = ROUNDING**2 * float(np.abs(tangent.diagonal()) @ (middle * middle))
 
     def _place(self, residual: np.ndarray) -> str:
         """Where in the plate the residual is largest."""

@@ -70,6 +70,12 @@ class NewtonResult:
 ROUNDING = 1e-15
 
 
+def work(change: np.ndarray, force: np.ndarray) -> float:
+    """|change . force|; infinite or NaN where it does not fit a float, without a warning."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return abs(float(change @ force))
+
+
 def newton(
     system: System,
     q: np.ndarray,
@@ -117,7 +123,7 @@ def newton(
             return NewtonResult(q, Status.SINGULAR, (), 0, str(singular))
         rhs = -(residual + matrix @ moved) if moved.any() else -residual
         free = solver.solve(rhs)
-        energies.append(abs(float(free @ rhs)))
+        energies.append(work(free, rhs))
         if watch:
             watch(step, float(np.sqrt(energies[-1] / max(energies))) if energies[-1] else 0.0)
         if not np.isfinite(energies[-1]):

@@ -1,0 +1,92 @@
+"""Run the code of docs/getting_started.rst, compare what it prints with what the page shows, and renew its pictures.
+
+From the folder of the repository, in half a minute:
+
+    .venv/bin/python docs/measure/tutorial.py
+
+The pictures go to docs/pictures. tests/test_docs.py runs the same code without touching them.
+"""
+
+import contextlib
+import io
+import os
+import re
+import sys
+import tempfile
+import textwrap
+from pathlib import Path
+from typing import NamedTuple
+
+DOCS = Path(__file__).resolve().parent.parent
+PAGE = DOCS / "getting_started.rst"
+PICTURES = ("plate.png", "stress.png", "mesh.png")
+BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
+NUMBER = re.compile(r"-?\d+\.\d+|-?\d+")
+
+
+class Example(NamedTuple):
+    """A piece of code, what the page says that it prints, and its line on the page."""
+
+    code: str
+    shown: str
+    line: int
+
+
+def examples(page: Path = PAGE) -> list[Example]:
+    """The Python blocks of a page; a block of plain text is what the one before it prints."""
+    text, found = page.read_text(encoding="utf-8"), []
+    for match in BLOCK.finditer(text):
+        language, body = match[1], textwrap.dedent(match[2]).strip("\n") + "\n"
+        if language == "python":
+            found.append(Example(body, "", text[: match.start(2)].count("\n") + 1))
+        elif language == "none":
+            found[-1] = found[-1]._replace(shown=body)
+    return found
+
+
+def run(found: list[Example]) -> list[str]:
+    """Run them one after the other, in the present folder; what each prints."""
+    names: dict[str, object] = {"__name__": "__main__"}
+    printed = []
+    for example in found:
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            exec(compile("\n" * (example.line - 1) + example.code, str(PAGE), "exec"), names)
+        printed.append(out.getvalue())
+    return printed
+
+
+def same(shown: str, printed: str) -> bool:
+    """Equal words, and numbers equal up to one in the last digit shown: steps in time depend on rounding."""
+    if NUMBER.sub("#", shown).split() != NUMBER.sub("#", printed).split():
+        return False
+    pairs = zip(NUMBER.findall(shown), NUMBER.findall(printed), strict=True)
+    return all(
+        abs(float(a) - float(b)) <= (1.01 * 10.0 ** -len(a.partition(".")[2]) if "." in a else 0) for a, b in pairs
+    )
+
+
+def main() -> None:
+    from PIL import Image
+
+    found = examples()
+    start = os.getcwd()
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        try:
+            printed = run(found)
+        finally:
+            os.chdir(start)
+        for name in PICTURES:
+            with Image.open(Path(folder) / name) as picture:
+                flat = picture.convert("RGB")
+                flat.thumbnail((900, 900))
+                flat.quantize(128).save(DOCS / "pictures" / name, optimize=True)
+    wrong = [(e, p) for e, p in zip(found, printed, strict=True) if not same(e.shown, p)]
+    for example, given in wrong:
+        print(f"line {example.line} shows\n{example.shown}but prints\n{given}")
+    sys.exit(bool(wrong))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,52 @@
+"""The pages keep their word: the tutorial runs and prints what it shows."""
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from skancf import SkancfError, output
+from skancf.output.rendering import check_rendering
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+
+
+def load(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+tutorial = load(DOCS / "measure" / "tutorial.py")
+
+
+def test_the_tutorial_prints_what_it_shows(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    try:
+        check_rendering()
+    except SkancfError:
+        monkeypatch.setattr(output, "picture", lambda *_, **__: None)
+    examples = tutorial.examples()
+    printed = tutorial.run(examples)
+    for example, given in zip(examples, printed, strict=True):
+        assert tutorial.same(example.shown, given), f"line {example.line}: shown\n{example.shown}printed\n{given}"
+    assert sum(bool(example.shown) for example in examples) >= 5, "outputs have not been found on the page"
+    for name in ("plate.vtu", "stress.png", "mesh.png"):
+        assert (tmp_path / name).stat().st_size > 0
+
+
+@pytest.mark.parametrize(
+    ("shown", "printed", "equal"),
+    [
+        ("-3.60 mm\n", "-3.61 mm\n", True),
+        ("-3.60 mm\n", "-3.63 mm\n", False),
+        ("169 nodes\n", "170 nodes\n", False),
+        ("converged\n", "diverged\n", False),
+        ("a 1.0\n", "a 1.0\nb\n", False),
+    ],
+)
+def test_the_comparison_has_teeth(shown, printed, equal):
+    assert tutorial.same(shown, printed) is equal

@@ -1,0 +1,100 @@
+"""Rooms of the library import in one direction, and the heavy ones are not loaded with the rest."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import skancf
+
+PACKAGE = Path(skancf.__file__).parent
+# A room imports from itself and from rooms before it.
+ROOMS = [
+    "version", "errors", "progress", "elements", "surfaces", "meshes", "materials", "theories", "linear", "assembly",
+    "supports", "loads", "problem", "solution", "statics", "dynamics", "adapt", "output",
+]  # fmt: skip
+# The package's own __init__ names what users see; everything else is in a room.
+FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.name != "__init__.py")
+
+
+def room_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def imported(source: str) -> Iterator[str]:
+    """Dotted names of this package that any import names, inside functions too."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            if node.level:
+                yield "relative"
+                continue
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        yield from (name.removeprefix("skancf.") for name in names if name.split(".")[0] == "skancf")
+
+
+def forbidden(room: str, source: str) -> list[str]:
+    """Imports that do not point to this room or an earlier one."""
+    allowed = ROOMS[: ROOMS.index(room) + 1]
+    return [name for name in imported(source) if name.split(".")[0] not in allowed]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_go_one_way(path):
+    assert room_of(path) in ROOMS, f"a new room: give it its place among {ROOMS}"
+    assert forbidden(room_of(path), path.read_text()) == []
+
+
+def test_the_check_can_fail():
+    assert forbidden("statics", "from skancf.linear import DirectSolver") == []
+    assert forbidden("linear", "def f():\n    from skancf.statics import solve") == ["statics.solve"]
+    assert forbidden("meshes", "import skancf.theories.full") == ["theories.full"]
+    assert forbidden("errors", "from skancf import Problem") == ["Problem"]
+    assert forbidden("meshes", "from .. import errors") == ["relative"]
+    assert forbidden("meshes", "import numpy\nfrom skfem import MeshQuad") == []
+
+
+def files_import_cycle(graph: dict[str, set[str]]) -> list[str]:
+    """A cycle of files, or nothing."""
+    done: set[str] = set()
+
+    def visit(name: str, above: tuple[str, ...]) -> list[str]:
+        if name in above:
+            return [*above[above.index(name) :], name]
+        if name in done:
+            return []
+        for other in sorted(graph.get(name, ())):
+            if cycle := visit(other, (*above, name)):
+                return cycle
+        done.add(name)
+        return []
+
+    return next((cycle for name in sorted(graph) if (cycle := visit(name, ()))), [])
+
+
+def test_files_of_a_room_have_no_cycle():
+    modules = {".".join(path.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__"): path for path in FILES}
+    graph = {}
+    for name, path in modules.items():
+        wanted = set()
+        for full in imported(path.read_text()):
+            parts = full.split(".")
+            wanted |= {m for m in (".".join(parts[:k]) for k in range(1, len(parts) + 1)) if m in modules}
+        # A file names its own package on the way to its neighbours.
+        graph[name] = {m for m in wanted if m != name and not name.startswith(m + ".")}
+    assert files_import_cycle(graph) == []
+    assert files_import_cycle({"a": {"b"}, "b": {"c"}, "c": {"a"}}) == ["a", "b", "c", "a"]
+
+
+def test_import_loads_no_viewer_and_no_file_formats():
+    code = "import sys, skancf; print(*{name.split('.')[0] for name in sys.modules})"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(shown.stdout.split())
+    assert {"skancf", "skfem", "numba"} <= loaded
+    assert not loaded & {"pyvista", "vtkmodules", "vtk", "matplotlib", "meshio"}

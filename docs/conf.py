@@ -1,6 +1,7 @@
 """Configuration of the documentation: make docs, or SKANCF_DEMO_SIZE=small make docs for short runs of the gallery."""
 
 import os
+import re
 import warnings
 from pathlib import Path
 
@@ -63,3 +64,13 @@ sphinx_gallery_conf = {
     "abort_on_example_error": True,
     "min_reported_time": 1,
 }
+
+
+def keep_units(app: object, what: str, name: str, obj: object, options: object, lines: list[str]) -> None:
+    """A line that is only a unit, such as "m.", would be read as the start of a numbered list."""
+    lines[:] = [re.sub(r"^(\s*)([A-Za-z]\.)$", r"\1\\\2", line) for line in lines]
+
+
+def setup(app: object) -> None:
+    # Before napoleon, which moves such lines behind the name of a parameter.
+    app.connect("autodoc-process-docstring", keep_units, priority=100)

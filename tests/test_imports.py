@@ -79,7 +79,8 @@ def files_import_cycle(graph: dict[str, set[str]]) -> list[str]:
 
 
 def test_files_of_a_room_have_no_cycle():
-    modules = {".".join(path.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__"): path for path in FILES}
+    dotted = [".".join(path.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__") for path in FILES]
+    modules = dict(zip(dotted, FILES, strict=True))
     graph = {}
     for name, path in modules.items():
         wanted = set()

@@ -137,7 +137,7 @@ def test_step_control():
             HalveAndGrow(**{name: 0})
 
 
-@pytest.mark.xfail(strict=True, reason="with cut <= 1 a failing solve never ends; with growth < 1 steps shrink for ever")
+@pytest.mark.xfail(strict=True, reason="cut <= 1: a failing solve never ends; growth < 1: steps shrink")
 @pytest.mark.parametrize("wrong", [{"cut": 1.0}, {"cut": 0.5}, {"growth": 0.5}], ids=str)
 def test_step_control_that_cannot_end_is_refused(wrong):
     with pytest.raises(InputError):

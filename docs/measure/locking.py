@@ -205,6 +205,11 @@ def zero_modes() -> None:
     save("zero_modes", ["strains", "one element", "3 x 3 elements"], rows)
 
 
+def count(result: sk.statics.StaticResult) -> str:
+    steps = len(result.path) - 1
+    return f"{result.iterations}" + (f" in {steps} load steps" if steps > 1 else "")
+
+
 def newton() -> None:
     """Iterations for the cantilever strip under the force of Sze et al. (2004), P L^2 / EI = 4, and more."""
     length, width, h, young = 10.0, 1.0, 0.1, 1.2e6
@@ -217,7 +222,7 @@ def newton() -> None:
         )  # fmt: skip
         system = strip.on(sk.meshes.uniform(strip.surface, 16, 1))
         results = [sk.solve(system, mixed=mixed, max_iterations=60) for mixed in (False, True)]
-        rows.append([f"{load:g}", *(f"{r.iterations} in {len(r.path) - 1} step(s)" for r in results)])
+        rows.append([f"{load:g}", *(count(r) for r in results)])
     save("newton", ["P L^2 / EI", "plain Newton", "mixed integration point"], rows)
 
 

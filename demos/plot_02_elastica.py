@@ -146,7 +146,7 @@ def chart_of_errors(columns: dict[str, list[float]], load: float, plain: list[fl
     axes.set(xlabel="elements along the strip", ylabel="error of the end / L", xticks=counts,
              xticklabels=[f"{n:g}" for n in counts], title=f"$P L^2 / EI = {load:g}$, thickness L / 1000")  # fmt: skip
     axes.minorticks_off()
-    axes.legend(frameon=False, loc="lower left")
+    figure.legend(loc="outside lower center", ncols=2, frameon=False)
     return figure
 
 

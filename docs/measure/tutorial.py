@@ -81,7 +81,7 @@ def main() -> None:
             with Image.open(Path(folder) / name) as picture:
                 flat = picture.convert("RGB")
                 flat.thumbnail((900, 900))
-                flat.quantize(128).save(DOCS / "pictures" / name, optimize=True)
+                flat.save(DOCS / "pictures" / name, optimize=True)
     wrong = [(e, p) for e, p in zip(found, printed, strict=True) if not same(e.shown, p)]
     for example, given in wrong:
         print(f"line {example.line} shows\n{example.shown}but prints\n{given}")

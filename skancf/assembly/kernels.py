@@ -272,7 +272,9 @@ def stresses(start, stop, order, q, change, rule, elements, strain_out, out):
         strains(rule, x, y, sx, sy, elements.reference[c], eps)
         apply_law(rule, elements.law[c], eps, out[e])
         if strain_out.shape[0]:
-            strain_out[e] = eps
+            for k in range(N_STRAINS):
+                for p in range(N_POINTS):
+                    strain_out[e, k, p] = eps[k, p]
 
 
 @njit(**OPTIONS)
@@ -471,6 +473,8 @@ def mass(start, stop, order, shapes, elements, slots, out):
     K = np.zeros((48, 48))
     for index in range(start, stop):
         e = order[index]
-        for i in range(3):
-            K[16 * i : 16 * i + 16, 16 * i : 16 * i + 16] = shapes[elements.shape[e]]
+        for i in range(0, 48, 16):
+            for a in range(16):
+                for b in range(16):
+                    K[i + a, i + b] = shapes[elements.shape[e], a, b]
         scatter_tangent(e, elements, slots, K, out)

@@ -97,30 +97,33 @@ def force_change(v, w0, w1, w2, w3, geometric):
 
 
 @njit(**OPTIONS)
-def store(H, a, b, p, block):
-    """Components 11, 22, 33, 12, 13, 23 of the block (a, b) and of its transpose (b, a)."""
+def store(of_a, of_b, at_b, at_a, block):
+    """Components 11, 22, 33, 12, 13, 23 of a block (a, b) into H[a] at b and of its transpose into H[b] at a."""
     x, y, z = block
-    ab, ba = 16 * b + p, 16 * a + p
-    H[a, 0, ab], H[a, 1, ab], H[a, 2, ab] = x[0], y[1], z[2]
-    H[a, 3, ab], H[a, 4, ab], H[a, 5, ab] = x[1], x[2], y[2]
-    H[b, 0, ba], H[b, 1, ba], H[b, 2, ba] = x[0], y[1], z[2]
-    H[b, 3, ba], H[b, 4, ba], H[b, 5, ba] = y[0], z[0], z[1]
+    of_a[0, at_b], of_a[1, at_b], of_a[2, at_b] = x[0], y[1], z[2]
+    of_a[3, at_b], of_a[4, at_b], of_a[5, at_b] = x[1], x[2], y[2]
+    of_b[0, at_a], of_b[1, at_a], of_b[2, at_a] = x[0], y[1], z[2]
+    of_b[3, at_a], of_b[4, at_a], of_b[5, at_a] = y[0], z[0], z[1]
 
 
 @njit(**OPTIONS)
 def in_plane_stiffness(law, p, v, s, H):
     """Second derivative of the in-plane energy with respect to the jet, into H (4, 6, 64): jet, component, jet and point."""
-    w = stress_changes(law, p, 0, 2, 3, 5, v)
-    store(H, 0, 0, p, force_change(v, w[0], w[2], w[3], w[5], s[0]))
-    w = stress_changes(law, p, 2, 1, 5, 4, v)
-    store(H, 0, 1, p, force_change(v, w[0], w[2], w[3], w[5], s[2]))
-    store(H, 1, 1, p, force_change(v, w[2], w[1], w[5], w[4], s[1]))
-    w = stress_changes(law, p, 3, 5, 6, 8, v)
-    store(H, 0, 2, p, force_change(v, w[0], w[2], w[3], w[5], s[3]))
-    store(H, 1, 2, p, force_change(v, w[2], w[1], w[5], w[4], s[5]))
-    store(H, 2, 2, p, force_change(v, w[3], w[5], w[6], w[8], s[6]))
-    w = stress_changes(law, p, 5, 4, 8, 7, v)
-    store(H, 0, 3, p, force_change(v, w[0], w[2], w[3], w[5], s[5]))
-    store(H, 1, 3, p, force_change(v, w[2], w[1], w[5], w[4], s[4]))
-    store(H, 2, 3, p, force_change(v, w[3], w[5], w[6], w[8], s[8]))
-    store(H, 3, 3, p, force_change(v, w[5], w[4], w[8], w[7], s[7]))
+    # Zero, but not as a literal: the compiler makes a new function for each literal argument.
+    o = p - p
+    r1, r2, d1, d2 = H[0], H[1], H[2], H[3]
+    at_r1, at_r2, at_d1, at_d2 = p, p + 16, p + 32, p + 48
+    w = stress_changes(law, p, o, o + 2, o + 3, o + 5, v)
+    store(r1, r1, at_r1, at_r1, force_change(v, w[0], w[2], w[3], w[5], s[0]))
+    w = stress_changes(law, p, o + 2, o + 1, o + 5, o + 4, v)
+    store(r1, r2, at_r2, at_r1, force_change(v, w[0], w[2], w[3], w[5], s[2]))
+    store(r2, r2, at_r2, at_r2, force_change(v, w[2], w[1], w[5], w[4], s[1]))
+    w = stress_changes(law, p, o + 3, o + 5, o + 6, o + 8, v)
+    store(r1, d1, at_d1, at_r1, force_change(v, w[0], w[2], w[3], w[5], s[3]))
+    store(r2, d1, at_d1, at_r2, force_change(v, w[2], w[1], w[5], w[4], s[5]))
+    store(d1, d1, at_d1, at_d1, force_change(v, w[3], w[5], w[6], w[8], s[6]))
+    w = stress_changes(law, p, o + 5, o + 4, o + 8, o + 7, v)
+    store(r1, d2, at_d2, at_r1, force_change(v, w[0], w[2], w[3], w[5], s[5]))
+    store(r2, d2, at_d2, at_r2, force_change(v, w[2], w[1], w[5], w[4], s[4]))
+    store(d1, d2, at_d2, at_d1, force_change(v, w[3], w[5], w[6], w[8], s[8]))
+    store(d2, d2, at_d2, at_d2, force_change(v, w[5], w[4], w[8], w[7], s[7]))

@@ -9,6 +9,7 @@ import argparse
 import os
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -26,8 +27,8 @@ def best(function: Callable[[], object], seconds: float = 1.0) -> float:
 
 def megabytes(*objects: object) -> float:
     """Memory of the arrays in objects, one level deep."""
-    arrays = [a for o in objects for a in (o if isinstance(o, tuple) else vars(o).values() if hasattr(o, "__dict__") else [o])]
-    return sum(a.nbytes for a in arrays if isinstance(a, np.ndarray)) / 1e6
+    parts = [o if isinstance(o, tuple) else vars(o).values() if hasattr(o, "__dict__") else [o] for o in objects]
+    return sum(a.nbytes for part in parts for a in part if isinstance(a, np.ndarray)) / 1e6
 
 
 def main() -> None:
@@ -62,8 +63,9 @@ def main() -> None:
             matrix = system.tangent(q, stresses)
             figures = [
                 1e6 / count * best(call)
-                for call in (lambda s=system: s.internal_force(q), lambda s=system: s.stresses(q),
-                             lambda s=system, t=stresses: s.tangent(q, t))
+                for call in (
+                    partial(system.internal_force, q), partial(system.stresses, q), partial(system.tangent, q, stresses),
+                )
             ]  # fmt: skip
             matrix_kb = 1e3 * megabytes(matrix.values) / count
             other = 1e3 * megabytes(system._elements, system.geometry, system.pattern, stresses, q) / count

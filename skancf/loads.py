@@ -157,6 +157,8 @@ class SurfaceLoad:
 def _values(force: Any, at: np.ndarray) -> np.ndarray:
     """A constant or a function at (2, n_elements, n): (n_elements, 3, n)."""
     value = finite("force", force(*at) if callable(force) else force)
+    if value.shape[:1] != (3,):
+        raise InputError(f"force of shape {value.shape}: a function of (x, y) must return three components first, (3, ...)")
     value = value.reshape(3, 1, 1) if value.ndim == 1 else value
     return np.moveaxis(np.broadcast_to(value, (3, *at.shape[1:])), 0, 1)
 

@@ -57,9 +57,15 @@ class Problem:
 
     def __post_init__(self) -> None:
         positive("thickness", self.thickness, "m")
-        for name in ("supports", "loads"):
-            if not isinstance(getattr(self, name), Sequence):
+        if not hasattr(self.material, "stiffness"):
+            raise InputError(f"material = {self.material!r}: give a law, for example Isotropic(young, poisson, density)")
+        for name, method in (("supports", "rows"), ("loads", "on")):
+            items = getattr(self, name)
+            if not isinstance(items, Sequence):
                 raise InputError(f"{name}: give a list, as in {name}=[...]")
+            for item in items:
+                if not hasattr(item, method):
+                    raise InputError(f"{name}: {item!r} is none; see skancf.{name} for what there is")
 
     def on(self, mesh: skfem.MeshQuad, theory: str | Full = "full") -> System:
         """The problem on a mesh of the parameter plane, with a theory (a name, or an object such as ``Full()``)."""

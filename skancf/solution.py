@@ -28,6 +28,8 @@ class Solution:
     time : float or None
     load_factor : float
         Factor of all loads, in statics.
+    linear : bool
+        A small-deflection answer, in equilibrium with the tangent of the undeformed state.
     """
 
     system: System
@@ -35,6 +37,7 @@ class Solution:
     velocity: np.ndarray | None = None
     time: float | None = None
     load_factor: float = 1.0
+    linear: bool = False
 
     @property
     def displacements(self) -> np.ndarray:
@@ -43,11 +46,11 @@ class Solution:
 
     def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        return at_points(self.system, self.q - self.system.undeformed, at, z)
+        return at_points(self.system, self.q - self.system.undeformed, at, self._depth(z))
 
     def position(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        return at_points(self.system, self.q, at, z)
+        return at_points(self.system, self.q, at, self._depth(z))
 
     def strains(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
         """Green-Lagrange strain in the local frame at points (2, n) of every element and depth z: (n_elements, n, 6).
@@ -88,9 +91,14 @@ class Solution:
 
     def reactions(self, where: Any = None) -> np.ndarray:
         """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere."""
-        residual = self.system.internal_force(self.q) - self.load_factor * self.system.external_force(self.q, self.time)
-        forces = self.system.constraints.fixed_part(residual).reshape(-1, 4, 3)[:, 0]
-        return forces.sum(axis=0) if where is None else forces[self.system.geometry.nodes_on(where)].sum(axis=0)
+        system = self.system
+        if self.linear:
+            start = system.undeformed
+            residual = system.tangent(start) @ (self.q - start) - system.external_force(start)
+        else:
+            residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
+        forces = system.constraints.fixed_part(residual).reshape(-1, 4, 3)[:, 0]
+        return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
 
     def _depth(self, z: float) -> float:
         half = self.system.problem.thickness / 2

@@ -4,7 +4,7 @@ A place is the name of a boundary (``"left"``, ``"boundary"`` for all of it, ``"
 y) of the parameter plane or a list of them (nodes must be there), or a function of (x, y) that is true at the nodes meant.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -204,7 +204,7 @@ class Prescribed:
     history: History | None = None
 
     def __post_init__(self) -> None:
-        if len(self.displacement) != 3:
+        if not isinstance(self.displacement, Sequence) or len(self.displacement) != 3:
             raise InputError(f"displacement = {self.displacement}: give three entries, None where it is free")
         finite("displacement", [u for u in self.displacement if u is not None])
 

@@ -177,7 +177,6 @@ def test_conflicting_displacements_are_refused():
     system_with([sk.Clamp("right"), sk.Prescribed("right", (0.0, 0.0, None))])
 
 
-@pytest.mark.xfail(strict=True, raises=InputError, reason="equal values of two supports are called different")
 def test_two_supports_may_prescribe_the_same_displacement():
     """As they do in the corner that two edges share."""
     edges = [sk.Prescribed(edge, (0.1, None, None)) for edge in ("right", "top")]
@@ -282,10 +281,7 @@ def test_reactions_balance_the_loads():
         assert np.allclose(parts, solution.reactions(), rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("load", [
-    1e-3,
-    pytest.param(2000.0, marks=pytest.mark.xfail(strict=True, reason="reactions use the nonlinear internal force")),
-])  # fmt: skip
+@pytest.mark.parametrize("load", [1e-3, 2000.0])
 def test_reactions_of_the_linear_answer_balance_the_load(load):
     system = system_with([sk.Clamp("left"), sk.Roller("right")], [sk.SurfaceLoad((0, 0, load))], n=4)
     solution = sk.solve_linear(system)
@@ -316,25 +312,23 @@ def test_free_motions_are_named(supports, message):
 
 NAN = float("nan")
 BOWTIE = skfem.MeshQuad(np.array([[0.0, 1, 1, 0], [0, 0, 1, 1]]), np.array([[0], [2], [1], [3]]), sort_t=False)
-NOT_YET = {  # refused, but by an error of Python or numpy that names neither the value nor the rule
-    "empty place": lambda: system_with([sk.Clamp([])]),
-    "number as a place": lambda: system_with([sk.Clamp(5)]),
-    "names and points mixed": lambda: system_with([sk.Clamp(["left", (0, 0)])]),
-    "load function of two components": lambda: system_with([], [sk.SurfaceLoad(lambda x, y: (x, y))]),
-}
 
 
-@pytest.mark.xfail(strict=True, raises=(TypeError, ValueError), reason="not an InputError yet")
-@pytest.mark.parametrize("case", NOT_YET)
-def test_mistakes_that_are_not_named_yet(case):
-    try:
-        NOT_YET[case]()
-    except InputError:
-        return
-    pytest.fail("accepted")
+def test_names_and_points_can_be_mixed():
+    system = system_with([sk.Pin(["left", (1.0, 0.5)])])
+    held = np.flatnonzero(system.constraints.fixed[:, :3].all(axis=1))
+    assert set(held) == {*system.geometry.nodes_on("left"), *system.geometry.nodes_on((1.0, 0.5))}
 
 
 MISTAKES = {
+    "empty place": (lambda: system_with([sk.Clamp([])]), r"place \[\]: give the name"),
+    "number as a place": (lambda: system_with([sk.Clamp(5)]), "place 5: give the name"),
+    "two components": (lambda: system_with([], [sk.SurfaceLoad(lambda x, y: (x, y))]), "must return three components"),
+    "not a support": (lambda: system_with([None]), "supports: None is none"),
+    "no displacement": (lambda: sk.Prescribed("left", None), "give three entries"),
+    "no material": (lambda: sk.Problem(sk.Rectangle(1.0, 1.0), 0.1, None), "material = None: give a law"),
+    "one thickness point": (lambda: sk.Full(n_thickness=0), "n_thickness = 0"),
+    "depth": (lambda: sk.solve_linear(system_with([sk.Clamp("left")])).position((1, 0.5), z=5), "outside the plate"),
     "unknown name": (lambda: system_with([sk.Clamp("lefft")]), "no boundary 'lefft'.*'bottom'.*'left'"),
     "unknown name of a load": (lambda: system_with([], [sk.EdgeLoad("lefft", FORCE)]), "no boundary 'lefft'"),
     "no edge": (lambda: system_with([], [sk.EdgeLoad((0.0, 0.0), FORCE)]), "no edge of the boundary"),

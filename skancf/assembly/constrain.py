@@ -39,15 +39,20 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
         Where two supports ask for different values of the same coordinate.
     """
     by_node: dict[int, list[tuple[np.ndarray, float, int]]] = defaultdict(list)
-    for number, support in enumerate(supports):
+    histories: list[Any] = [None]
+    for support in supports:
+        history = getattr(support, "history", None)
+        if not any(history is known for known in histories):
+            histories.append(history)
+        number = next(k for k, known in enumerate(histories) if known is history)
         for node, a, value in support.rows(geometry):
             by_node[node].append((a, value, number))
     fixed = np.zeros((geometry.n_nodes, 12), dtype=bool)
-    changes = np.zeros((len(supports), geometry.n_nodes, 12))
+    changes = np.zeros((len(histories), geometry.n_nodes, 12))
     frame_nodes, frames = [], []
     for node, rows in by_node.items():
         A = np.array([row[0] for row in rows])
-        values = np.zeros((len(rows), len(supports)))
+        values = np.zeros((len(rows), len(histories)))
         values[np.arange(len(rows)), [row[2] for row in rows]] = [row[1] for row in rows]
         frame, rank, local = _frame(A, values)
         _check_consistent(geometry, node, A, frame[:rank], local, values)
@@ -60,11 +65,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
             frames.append(frame)
         changes[:, node] = (frame[:rank].T @ local).T
     constraints = Constraints(fixed, np.array(frame_nodes, dtype=np.int64), np.array(frames).reshape(-1, 12, 12))
-    parts = [
-        (change.ravel(), getattr(support, "history", None))
-        for change, support in zip(changes, supports, strict=True)
-        if change.any()
-    ]
+    parts = [(change.ravel(), history) for change, history in zip(changes, histories, strict=True) if change.any()]
     return constraints, Motion(fixed.size, parts)
 
 

@@ -1,5 +1,6 @@
 """A mesh on a surface for a theory: undeformed nodal coordinates, local vectors, where things are."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -104,6 +105,9 @@ class Geometry:
     def points_and_facets(self, where: Any) -> tuple[np.ndarray, np.ndarray]:
         """Nodes and boundary facets of a name, points, or a function of (x, y)."""
         none = np.empty(0, dtype=int)
+        if not (isinstance(where, (str, Sequence, np.ndarray)) or callable(where)) or np.size(where) == 0:
+            raise InputError(f"place {where!r}: give the name of a boundary, one of {self.names()}, a point (x, y), a list "
+                             "of names and points, or a function of (x, y)")  # fmt: skip
         if isinstance(where, str):
             facets = self._facets_named(where)
             return (self.corners, none) if facets is None else (np.unique(self.mesh.facets[:, facets]), facets)
@@ -114,10 +118,10 @@ class Geometry:
                                  "lambda x, y: abs(x) < 1e-9")  # fmt: skip
             boundary = self.mesh.boundary_facets()
             return np.flatnonzero(mask), boundary[mask[self.mesh.facets[:, boundary]].all(axis=0)]
-        if all(isinstance(name, str) for name in where):
-            parts = [self.points_and_facets(name) for name in where]
-            return tuple(np.unique(np.concatenate(part)) for part in zip(*parts, strict=True))  # type: ignore
-        return np.array([self.node_at(at) for at in np.atleast_2d(np.asarray(where, float))]), none
+        if all(isinstance(x, (int, float, np.number)) for x in where):
+            return np.array([self.node_at(where)]), none
+        parts = [self.points_and_facets(place) for place in where]
+        return tuple(np.unique(np.concatenate(part)) for part in zip(*parts, strict=True))  # type: ignore
 
     def _facets_named(self, name: str) -> np.ndarray | None:
         boundaries = self.mesh.boundaries or {}

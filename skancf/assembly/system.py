@@ -10,6 +10,7 @@ from skancf.assembly import kernels
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.sections import Sections
+from skancf.errors import InputError
 from skancf.linear import BlockMatrix, BlockPattern, Constraints
 from skancf.theories.full import D1, D2, N_IN_PLANE, R1, R2, D, jet_table, position_table
 
@@ -150,6 +151,8 @@ class System:
         return BlockMatrix(self.pattern, out)
 
     def _nodal(self, q: np.ndarray) -> np.ndarray:
+        if np.size(q) != self.n_dofs:
+            raise InputError(f"a vector of {np.size(q)} nodal coordinates; this system has {self.n_dofs}, 12 per node")
         return np.ascontiguousarray(q, dtype=float).reshape(-1, 4, 3)
 
 

@@ -28,6 +28,10 @@ class HalveAndGrow:
     def __post_init__(self) -> None:
         for name in ("first", "smallest", "cut", "growth", "easy"):
             positive(name, getattr(self, name))
+        if not self.cut > 1:
+            raise InputError(f"cut = {self.cut}: a failed step must become shorter, give a number greater than one")
+        if not self.growth >= 1:
+            raise InputError(f"growth = {self.growth}: an easy step must not become shorter, give at least one")
 
     def next_step(self, step: float, result: NewtonResult) -> float:
         if not result.converged:
@@ -108,6 +112,9 @@ def solve(
         When a rigid motion is free.
     """
     number("load_factor", load_factor)
+    positive("rtol", rtol)
+    if start is not None and start.system is not system:
+        raise InputError("start belongs to another system; continue on the mesh it was computed on")
     require_support(system)
     control = control or HalveAndGrow()
     solver = DirectSolver(system.pattern, system.constraints, backend)
@@ -169,4 +176,4 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
         change = solver.solve(system.external_force(start) - matrix @ moved, refinements=2) + moved
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
-    return Solution(system, start + change)
+    return Solution(system, start + change, linear=True)

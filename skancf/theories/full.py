@@ -17,6 +17,7 @@ import numpy as np
 
 from skancf.elements.quad_ancf import gauss, square_quadrature
 from skancf.elements.reference import ancf_functions
+from skancf.errors import InputError
 
 R1, R2, D1, D2, D = range(5)
 TERMS = np.array([
@@ -114,6 +115,10 @@ class Full:
     n_thickness: int = 3
 
     name = "full"
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.n_thickness, int) and self.n_thickness >= 1):
+            raise InputError(f"n_thickness = {self.n_thickness}: give a whole number of Gauss points, 2 or more to bend")
 
     @cached_property
     def quadrature(self) -> tuple[np.ndarray, np.ndarray]:

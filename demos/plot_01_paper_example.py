@@ -23,6 +23,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import skancf as sk
@@ -191,6 +192,16 @@ def report(name: str, result: Study, out: Path) -> None:
     output.save_table(out / f"{name}_displacements.csv", columns)
 
 
+def overview(name: str, folder: Path) -> None:
+    """The pictures of one study on one sheet."""
+    sheet, axes = plt.subplots(2, 2, figsize=(12, 10), layout="constrained")
+    pictures = ("2_stress", "3_graded_mesh", "4_displacements", "5_deformed")
+    for axis, picture in zip(axes.flat, pictures, strict=True):
+        axis.imshow(plt.imread(folder / f"{name}_{picture}.png"))
+        axis.set_axis_off()
+    sheet.savefig(folder / f"{name}_overview.png", dpi=100)
+
+
 def main(size: str = "full", out: str = "out") -> dict:
     """Run the example; returns the studies by the name of their strains."""
     folder = Path(out)
@@ -200,6 +211,7 @@ def main(size: str = "full", out: str = "out") -> dict:
         print(f"\n== {name} strains", flush=True)
         studies[name] = study(theory, SIZES[size])
         report(name, studies[name], folder)
+        overview(name, folder)
     text = "\n".join(table(n, s) + "\n" + worth_of_reference(n, s) for n, s in studies.items())
     print(text)
     (folder / "table.txt").write_text(text + "\n")
@@ -212,11 +224,13 @@ def main(size: str = "full", out: str = "out") -> dict:
 
 
 # %%
-# What comes out, and why, is discussed after the table: the refined mesh gains under the load, where the stress is; far
-# away, where it became coarser, it loses.
+# What comes out: under the load, where the stress is, the graded mesh is nearer to the fine one by a fifth to a third, and a
+# uniform mesh needs half as many nodes again for the same error. At the two other points, where the mesh became coarser, it
+# is as good as the uniform one or a little worse. So the first claim of the paper holds where the refinement is, not
+# everywhere, and the second one with it.
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
+    parser = argparse.ArgumentParser(description="The paper's example")
     parser.add_argument("--size", choices=sorted(SIZES), default=os.environ.get("SKANCF_DEMO_SIZE", "full"))
-    parser.add_argument("--out", default="out")
+    parser.add_argument("--out", default=os.environ.get("SKANCF_DEMO_OUT", "out"))
     arguments, _ = parser.parse_known_args()
     main(arguments.size, arguments.out)

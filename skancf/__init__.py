@@ -1,6 +1,6 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
-from skancf import adapt, meshes
+from skancf import adapt, meshes, output
 from skancf.dynamics import FixedStep, GeneralizedAlpha, LocalError, Motion, simulate
 from skancf.elements import ElementQuadANCF, through_thickness
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError
@@ -50,6 +50,7 @@ __all__ = [
     "__version__",
     "adapt",
     "meshes",
+    "output",
     "simulate",
     "solve",
     "solve_linear",

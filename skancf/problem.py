@@ -28,7 +28,7 @@ class Problem:
     surface : Surface
         Undeformed mid-surface, for example :class:`~skancf.Rectangle`.
     thickness : float
-        m.
+        In metres, or any consistent unit of length.
     material : Law
         For example :class:`~skancf.Isotropic`.
     supports, loads : sequences

@@ -79,12 +79,12 @@ class Solution:
 
     @property
     def strain_energy(self) -> float:
-        """J."""
+        """Strain energy (J)."""
         return self.system.strain_energy(self.q)
 
     @property
     def kinetic_energy(self) -> float:
-        """J; zero in statics."""
+        """Kinetic energy (J); zero in statics."""
         if self.velocity is None:
             return 0.0
         return 0.5 * float(self.velocity @ (self.system.mass @ self.velocity))

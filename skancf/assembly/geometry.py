@@ -105,7 +105,7 @@ class Geometry:
     def points_and_facets(self, where: Any) -> tuple[np.ndarray, np.ndarray]:
         """Nodes and boundary facets of a name, points, or a function of (x, y)."""
         none = np.empty(0, dtype=int)
-        if not (isinstance(where, (str, Sequence, np.ndarray)) or callable(where)) or np.size(where) == 0:
+        if not (callable(where) or (isinstance(where, (str, Sequence, np.ndarray)) and len(where))):
             raise InputError(f"place {where!r}: give the name of a boundary, one of {self.names()}, a point (x, y), a list "
                              "of names and points, or a function of (x, y)")  # fmt: skip
         if isinstance(where, str):

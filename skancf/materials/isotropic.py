@@ -19,7 +19,7 @@ class Isotropic:
     poisson : float
         Poisson's ratio, -1 < nu < 0.5.
     density : float
-        kg/m3.
+        Mass per undeformed volume (kg/m3).
     kind : {"plane_stress", "3d"}
         ``"plane_stress"`` (default): in-plane block :math:`E / (1 - \nu^2)`, thickness strain uncoupled. ``"3d"``: the
         three-dimensional law; with nu > 0 the fully parameterised plate then is too stiff in bending by

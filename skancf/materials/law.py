@@ -93,7 +93,7 @@ class Anisotropic:
     matrix : (6, 6) array
         C in the material's axes, Voigt order 11, 22, 33, 23, 13, 12, doubled shear strains (Pa).
     density : float
-        kg/m3.
+        Mass per undeformed volume (kg/m3).
     angle : float
         From the tangent along the parameter x to the material's axis 1, radians.
     kind : {"plane_stress", "3d"}

@@ -21,7 +21,7 @@ class Orthotropic:
     shear : (G12, G13, G23)
         Shear moduli (Pa).
     density : float
-        kg/m3.
+        Mass per undeformed volume (kg/m3).
     angle : float
         From the tangent along the parameter x to the material's axis 1, radians.
     kind, shear_correction

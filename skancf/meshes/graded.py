@@ -136,7 +136,8 @@ def _inside(region: Region, direction: int, low: float, high: float) -> float:
 def _check_choice(*choices: Any) -> None:
     given = sum(choice is not None for choice in choices)
     if given != 1:
-        raise InputError(f"{given} of nodes, shape and coarse are given: give exactly one of them")
+        raise InputError(f"{given} of nodes, shape and coarse are given: give one of them "
+                         "(none only with regions that remember their mesh, as stress_regions returns them)")
 
 
 def _shape(shape: Any) -> tuple[int, int]:

@@ -125,7 +125,7 @@ def histories_chart(
     Parameters
     ----------
     times : (n,) array
-        s.
+        Times (s).
     histories : mapping from label to (n,) array or (times, values)
         A tuple has times of its own, for example those of a reference. Or a mapping from the name of a panel to such a
         mapping.

@@ -137,7 +137,7 @@ def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: f
     path : str or Path
         ``*.gif``.
     seconds_per_frame : float
-        s.
+        Duration of each picture (s).
     **look
         See :func:`picture`. The default size is 700 x 500 pixels.
 
@@ -273,12 +273,12 @@ def _bar(style: Look, shown_unit: str) -> dict[str, Any]:
     return {
         "title": short + (f" ({shown_unit})" if shown_unit else "") + "\n",
         "vertical": True,
-        "position_x": 0.87,
+        "position_x": 0.855,
         "position_y": 0.2,
         "width": 0.06,
         "height": 0.6,
         "n_labels": 7,
-        "fmt": "  %.4g",
+        "fmt": " %.3g",
         "color": DARK,
         "title_font_size": 2 * _font(style),
         "label_font_size": 2 * _font(style),

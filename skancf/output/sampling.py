@@ -41,7 +41,7 @@ class Surface:
     rims : (n_elements, 4 k + 1) int array
         Points around each element: its curved edges.
     displacement : (n, 3) array
-        m.
+        Distance from the mid-surface (m).
     velocity : (n, 3) array or None
         m/s.
     """

@@ -60,7 +60,7 @@ class NewtonResult:
         return self.status is Status.CONVERGED
 
     def unwrap(self) -> np.ndarray:
-        """q, or :class:`DidNotConverge`."""
+        """q, or :class:`~skancf.DidNotConverge`."""
         if not self.converged:
             tail = ", ".join(f"{r:.1e}" for r in self.residual_norms[-3:])
             raise DidNotConverge(f"newton: {self.status.value}; residual ... {tail}. {self.message}", self.residual_norms)

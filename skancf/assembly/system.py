@@ -8,6 +8,7 @@ import numpy as np
 
 from skancf.assembly import kernels
 from skancf.assembly.geometry import Geometry
+from skancf.assembly.residual_kernel import residual
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.sections import Sections
 from skancf.errors import InputError
@@ -82,7 +83,7 @@ class System:
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         """Derivative of the strain energy, (n_dofs,)."""
         out = np.zeros_like(self.geometry.undeformed)
-        self._schedule.run(kernels.residual, self._nodal(q), self._rule, self._elements, out)
+        self._schedule.run(residual, self._nodal(q), self._rule, self._elements, out)
         return out.ravel()
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:

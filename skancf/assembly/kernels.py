@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from skancf.theories.full import N_IN_PLANE, N_STRAINS
-from skancf.theories.full_point import OPTIONS, in_plane, in_plane_force, in_plane_stiffness
+from skancf.theories.full_point import INNER, OPTIONS, in_plane, in_plane_force, in_plane_stiffness
 
 N_SAMPLED = N_STRAINS - N_IN_PLANE
 N_POINTS = 16
@@ -66,7 +66,7 @@ class Rule(NamedTuple):
     coupled: bool
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def gather(e, q, elements, local):
     """Local vectors (16, 3) of element e from nodal coordinates (n_nodes, 4, 3)."""
     local[:] = 0.0
@@ -77,7 +77,7 @@ def gather(e, q, elements, local):
             local[a, i] += v * q[n, kind, i]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def in_plane_jets(rule, local, out):
     """r_1, r_2, d_1, d_2 at the integration points: out (4, 3, 16)."""
     out[:] = 0.0
@@ -93,7 +93,7 @@ def in_plane_jets(rule, local, out):
                     out[2 + j, i, p] += v * rule.director[a, j, p]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def sample_jets(rule, local, out):
     """r_1, r_2, d_1, d_2, d at the sampling points: out (n_samples, 5, 3)."""
     for s in range(out.shape[0]):
@@ -110,7 +110,7 @@ def sample_jets(rule, local, out):
             out[s, 0, i], out[s, 1, i], out[s, 2, i], out[s, 3, i], out[s, 4, i] = r1, r2, d1, d2, d
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def vectors(x, p):
     """The jet at a point as tuples."""
     return (
@@ -119,7 +119,7 @@ def vectors(x, p):
     )  # fmt: skip
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def strains(rule, x, y, sx, sy, reference, eps):
     """The strains' symmetric bilinear form at two jets less the undeformed strains: eps (14, 16)."""
     for p in range(N_POINTS):
@@ -145,7 +145,7 @@ def strains(rule, x, y, sx, sy, reference, eps):
                 row[p] += value * weight[p]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def apply_law(rule, law, eps, stress):
     """Stress (14, 16) with the weights."""
     stress[:] = 0.0
@@ -158,7 +158,7 @@ def apply_law(rule, law, eps, stress):
                 stress[l, p] += law[m, p] * eps[k, p]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def collect(rule, stress, sampled):
     """Stresses of the sampled strains, by the transposed interpolation: sampled (n_rows,)."""
     for r in range(rule.sample_rows.shape[0]):
@@ -172,7 +172,7 @@ def collect(rule, stress, sampled):
         sampled[r] = total
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def in_plane_stress(stress, p):
     return (
         stress[0, p], stress[1, p], stress[2, p], stress[3, p], stress[4, p],
@@ -212,7 +212,7 @@ def stresses(start, stop, order, q, change, rule, elements, strain_out, out):
                     strain_out[e, k, p] = eps[k, p]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def sampled_gradient(rule, sx, B):
     """Gradient of the sampled strains with respect to the local vectors: B (n_rows, 48), components outermost."""
     for r in range(rule.sample_rows.shape[0]):
@@ -233,7 +233,7 @@ def sampled_gradient(rule, sx, B):
                         row[12 + a] += other * rule.sample_director[2, s, a]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def sampled_geometric(rule, sampled, G):
     """Stress . second derivative of the sampled strains: G (16, 16), the same for the three components."""
     G[:] = 0.0
@@ -253,7 +253,7 @@ def sampled_geometric(rule, sampled, G):
                     G[12 + a, 12 + b] += half * stress * (other[a] * d[b] + d[a] * other[b])
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def coupling(rule, law, x, X):
     """X (n_rows, 48): change of the sampled stresses with the local vectors through the in-plane strains."""
     X[:] = 0.0
@@ -283,7 +283,7 @@ def coupling(rule, law, x, X):
                                     X[r, 16 * i + 12 + a] += w * rule.director[a, j, p]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def unpack(rule, law, square):
     """The in-plane law as an array (9, 9, 16), of which the entries that are zero are left alone."""
     for m in range(rule.pairs.shape[0]):
@@ -293,7 +293,7 @@ def unpack(rule, law, square):
                 square[k, l, p] = square[l, k, p] = law[m, p]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def weight_rows(H, half, rule, W):
     """W (96, 32) = table^T H: derivatives with respect to local vectors on one side and two of the jets on the other.
 
@@ -311,7 +311,7 @@ def weight_rows(H, half, rule, W):
                                          + rule.director_twice[a, 1, k] * H[3, c, shift + k])  # fmt: skip
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def sampled_stiffness(e, rule, elements, B, MB):
     """MB = law of the sampled strains times their gradient B (n_rows, 48)."""
     c = elements.shape[e]
@@ -331,7 +331,7 @@ def sampled_stiffness(e, rule, elements, B, MB):
                         MB[N_POINTS * l + s, a] += weight * B[N_POINTS * k + s, a]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def scatter_tangent(e, elements, slots, K, out):
     """Adds an element's tangent, K (48, 48) of which i <= j is used, to the upper blocks, out (n_blocks, 12, 12)."""
     for k in range(elements.pointer[e], elements.pointer[e + 1]):

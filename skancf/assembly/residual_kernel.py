@@ -9,12 +9,12 @@ from numba import njit
 
 from skancf.assembly.kernels import N_POINTS, N_SAMPLED
 from skancf.theories.full import N_IN_PLANE, N_STRAINS
-from skancf.theories.full_point import OPTIONS
+from skancf.theories.full_point import INNER, OPTIONS
 
 LANES = 32
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def gather_batch(base, stop, order, q, elements, local, classes):
     """Local vectors (16, 3, lanes) of the elements order[base:stop]; returns whether all are of one class."""
     lanes = local.shape[2]
@@ -35,7 +35,7 @@ def gather_batch(base, stop, order, q, elements, local, classes):
     return same
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def scatter_batch(base, stop, order, force, elements, out):
     """Adds the forces on the local vectors (16, 3, lanes) to out (n_nodes, 4, 3)."""
     for lane in range(min(force.shape[2], stop - base)):
@@ -47,7 +47,7 @@ def scatter_batch(base, stop, order, force, elements, out):
                 out[n, kind, i] += v * force[a, i, lane]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def point_jets(rule, p, local, x):
     """r_1, r_2, d_1, d_2 at integration point p: x (4, 3, lanes)."""
     lanes = x.shape[2]
@@ -66,7 +66,7 @@ def point_jets(rule, p, local, x):
                 x[3, i, l] += t2 * local[12 + a, i, l]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def sample_jets_batch(rule, local, x):
     """r_1, r_2, d_1, d_2, d at the sampling points: x (n_samples, 5, 3, lanes)."""
     lanes = x.shape[3]
@@ -88,7 +88,7 @@ def sample_jets_batch(rule, local, x):
                     x[s, 4, i, l] += t * local[12 + a, i, l]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def sampled_strains(rule, x, out):
     """Shear and thickness strains at their sampling points: out (n_rows, lanes)."""
     lanes = out.shape[1]
@@ -101,7 +101,7 @@ def sampled_strains(rule, x, out):
             )
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def point_strains(rule, p, x, sampled, eps):
     """The 14 strains at integration point p before the undeformed ones are subtracted: eps (14, lanes)."""
     lanes = eps.shape[1]
@@ -117,7 +117,9 @@ def point_strains(rule, p, x, sampled, eps):
         eps[6, l] = 0.5 * (c0 * c0 + c1 * c1 + c2 * c2)
         eps[7, l] = 0.5 * (d0 * d0 + d1 * d1 + d2 * d2)
         eps[8, l] = c0 * d0 + c1 * d1 + c2 * d2
-    eps[N_IN_PLANE:] = 0.0
+    for k in range(N_IN_PLANE, N_STRAINS):
+        for l in range(lanes):
+            eps[k, l] = 0.0
     for r in range(sampled.shape[0]):
         k, s = rule.sample_rows[r]
         weight = rule.interpolation[k, s, p]
@@ -126,7 +128,7 @@ def point_strains(rule, p, x, sampled, eps):
                 eps[N_IN_PLANE + k, l] += weight * sampled[r, l]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def point_stresses(rule, p, eps, elements, classes, same, stress):
     """Stress (14, lanes) with the weights at integration point p; subtracts the undeformed strains from eps."""
     lanes = eps.shape[1]
@@ -157,9 +159,9 @@ def point_stresses(rule, p, eps, elements, classes, same, stress):
                 stress[j, l] += elements.law[classes[l], m, p] * eps[k, l]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def point_forces(rule, p, x, stress, sampled, f, force):
-    """Adds the force of integration point p to force (16, 3, lanes), and its stresses to the sampled ones (n_rows, lanes)."""
+    """Adds the force of point p to force (16, 3, lanes), and its shear and thickness stresses to sampled (n_rows, lanes)."""
     lanes = stress.shape[1]
     for i in range(3):
         for l in range(lanes):
@@ -186,7 +188,7 @@ def point_forces(rule, p, x, stress, sampled, f, force):
                 sampled[r, l] += weight * stress[N_IN_PLANE + k, l]
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def sample_forces(rule, x, sampled, f, force):
     """Adds the forces of the sampled stresses (n_rows, lanes) to force (16, 3, lanes)."""
     lanes = sampled.shape[1]

@@ -33,7 +33,9 @@ def finite(name: str, value: Any) -> np.ndarray:
     except (TypeError, ValueError) as wrong:
         raise InputError(f"{name} = {value!r}: not a number; give finite numbers") from wrong
     if not np.isfinite(array).all():
-        raise InputError(f"{name} = {value}: not finite; every entry must be a finite number")
+        first = np.argwhere(~np.isfinite(array))[0]
+        where = f"[{', '.join(map(str, first))}] of shape {array.shape}" if array.ndim else ""
+        raise InputError(f"{name}{where} = {array[tuple(first)]}: not finite; every entry must be a finite number")
     return array
 
 

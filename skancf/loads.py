@@ -13,18 +13,9 @@ import numpy as np
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.sections import Sections
 from skancf.errors import InputError, finite, positive, vector
-from skancf.supports import D, History
+from skancf.history import History, amplitude, check_history
+from skancf.supports import D
 from skancf.theories.full import position_table
-
-
-def amplitude(history: History | None, time: float | None) -> float:
-    """The factor of a load at a time; without a time or a history it is one."""
-    if history is None or time is None:
-        return 1.0
-    value = float(history(time))
-    if not np.isfinite(value):
-        raise InputError(f"history at t = {time} is {value}; a function of time must be finite over the whole run")
-    return value
 
 
 class Spread(NamedTuple):
@@ -77,6 +68,7 @@ class PointForce:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        check_history(self.history)
         vector("at", self.at, 2)
         vector("force", self.force, 3)
 
@@ -111,6 +103,7 @@ class DiskForce:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        check_history(self.history)
         vector("at", self.at, 2)
         positive("radius", self.radius, "m")
         vector("force", self.force, 3)
@@ -124,7 +117,11 @@ class DiskForce:
         slopes = np.stack(geometry.surface.derivatives(*np.asarray(self.at, float)), axis=1)
         triangle = np.linalg.qr(slopes)[1]
         points = np.asarray(self.at, float)[:, None] + np.linalg.solve(triangle, offsets)
-        located = [geometry.locate(point) for point in points.T]
+        try:
+            located = [geometry.locate(point) for point in points.T]
+        except InputError as outside:
+            raise InputError(f"disk at {tuple(self.at)} of radius {self.radius} m reaches over the edge of the surface; "
+                             "make it smaller or move it") from outside  # fmt: skip
         forces = np.tile(np.asarray(self.force, float) / len(located), (len(located), 1))
         elements, local = zip(*located, strict=True)
         return DeadLoad(point_forces(geometry, list(elements), np.array(local), forces), self.history)
@@ -144,6 +141,7 @@ class SurfaceLoad:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        check_history(self.history)
         if not callable(self.force):
             vector("force", self.force, 3)
 
@@ -160,7 +158,10 @@ def _values(force: Any, at: np.ndarray) -> np.ndarray:
     if value.shape[:1] != (3,):
         raise InputError(f"force of shape {value.shape}: a function of (x, y) must return three components first, (3, ...)")
     value = value.reshape(3, 1, 1) if value.ndim == 1 else value
-    return np.moveaxis(np.broadcast_to(value, (3, *at.shape[1:])), 0, 1)
+    try:
+        return np.moveaxis(np.broadcast_to(value, (3, *at.shape[1:])), 0, 1)
+    except ValueError as wrong:
+        raise InputError(f"force of shape {value.shape}: a function of (x, y) must return {(3, *at.shape[1:])}") from wrong
 
 
 def _over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:
@@ -177,6 +178,7 @@ class Gravity:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        check_history(self.history)
         vector("acceleration", self.acceleration, 3)
 
     def on(self, geometry: Geometry, sections: Sections, density: float) -> DeadLoad:
@@ -194,6 +196,7 @@ class EdgeLoad:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        check_history(self.history)
         if not callable(self.force):
             vector("force", self.force, 3)
 
@@ -217,6 +220,7 @@ class EdgeMoment:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        check_history(self.history)
         vector("moment", self.moment, 3)
 
     def on(self, geometry: Geometry, sections: Sections, density: float) -> "MomentOnDirectors":

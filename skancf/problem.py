@@ -36,7 +36,7 @@ class Problem:
     Raises
     ------
     InputError
-        For a thickness that is not positive.
+        For a thickness that is not positive, and for a surface, material, support or load that is none.
 
     Examples
     --------
@@ -57,14 +57,17 @@ class Problem:
 
     def __post_init__(self) -> None:
         positive("thickness", self.thickness, "m")
-        if not hasattr(self.material, "stiffness"):
+        if isinstance(self.surface, type) or not hasattr(self.surface, "position"):
+            raise InputError(f"surface = {self.surface!r}: give a surface, for example Rectangle(1.0, 1.0)")
+        if isinstance(self.material, type) or not hasattr(self.material, "stiffness"):
             raise InputError(f"material = {self.material!r}: give a law, for example Isotropic(young, poisson, density)")
         for name, method in (("supports", "rows"), ("loads", "on")):
             items = getattr(self, name)
             if not isinstance(items, Sequence):
                 raise InputError(f"{name}: give a list, as in {name}=[...]")
+            object.__setattr__(self, name, tuple(items))
             for item in items:
-                if not hasattr(item, method):
+                if isinstance(item, type) or not hasattr(item, method):
                     raise InputError(f"{name}: {item!r} is none; see skancf.{name} for what there is")
 
     def on(self, mesh: skfem.MeshQuad, theory: str | Full = "full") -> System:

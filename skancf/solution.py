@@ -90,7 +90,15 @@ class Solution:
         return 0.5 * float(self.velocity @ (self.system.mass @ self.velocity))
 
     def reactions(self, where: Any = None) -> np.ndarray:
-        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere."""
+        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere.
+
+        Raises
+        ------
+        InputError
+            For a state that moves: its supports also carry inertia.
+        """
+        if self.velocity is not None and np.any(self.velocity):
+            raise InputError("reactions: this state moves, and its supports also carry inertia; reactions are for statics")
         system = self.system
         if self.linear:
             start = system.undeformed
@@ -105,6 +113,12 @@ class Solution:
         if abs(number("z", z)) > half * (1 + 1e-12):
             raise InputError(f"z = {z}: outside the plate, whose faces are at z = -{half} and {half}")
         return float(z)
+
+
+def require_same_mesh(system: System, start: Solution) -> None:
+    """InputError for a state that was computed on another mesh."""
+    if start.system.mesh is not system.mesh:
+        raise InputError("start belongs to another mesh; nodal coordinates have a meaning only on their own one")
 
 
 def at_points(system: System, q: np.ndarray, at: Any, z: float = 0.0) -> np.ndarray:

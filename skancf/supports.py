@@ -4,7 +4,7 @@ A place is the name of a boundary (``"left"``, ``"boundary"`` for all of it, ``"
 y) of the parameter plane or a list of them (nodes must be there), or a function of (x, y) that is true at the nodes meant.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -12,8 +12,8 @@ import numpy as np
 
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, finite, vector
+from skancf.history import History, check_history
 
-History = Callable[[float], float]
 R, R_X, R_Y, D = range(4)
 
 
@@ -204,6 +204,7 @@ class Prescribed:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        check_history(self.history)
         if not isinstance(self.displacement, Sequence) or len(self.displacement) != 3:
             raise InputError(f"displacement = {self.displacement}: give three entries, None where it is free")
         finite("displacement", [u for u in self.displacement if u is not None])

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.errors import InputError, number, positive
+from skancf.errors import InputError, number, positive, vector
 
 Interval = tuple[float, float]
 
@@ -77,8 +77,7 @@ class Rectangle(Plane):
     def __post_init__(self) -> None:
         positive("length_x", self.length_x)
         positive("length_y", self.length_y)
-        for value in self.origin:
-            number("origin", value)
+        vector("origin", self.origin, 2)
 
     @property
     def bounds(self) -> tuple[Interval, Interval]:

@@ -193,3 +193,43 @@ def test_a_time_outside_the_motion_is_refused():
     motion = quiet(cantilever(2), 0.1, dt=0.05)
     with pytest.raises(sk.InputError, match=r"known from 0\.0 to 0\.1"):
         motion.at(0.2)
+
+
+def test_a_state_of_another_mesh_is_refused():
+    other = quiet(cantilever(2), 0.1, dt=0.05).at(0.1)
+    with pytest.raises(sk.InputError, match="another mesh"):
+        quiet(cantilever(2), 0.1, start=other)
+
+
+def test_a_record_that_fails_loses_nothing():
+    def broken(state):
+        if state.time > 0.03:
+            raise ValueError("my own mistake")
+
+    motion = quiet(cantilever(2, [sk.EdgeLoad("right", (0, 0, 5.0))]), 0.2, dt=0.01, record={"x": broken})
+    assert motion.status is MotionStatus.FAILED and "my own mistake" in motion.message
+    assert motion.times[-1] > 0.02
+
+
+def test_outputs_may_end_before_the_run():
+    motion = quiet(cantilever(2), 0.1, dt=0.02, outputs=[0.0, 0.04])
+    assert motion.steps[-1].time == pytest.approx(0.1) and motion.times.tolist() == [0.0, 0.04]
+
+
+def test_a_jump_of_a_prescribed_displacement_is_refused():
+    problem = plate(0.1, [sk.Prescribed("left", (0.0, 0.0, 0.01))])
+    with pytest.raises(sk.InputError, match=r"jumps by 0\.01 at the start"):
+        quiet(problem.on(sk.meshes.uniform(problem.surface, 2, 2)), 0.1)
+
+
+def test_velocity_at_a_clamp_is_that_of_the_clamp():
+    system = cantilever(2)
+    motion = quiet(system, 0.01, dt=0.005, velocity=np.ones(system.n_dofs), outputs=3)
+    assert np.abs(system.constraints.fixed_part(motion.v[0])).max() < 1e-12
+    assert np.abs(motion.v[0]).max() == 1.0
+
+
+def test_reactions_of_a_moving_state_are_refused():
+    motion = quiet(cantilever(2, [sk.EdgeLoad("right", (0, 0, 5.0))]), 0.1, dt=0.05)
+    with pytest.raises(sk.InputError, match="inertia"):
+        motion.at(0.1).reactions()

@@ -370,7 +370,7 @@ def test_poor_factors_are_replaced_by_careful_ones(backend, monkeypatch):
 def test_a_body_without_supports_is_named(backend, size):
     matrix, _ = laplacian(size, size, 3)
     pattern = matrix.pattern
-    with pytest.raises(SingularMatrix, match=r"node \d+ moves freely.*part without support"):
+    with pytest.raises(SingularMatrix, match=r"node \d+ at .* moves freely.*part without support"):
         DirectSolver(pattern, Constraints(np.zeros((pattern.n_nodes, 3), bool)), backend).factor(matrix)
     held = np.zeros((pattern.n_nodes, 3), bool)
     held[0] = True
@@ -488,6 +488,7 @@ def test_auto_takes_the_first_available():
 def test_mkl_gives_its_memory_back(monkeypatch):
     from skancf.linear.pardiso import RELEASE, _Handle
 
+    gc.collect()  # the solvers that earlier tests dropped shall not be counted here
     phases, run = [], _Handle.run
 
     def recording(self, phase, *vectors):

@@ -132,11 +132,11 @@ ONES = np.ones(NODES.shape[1])
 @pytest.mark.parametrize(
     "changes, message",
     [
-        ({"sigma": ONES * np.nan}, "(?s)sigma .*not finite"),
+        ({"sigma": ONES * np.nan}, "(?s)sigma.*not finite"),
         ({"sigma": -ONES}, "sigma.0. = -1.0: .* must not be negative"),
         ({"sigma": ONES[:-1]}, "sigma has shape .* one value for each of the 441 nodes"),
         ({"points": NODES[:1]}, r"points has shape \(1, 441\)"),
-        ({"points": NODES + np.inf}, "(?s)points .*not finite"),
+        ({"points": NODES + np.inf}, "(?s)points.*not finite"),
         ({"positions": NODES[:, :5]}, "positions has shape"),
         ({"spacing": 0.0}, "spacing = 0.0: .* greater than zero"),
         ({"radius": -1.0}, "radius = -1.0"),

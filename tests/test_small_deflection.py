@@ -189,3 +189,35 @@ def test_material_angle():
     assert abs(plus / straight - 1) > 0.05
     oblong = orthotropic_deflection(h, 16, b=1.5), orthotropic_deflection(h, 16, angle=np.pi / 2, b=1.5)
     assert oblong[1] > 1.5 * oblong[0], "in an oblong plate the direction of the fibres counts"
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1e3, 1e9])
+def test_answers_do_not_depend_on_the_unit_of_length(unit):
+    """Elements are sorted into classes of equal shape; a graded mesh in any unit has the same classes and answer."""
+
+    def answer(a):
+        region = sk.meshes.Region((0.5 * a, 0.25 * a), (0.1 * a, 0.1 * a), 4.0)
+        surface = sk.Rectangle(a, a)
+        plate = sk.Problem(surface, 0.01 * a, sk.Isotropic(1.0, 0.3, 1.0), [sk.Clamp("boundary")],
+                           [sk.SurfaceLoad((0, 0, 1e-8))])  # fmt: skip
+        system = plate.on(sk.meshes.graded(surface, [region], shape=(8, 8)))
+        return sk.solve_linear(system).displacement((0.5 * a, 0.5 * a))[2] / a, system.sections.shape
+
+    (w, classes), (w_unit, classes_unit) = answer(1.0), answer(unit)
+    # Rounding, amplified by the condition of a plate of a / h = 100.
+    assert w_unit == pytest.approx(w, rel=1e-7)
+    assert classes.max() > 5 and classes_unit.max() == classes.max()
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3])
+def test_clamped_plate_under_a_centre_force(nu):
+    """w = 0.0056120 P a^2 / D in the thin limit, whatever nu is (Timoshenko and Woinowsky-Krieger, table 37: 0.00560)."""
+    h = 1e-3
+    plate = sk.Problem(sk.Rectangle(1.0, 1.0), h, sk.Isotropic(1.0, nu, 1.0), [sk.Clamp("boundary")],
+                       [sk.PointForce((0.5, 0.5), (0, 0, 1e-12))])  # fmt: skip
+    errors = []
+    for n in (8, 16, 32):
+        w = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, n, n))).displacement((0.5, 0.5))[2]
+        errors.append(abs(w * h**3 / (12 * (1 - nu**2)) / (1e-12 * 0.0056120) - 1))
+    # The load is not smooth, so the order is less than two; the last error is a few parts in a thousand.
+    assert errors[0] > errors[1] > errors[2] and errors[2] < 5e-3

@@ -145,7 +145,7 @@ def test_step_control_that_cannot_end_is_refused(wrong):
 
 def test_nodal_coordinates_of_another_mesh_are_refused():
     other = sk.solve_linear(strip(n=4))
-    with pytest.raises(InputError, match="another system"):
+    with pytest.raises(InputError, match="another mesh"):
         sk.solve(strip(n=8), start=other)
     with pytest.raises(InputError, match="12 per node"):
         strip(n=8).internal_force(other.q)
@@ -188,3 +188,22 @@ def test_progress_is_shown_on_request(capsys):
     assert "statics [" in shown and "100 %" in shown and "load factor 1" in shown
     sk.solve(strip(1.0))
     assert capsys.readouterr().err == ""
+
+
+def test_overflow_is_a_result_that_says_where():
+    problem = sk.Problem(sk.Rectangle(1.0, 1.0), 0.1, sk.Isotropic(1e6, 0.3, 1.0), [sk.Clamp("left")],
+                         [sk.PointForce((1.0, 1.0), (0, 0, 1e308))])  # fmt: skip
+    result = sk.solve(problem.on(sk.meshes.uniform(problem.surface, 2, 2)))
+    assert result.status.value != "converged" and "first at the node" in result.message
+
+
+def test_an_unstable_equilibrium_says_so():
+    """A strip pushed to five times its Euler load, pi^2 E I / (4 L^2), and nothing that disturbs it."""
+    length, thickness, young = 10.0, 0.1, 1e6
+    euler = np.pi**2 * young * thickness**3 / 12 / (4 * length**2)
+    for factor, stable in ((0.5, True), (5.0, False)):
+        problem = sk.Problem(sk.Rectangle(length, 1.0), thickness, sk.Isotropic(young, 0.0, 1.0), [sk.Clamp("left")],
+                             [sk.EdgeLoad("right", (-factor * euler, 0, 0))])  # fmt: skip
+        result = sk.solve(problem.on(sk.meshes.uniform(problem.surface, 8, 1)))
+        assert (result.negative_pivots == 0) is stable
+        assert ("not stable" in result.message) is not stable

@@ -296,11 +296,11 @@ def test_reactions_of_the_linear_answer_balance_the_load(load):
 @pytest.mark.parametrize("supports,message", [
     ([], "translation along x.*translation along z.*rotation about x.*rotation about z"),
     ([sk.Pin((0.5, 0.5))], "leave free rotation about x, rotation about y, rotation about z;"),
-    ([sk.Pin((0.0, 0.0))], r"leave free 3 combination\(s\)"),
+    ([sk.Pin((0.0, 0.0))], r"leave free rotation about the line .*, rotation .*, rotation .*through \(0, 0, 0\)"),
     ([sk.Pin([(0.0, 0.5), (1.0, 0.5)])], "leave free rotation about x;"),
-    ([sk.Pin([(0.0, 0.0), (1.0, 1.0)])], r"leave free 1 combination\(s\)"),
+    ([sk.Pin([(0.0, 0.0), (1.0, 1.0)])], r"free rotation about the line .*0.5, 0.5, 0.* along \(0.7071, 0.7071, 0\);"),
     ([sk.Roller("boundary")], "leave free translation along x, translation along y, rotation about z;"),
-    ([sk.SimpleSupport("left")], r"leave free 1 combination\(s\)"),
+    ([sk.SimpleSupport("left")], r"leave free rotation about the line through \(0, 0.5, 0\) along \(0, -?1, 0\);"),
 ], ids=["nothing", "point", "corner", "line", "diagonal", "roller", "hinge"])  # fmt: skip
 def test_free_motions_are_named(supports, message):
     for solve in (sk.solve, sk.solve_linear):
@@ -335,7 +335,7 @@ MISTAKES = {
     "no node": (lambda: system_with([sk.Pin((0.3, 0.5))]), r"point \(0\.3, 0\.5\): no node.*nearest.*\(0\.5, 0\.5\)"),
     "nowhere true": (lambda: system_with([sk.Pin(lambda x, y: x > 2)]), "true at no node"),
     "point outside": (lambda: system_with([], [sk.PointForce((1.5, 0.5), FORCE)]), r"point \(1\.5, 0\.5\) lies out"),
-    "disk outside": (lambda: system_with([], [sk.DiskForce((0.95, 0.5), 0.1, FORCE)]), "lies outside"),
+    "disk outside": (lambda: system_with([], [sk.DiskForce((0.95, 0.5), 0.1, FORCE)]), "reaches over the edge"),
     "symmetry at a point": (lambda: system_with([sk.Symmetry((0.0, 0.0))]), "needs an edge"),
     "kind": (lambda: sk.SimpleSupport("left", kind="medium"), "'soft'.*'hard'"),
     "no direction": (lambda: sk.Roller("left", (0, 0, 0)), "needs a direction"),
@@ -346,7 +346,7 @@ MISTAKES = {
     "nan from a function": (lambda: system_with([], [sk.SurfaceLoad(lambda x, y: (x, x, NAN * x))]), "force.*finite"),
     "nan edge load": (lambda: sk.EdgeLoad("left", (0, NAN, 0)), "force.*finite"),
     "nan moment": (lambda: sk.EdgeMoment("left", (0, NAN, 0)), "moment.*finite"),
-    "nan point": (lambda: sk.PointForce((NAN, 0), FORCE), "at = .*finite"),
+    "nan point": (lambda: sk.PointForce((NAN, 0), FORCE), r"at\[0\].*finite"),
     "nan gravity": (lambda: sk.Gravity((0, 0, NAN)), "acceleration.*finite"),
     "radius": (lambda: sk.DiskForce((0.5, 0.5), 0.0, FORCE), "radius = 0.0 m"),
     "thickness": (lambda: system_with(thickness=0.0), "thickness = 0.0 m.*greater than zero"),

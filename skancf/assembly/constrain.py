@@ -8,12 +8,13 @@ import numpy as np
 
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError
+from skancf.history import amplitude
 from skancf.linear import Constraints
 
 PARALLEL = 1e-9
 
 
-class Motion:
+class PrescribedMotion:
     """Prescribed changes of the coordinates: a sum of vectors, each with its function of time."""
 
     def __init__(self, n_dofs: int, parts: list[tuple[np.ndarray, Any]]):
@@ -23,14 +24,11 @@ class Motion:
         """(n_dofs,); without a time at full amplitude."""
         total = np.zeros(self.n_dofs)
         for change, history in self.parts:
-            factor = 1.0 if history is None or time is None else float(history(time))
-            if not np.isfinite(factor):
-                raise InputError(f"history of a prescribed displacement at t = {time} is {factor}; it must be finite")
-            total += factor * change
+            total += amplitude(history, time) * change
         return total
 
 
-def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints, Motion]:
+def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints, PrescribedMotion]:
     """Constraints and prescribed motion of all supports together.
 
     Raises
@@ -66,7 +64,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
         changes[:, node] = (frame[:rank].T @ local).T
     constraints = Constraints(fixed, np.array(frame_nodes, dtype=np.int64), np.array(frames).reshape(-1, 12, 12))
     parts = [(change.ravel(), history) for change, history in zip(changes, histories, strict=True) if change.any()]
-    return constraints, Motion(fixed.size, parts)
+    return constraints, PrescribedMotion(fixed.size, parts)
 
 
 def _frame(A: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, int, np.ndarray]:
@@ -91,33 +89,50 @@ def _check_consistent(
                          "for the same coordinate; let one of them go")  # fmt: skip
 
 
-RIGID = ("translation along x", "translation along y", "translation along z",
-         "rotation about x", "rotation about y", "rotation about z")  # fmt: skip
+AXES = np.eye(3)
 
 
-def rigid_motions(undeformed: np.ndarray) -> np.ndarray:
-    """The six rigid motions about the centre, linear, of nodal coordinates (n_nodes, 4, 3): shape (6, n_dofs)."""
+def rigid_motions(undeformed: np.ndarray, size: float) -> np.ndarray:
+    """The six rigid motions about the centre, linear, of nodal coordinates (n_nodes, 4, 3): shape (6, n_dofs).
+
+    Positions count in units of ``size``, so that slopes and positions compare.
+    """
     centred = undeformed.copy()
-    centred[:, 0] -= undeformed[:, 0].mean(axis=0)
-    size = max(1e-300, float(np.abs(centred[:, 0]).max()))
+    centred[:, 0] = (undeformed[:, 0] - undeformed[:, 0].mean(axis=0)) / size
     modes = np.zeros((6, *undeformed.shape))
-    for i, axis in enumerate(np.eye(3)):
+    for i, axis in enumerate(AXES):
         modes[i, :, 0] = axis
-        modes[3 + i] = np.cross(axis, centred) / size
+        modes[3 + i] = np.cross(axis, centred)
     return modes.reshape(6, -1)
 
 
 def free_rigid_motions(undeformed: np.ndarray, constraints: Constraints) -> list[str]:
-    """Names of the rigid motions that the constraints leave free."""
-    modes = rigid_motions(undeformed.reshape(-1, 4, 3))
+    """The rigid motions that the constraints leave free, in words."""
+    nodal = undeformed.reshape(-1, 4, 3)
+    centre = nodal[:, 0].mean(axis=0)
+    size = float(np.abs(nodal[:, 0] - centre).max())
+    modes = rigid_motions(nodal, size)
     held = np.array([constraints.to_frame(mode)[constraints.fixed.ravel()] for mode in modes])
-    if not held.size:
-        return list(RIGID)
-    vectors, sizes, _ = np.linalg.svd(held, full_matrices=True)
+    vectors, sizes, _ = np.linalg.svd(held, full_matrices=True) if held.size else (np.eye(6), np.zeros(0), None)
     sizes = np.concatenate([sizes, np.zeros(6 - len(sizes))])
     free = vectors[:, sizes < 1e-9 * max(1.0, sizes[0])].T
-    if not len(free):
-        return []
-    pure = [name for name, row in zip(RIGID, held, strict=True) if np.abs(row).max() < 1e-9]
-    rest = len(free) - len(pure)
-    return pure + ([f"{rest} combination(s) of translation and rotation"] if rest else [])
+    pure = [i for i in range(6) if not held.size or np.abs(held[i]).max() < 1e-9]
+    rest = free - free[:, pure] @ np.eye(6)[pure] if pure else free
+    _, sizes, rows = np.linalg.svd(rest) if rest.size else (None, np.zeros(0), np.zeros((0, 6)))
+    others = rows[: int((sizes > 1e-6).sum())]
+    names = [f"translation along {'xyz'[i]}" if i < 3 else f"rotation about {'xyz'[i - 3]}" for i in pure]
+    return names + [_motion_in_words(row[:3] * size, row[3:], centre) for row in others]
+
+
+def _motion_in_words(translation: np.ndarray, rotation: np.ndarray, centre: np.ndarray) -> str:
+    """A rigid motion given by the translation of the centre and the rotation about it."""
+    def text(v: np.ndarray) -> str:
+        return "(" + ", ".join(f"{x + 0.0:.4g}" for x in np.round(v, 12)) + ")"
+
+    turn = np.linalg.norm(rotation)
+    if turn * np.linalg.norm(centre) < 1e-9 * np.linalg.norm(translation) or turn < 1e-12:
+        return f"translation along {text(translation / np.linalg.norm(translation))}"
+    axis = rotation / turn
+    point = centre + np.cross(rotation, translation) / turn**2
+    slide = "" if abs(axis @ translation) < 1e-9 * np.linalg.norm(translation) else " with a slide along it"
+    return f"rotation about the line through {text(point)} along {text(axis)}{slide}"

@@ -126,7 +126,10 @@ class Geometry:
     def _facets_named(self, name: str) -> np.ndarray | None:
         boundaries = self.mesh.boundaries or {}
         if name in boundaries:
-            return np.asarray(boundaries[name])
+            facets = np.asarray(boundaries[name])
+            if not facets.size:
+                raise InputError(f"boundary {name!r} has no edge on this mesh; the mesh's own names are at fault")
+            return facets
         if name == "boundary":
             return self.mesh.boundary_facets()
         if name == "corners":

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.theories.full import N_IN_PLANE, local_frame, section_stiffness
+from skancf.theories.full import N_IN_PLANE, R1, R2, TERMS, local_frame, section_stiffness
 
-# Undeformed strains relative to the largest one: a few times the rounding of positions and angles.
-EQUAL = 1e-14
+# Lengths of an element that differ by less than this many times the rounding of its nodes' positions are equal.
+ROUNDINGS = 16
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Sections:
     law : (n_shapes, n_pairs, n_points) array
         Those entries.
     sampled : (n_shapes, n_rows, n_rows) array
-        Law of the sampled strains: interpolation^T D interpolation.
+        Law of the assumed strains at their sampling points: interpolation^T D interpolation.
     moments : (n_shapes, 3, n_points) array
         Integrals of 1, z, z^2 through the thickness with det F.
     areas : (n_shapes, n_points) array
@@ -65,6 +65,8 @@ def build_sections(geometry: Geometry, law: np.ndarray, thickness: float) -> Sec
 
 
 def _sampled_law(geometry: Geometry, full: np.ndarray) -> np.ndarray:
+    if not geometry.theory.assumed:
+        return np.empty((0, 0, 0))  # the plain element's law stays with its points
     interpolation, rows = geometry.theory.sampling()
     strains, samples = rows.T
     weights = interpolation[strains, samples]
@@ -80,16 +82,30 @@ def _scale(full: np.ndarray) -> np.ndarray:
 
 def _classes(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
     """One element of each class, and each element's class."""
-    local, (points, _) = geometry.undeformed_local, geometry.theory.quadrature
-    strains = geometry.theory.strains(local, points).reshape(len(local), -1)
-    jets = geometry.theory.jets(local, points)
-    frame = local_frame(jets, geometry.tangents(points))
-    angles = np.einsum("iep,jiep->ejp", frame[0], jets[:2]).reshape(len(local), -1)
-    key = np.hstack([strains, angles])
-    key = key / np.abs(key).max()
+    key, rounding = _shape_key(geometry)
     known: dict[bytes, int] = {}
     shape = np.array([known.setdefault(row.tobytes(), len(known)) for row in np.round(key, 7) + 0.0], dtype=np.int32)
     representative = np.unique(shape, return_index=True)[1]
-    apart = np.flatnonzero(np.abs(key - key[representative][shape]).max(axis=1) > EQUAL)
+    apart = np.flatnonzero(np.abs(key - key[representative][shape]).max(axis=1) > ROUNDINGS * rounding)
     shape[apart] = len(representative) + np.arange(len(apart))
     return np.concatenate([representative, apart]), shape
+
+
+def _shape_key(geometry: Geometry) -> tuple[np.ndarray, float]:
+    """What tells undeformed elements apart, (n_elements, n), free of units, and the rounding it is known to.
+
+    The logarithms of the element's two lengths, its undeformed strains in terms of them, and its frame.
+    """
+    local, (points, _) = geometry.undeformed_local, geometry.theory.quadrature
+    jets = geometry.theory.jets(local, points)
+    lengths = np.sqrt((jets[[R1, R2]] ** 2).sum(axis=1)).max(axis=-1)
+    scale = np.ones((5, len(local)))
+    scale[[R1, R2]] = lengths
+    strains = geometry.theory.strains(local, points)
+    for k, a, b in {k: (k, a, b) for k, a, b in TERMS.tolist()}.values():
+        strains[:, k] /= (scale[a] * scale[b])[:, None]
+    frame = local_frame(jets, geometry.tangents(points))
+    angles = np.einsum("fiep,jiep->efjp", frame[:2], jets[[R1, R2]]) / lengths.T[:, None, :, None]
+    key = np.hstack([np.log(lengths).T, strains.reshape(len(local), -1), angles.reshape(len(local), -1)])
+    reach = np.abs(geometry.undeformed[:, 0]).max()
+    return key, float(np.finfo(float).eps * max(1.0, reach / lengths.min()))

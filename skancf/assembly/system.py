@@ -54,7 +54,7 @@ class System:
         constraints: Constraints,
         prescription: Prescription,
         loads: Sequence[Loading],
-        problem: Any = None,
+        problem: Any,
     ):
         self.geometry, self.sections, self.density = geometry, sections, density
         self.constraints, self.prescription, self.loads, self.problem = constraints, prescription, loads, problem

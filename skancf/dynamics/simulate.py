@@ -11,9 +11,9 @@ from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.motion import Motion, MotionStatus, Step, hermite
 from skancf.dynamics.step_solver import StepSolver
 from skancf.dynamics.steps import FixedStep, LocalError
-from skancf.errors import InputError, SkancfError, finite, positive
+from skancf.errors import InputError, finite, positive
 from skancf.progress import Progress
-from skancf.solution import Solution
+from skancf.solution import Solution, require_same_mesh
 
 Quantity = Callable[[Solution], Any]
 
@@ -55,7 +55,8 @@ def simulate(
     velocity : (n_dofs,) array, optional
         Initial velocity of the nodal coordinates.
     newton_rtol : float
-        Newton's method ends when the energy of its correction is less than this squared times the energy in the plate.
+        Newton's method ends when the energy of its correction is less than this squared times the largest kinetic energy
+        so far, or the step's first correction.
     progress : bool
         Show a progress bar.
 
@@ -70,15 +71,21 @@ def simulate(
         For times, tolerances or velocities that cannot be used.
     """
     t_end = positive("t_end", t_end, "s")
+    positive("newton_rtol", newton_rtol)
+    for name, quantity in (record or {}).items():
+        if not callable(quantity):
+            raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")
+    if start is not None:
+        require_same_mesh(system, start)
     begin = 0.0 if start is None or start.time is None else start.time
     times = _output_times(outputs, begin, begin + t_end)
     control = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
     q = system.undeformed.copy() if start is None else start.q.copy()
-    v = _initial_velocity(system, velocity, start)
+    v = _initial_velocity(system, velocity, start, begin, t_end)
     began = clock.perf_counter()
     with Progress("dynamics", t_end, shown=progress) as bar:
         run = _Run(system, GeneralizedAlpha(rho_inf), control, times, record or {}, newton_rtol, backend)
-        status, message = run.go(q, v, begin, bar)
+        status, message = run.go(q, v, begin, begin + t_end, bar)
     n = len(run.saved_q)
     return Motion(
         system, times[:n] if status is MotionStatus.FINISHED else np.array(run.saved_times),
@@ -99,13 +106,24 @@ def _output_times(outputs: int | Sequence[float], begin: float, end: float) -> n
     return times
 
 
-def _initial_velocity(system: System, velocity: np.ndarray | None, start: Solution | None) -> np.ndarray:
+def _initial_velocity(
+    system: System, velocity: np.ndarray | None, start: Solution | None, begin: float, t_end: float
+) -> np.ndarray:
+    """The given velocity along free directions, the rate of the prescribed motion along the others."""
+    moved = system.prescribed(begin)
+    at = system.undeformed if start is None else start.q
+    jump = np.abs(system.constraints.fixed_part(at - system.undeformed) - moved).max(initial=0.0)
+    if jump > 1e-9 * np.abs(system.undeformed).max():
+        raise InputError(f"a prescribed displacement jumps by {jump:.3g} at the start, t = {begin}; give it a history that "
+                         "begins with the present state, as in history=lambda t: min(1.0, t / 0.1)")  # fmt: skip
+    moment = 1e-7 * t_end
+    rate = (system.prescribed(begin + moment) - moved) / moment
     if velocity is None:
-        return np.zeros(system.n_dofs) if start is None or start.velocity is None else start.velocity.copy()
+        velocity = np.zeros(system.n_dofs) if start is None or start.velocity is None else start.velocity
     v = finite("velocity", velocity).ravel()
     if v.size != system.n_dofs:
         raise InputError(f"velocity has {v.size} entries; the system has {system.n_dofs} nodal coordinates")
-    return v
+    return system.constraints.free_part(v) + rate
 
 
 class _Run:
@@ -133,26 +151,24 @@ class _Run:
         r = u.reshape(-1, 4, 3)[:, 0]
         return float(np.sqrt(self.weights @ (r * r).sum(axis=1)))
 
-    def go(self, q: np.ndarray, v: np.ndarray, begin: float, bar: Progress) -> tuple[MotionStatus, str]:
+    def go(self, q: np.ndarray, v: np.ndarray, begin: float, end: float, bar: Progress) -> tuple[MotionStatus, str]:
         try:
-            return self._go(q, v, begin, bar)
+            return self._go(q, v, begin, end, bar)
         except KeyboardInterrupt:
             return MotionStatus.INTERRUPTED, f"interrupted from the keyboard at t = {self._reached(begin):.6g} s"
-        except SkancfError as error:
+        except Exception as error:  # whatever a load, a record or the machine raises, what was computed is kept
             if not self.steps:
                 raise
-            return MotionStatus.FAILED, f"stopped at t = {self._reached(begin):.6g} s, what was computed is kept: {error}"
+            return MotionStatus.FAILED, f"stopped at t = {self._reached(begin):.6g} s, what was computed is kept: {error!r}"
         finally:
             self.solver.close()
 
-    def _go(self, q: np.ndarray, v: np.ndarray, begin: float, bar: Progress) -> tuple[MotionStatus, str]:
-        end = float(self.times[-1])
+    def _go(self, q: np.ndarray, v: np.ndarray, begin: float, end: float, bar: Progress) -> tuple[MotionStatus, str]:
         a = self.solver.initial_acceleration(q, v, begin)
         thickness = self.system.problem.thickness
-        shortest = (end - begin) * getattr(self.control, "smallest", 1e-6)
         guess = np.sqrt(2e-3 * thickness / max(self.size(a), 1e-300))
         dt = self.control.first(min(float(guess), (end - begin) / 20))
-        shortest = min(shortest, dt) * 1e-3
+        shortest = dt * self.control.smallest
         t, largest = begin, thickness
         self._keep(t, q, v)
         self._save_until(t, t, q, q, v, v)

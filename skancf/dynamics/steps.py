@@ -7,21 +7,33 @@ from skancf.errors import InputError, positive
 
 @dataclass(frozen=True)
 class FixedStep:
-    """Always the same step; halved while Newton's method fails."""
+    """Always the same step; halved while Newton's method fails.
+
+    Parameters
+    ----------
+    dt : float
+        Step (s).
+    smallest : float
+        A run stops when its step falls below this part of ``dt``.
+    """
 
     dt: float
-    smallest: float = 1e-3
+    smallest: float = 1e-6
 
     def __post_init__(self) -> None:
         positive("dt", self.dt, "s")
+        positive("smallest", self.smallest)
 
     def first(self, guess: float) -> float:
+        """First step, from a guess that the initial acceleration gives."""
         return self.dt
 
     def accepts(self, error: float) -> bool:
+        """Whether a step with this local error is good enough."""
         return True
 
     def next_step(self, dt: float, error: float) -> float:
+        """Length of the step after one of length dt with this local error."""
         return min(self.dt, 2 * dt)
 
 
@@ -48,16 +60,20 @@ class LocalError:
 
     def __post_init__(self) -> None:
         positive("rtol", self.rtol)
+        positive("smallest", self.smallest)
         if not self.largest > 0:
             raise InputError(f"largest = {self.largest} s: give a step length greater than zero")
 
     def first(self, guess: float) -> float:
+        """First step, from a guess that the initial acceleration gives."""
         return min(guess, self.largest)
 
     def accepts(self, error: float) -> bool:
+        """Whether a step with this local error is good enough."""
         return error <= self.rtol
 
     def next_step(self, dt: float, error: float) -> float:
+        """Length of the step after one of length dt with this local error."""
         factor = 0.9 * (self.rtol / max(error, 1e-30)) ** (1 / 3)
         if error > self.rtol:
             return dt * max(0.3, min(0.8, factor))

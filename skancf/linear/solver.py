@@ -170,12 +170,14 @@ class DirectSolver:
         if not np.isfinite(x).all():
             return f"the matrix is singular: {ADVICE}"
         node, coordinate = divmod(int(np.argmax(np.abs(x))), self._system.pattern.block)
-        return f"the matrix is singular, node {node} moves freely, most in coordinate {coordinate}: {ADVICE}"
+        place = ", ".join(f"{x:.4g}" for x in self._system.pattern.coordinates[:, node])
+        return f"the matrix is singular, node {node} at ({place}) moves freely, most in coordinate {coordinate}: {ADVICE}"
 
 
 def _size(v: np.ndarray) -> float:
     """Euclidean norm. Without BLAS, of which the waiting threads slow the next call of the solver down by a third."""
-    return float(np.sqrt((v * v).sum()))
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.sqrt((v * v).sum()))
 
 
 def _choose(name: str) -> type[Backend]:

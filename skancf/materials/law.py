@@ -13,7 +13,6 @@ import numpy as np
 from skancf.errors import InputError, finite, number, positive
 
 SHEAR_CORRECTION = 5 / 6
-IN_PLANE = [0, 1, 5]
 TRANSVERSE = [3, 4]
 THICKNESS = 2
 
@@ -27,10 +26,6 @@ class Law(Protocol):
 
     def stiffness(self) -> np.ndarray:
         """C, shape (6, 6), in the frame of the undeformed surface."""
-
-
-def checked_density(density: float) -> float:
-    return positive("density", density, "kg/m3")
 
 
 def check_definite(matrix: np.ndarray, name: str) -> np.ndarray:
@@ -84,7 +79,7 @@ def turned(matrix: np.ndarray, angle: float) -> np.ndarray:
     return to_material.T @ matrix @ to_material
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Anisotropic:
     r"""Any symmetric positive definite 6 x 6 law.
 
@@ -125,7 +120,7 @@ class Anisotropic:
 def build(law: Any, full: np.ndarray) -> np.ndarray:
     """The checked stiffness of a law with the attributes of :class:`Anisotropic`."""
     name = type(law).__name__
-    checked_density(law.density)
+    positive("density", law.density, "kg/m3")
     positive("shear_correction", law.shear_correction)
     if full.shape != (6, 6):
         raise InputError(f"{name}: a law is a 6 x 6 matrix, not one of shape {full.shape}")

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.errors import finite, positive
-from skancf.materials.law import SHEAR_CORRECTION, build
+from skancf.errors import positive, vector
+from skancf.materials.law import SHEAR_CORRECTION, build, check_definite
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,9 @@ class Orthotropic:
 
     def __post_init__(self) -> None:
         for name, values in (("young", self.young), ("shear", self.shear)):
-            for value in values:
+            for value in vector(name, values, 3):
                 positive(name, value, "Pa")
-        finite("poisson", self.poisson)
+        vector("poisson", self.poisson, 3)
         self.stiffness()
 
     def stiffness(self) -> np.ndarray:
@@ -56,4 +56,5 @@ class Orthotropic:
         compliance = np.diag([1 / e1, 1 / e2, 1 / e3, 1 / g23, 1 / g13, 1 / g12])
         for (i, j), value in {(0, 1): -nu12 / e1, (0, 2): -nu13 / e1, (1, 2): -nu23 / e2}.items():
             compliance[i, j] = compliance[j, i] = value
+        check_definite(compliance, "Orthotropic")
         return build(self, np.linalg.inv(compliance))

@@ -93,6 +93,11 @@ def graded(
     )
     if coarse is not None:
         length_x, length_y = _pair("coarse", coarse)
+        for direction, length in enumerate((length_x, length_y)):
+            low, high = bounds_of(surface)[direction]
+            if positive("coarse", length) > (high - low) * (1 + 1e-9):
+                raise InputError(f"coarse: an element length l_0 = {length} does not fit into the side L = {high - low} "
+                                 f"along {'xy'[direction]}; give a shorter one")  # fmt: skip
         row_x = place_natural(along_x, positive("coarse", length_x))
         row_y = place_natural(along_y, positive("coarse", length_y))
     else:
@@ -113,6 +118,12 @@ def _along(
     if ramp < 0:
         raise InputError(f"transition = {transition}: give a length of at least 0 (0: as short as growth allows)")
     low, high = bounds_of(surface)[direction]
+    if ramp > high - low:
+        raise InputError(f"transition = {ramp} along {'xy'[direction]}: longer than the side L = {high - low} in which "
+                         "lengths must go from l_0 to l_n; give a shorter one, or 0 for the shortest")  # fmt: skip
+    for region in regions:
+        if not isinstance(region, Region):
+            raise InputError(f"regions: {region!r} is no Region(centre, half_size, ratio)")
     return Sizes(
         low=low,
         high=high,

@@ -1,6 +1,6 @@
 """Statics under growing load: steps that are halved where Newton's method fails and grow where it is easy."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +10,13 @@ from skancf.assembly.system import System
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
-from skancf.solution import Solution
+from skancf.solution import Solution, require_same_mesh
 from skancf.statics.newton import NewtonResult, Status, newton
+
+UNSTABLE = (
+    "the equilibrium is not stable: its tangent has {} negative eigenvalue(s). The structure would buckle before it; "
+    "a small disturbing load shows the way"
+)
 
 
 @dataclass(frozen=True)
@@ -53,7 +58,7 @@ class StaticResult:
     attempts : tuple of (load factor, NewtonResult)
         Every solve, failed ones too, with its residual history.
     message : str
-        Why it stopped, if it did.
+        Why it stopped, if it did; or that the equilibrium is not stable.
     """
 
     solution: Solution
@@ -66,6 +71,11 @@ class StaticResult:
     def iterations(self) -> int:
         """Newton iterations of all attempts."""
         return sum(len(result.residual_norms) for _, result in self.attempts)
+
+    @property
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of the tangent in the last solve; a stable equilibrium has none."""
+        return self.attempts[-1][1].negative_pivots if self.attempts else 0
 
     def unwrap(self) -> Solution:
         """The solution, or :class:`~skancf.DidNotConverge`."""
@@ -113,8 +123,9 @@ def solve(
     """
     number("load_factor", load_factor)
     positive("rtol", rtol)
-    if start is not None and start.system is not system:
-        raise InputError("start belongs to another system; continue on the mesh it was computed on")
+    positive("max_iterations", max_iterations)
+    if start is not None:
+        require_same_mesh(system, start)
     require_support(system)
     control = control or HalveAndGrow()
     solver = DirectSolver(system.pattern, system.constraints, backend)
@@ -140,7 +151,8 @@ def solve(
             if step < control.smallest:
                 message = _why(at.load_factor, factor, result)
                 return StaticResult(at, Status.STEP_TOO_SMALL, tuple(path), tuple(attempts), message)
-    return StaticResult(at, Status.CONVERGED, tuple(path), tuple(attempts))
+    outcome = StaticResult(at, Status.CONVERGED, tuple(path), tuple(attempts))
+    return replace(outcome, message=UNSTABLE.format(outcome.negative_pivots)) if outcome.negative_pivots else outcome
 
 
 def _why(reached: float, wanted: float, result: NewtonResult) -> str:

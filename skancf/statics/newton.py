@@ -142,6 +142,6 @@ def newton(
 
 
 def _where(system: System, values: np.ndarray) -> str:
-    node = int(np.flatnonzero(~np.isfinite(values))[0]) // 12
+    node = int(np.argmax(np.nan_to_num(np.abs(values), nan=np.inf))) // 12
     x, y, z = system.undeformed.reshape(-1, 12)[node, :3]
     return f"first at the node that was at ({x:.4g}, {y:.4g}, {z:.4g})"

@@ -12,6 +12,8 @@ def theory_named(theory: "str | Full") -> Full:
         if theory not in ALL:
             raise InputError(f"theory = {theory!r}: unknown; there is {sorted(ALL)}")
         return ALL[theory]()
+    if not isinstance(theory, Full):
+        raise InputError(f"theory = {theory!r}: give a name, one of {sorted(ALL)}, or an object such as Full()")
     return theory
 
 

@@ -18,6 +18,13 @@ from skancf.supports import D
 from skancf.theories.full import position_table
 
 
+def check_distributed(force: Any, history: Any) -> None:
+    """InputError for a force that is neither three numbers nor a function, or a history that is no function."""
+    check_history(history)
+    if not callable(force):
+        vector("force", force, 3)
+
+
 class Spread(NamedTuple):
     """Forces at points of elements: elements (m,), local points (m, 2, n), forces on r and d (m, 2, 3, n)."""
 
@@ -141,9 +148,7 @@ class SurfaceLoad:
     history: History | None = None
 
     def __post_init__(self) -> None:
-        check_history(self.history)
-        if not callable(self.force):
-            vector("force", self.force, 3)
+        check_distributed(self.force, self.history)
 
     def on(self, geometry: Geometry, sections: Sections, density: float) -> DeadLoad:
         points = geometry.theory.quadrature[0]
@@ -196,9 +201,7 @@ class EdgeLoad:
     history: History | None = None
 
     def __post_init__(self) -> None:
-        check_history(self.history)
-        if not callable(self.force):
-            vector("force", self.force, 3)
+        check_distributed(self.force, self.history)
 
     def on(self, geometry: Geometry, sections: Sections, density: float) -> DeadLoad:
         elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))

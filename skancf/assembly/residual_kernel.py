@@ -12,9 +12,11 @@ from skancf.theories.full import N_IN_PLANE, N_STRAINS
 from skancf.theories.full_point import INNER, OPTIONS
 
 LANES = 32
+INLINED = {**INNER, "inline": "always"}
+"""Compiled as one function, which takes a quarter less time than one by one."""
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def gather_batch(base, stop, order, q, elements, local, classes):
     """Local vectors (16, 3, lanes) of the elements order[base:stop]; returns whether all are of one class."""
     lanes = local.shape[2]
@@ -35,7 +37,7 @@ def gather_batch(base, stop, order, q, elements, local, classes):
     return same
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def scatter_batch(base, stop, order, force, elements, out):
     """Adds the forces on the local vectors (16, 3, lanes) to out (n_nodes, 4, 3)."""
     for lane in range(min(force.shape[2], stop - base)):
@@ -47,7 +49,7 @@ def scatter_batch(base, stop, order, force, elements, out):
                 out[n, kind, i] += v * force[a, i, lane]
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def point_jets(rule, p, local, x):
     """r_1, r_2, d_1, d_2 at integration point p: x (4, 3, lanes)."""
     lanes = x.shape[2]
@@ -66,7 +68,7 @@ def point_jets(rule, p, local, x):
                 x[3, i, l] += t2 * local[12 + a, i, l]
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def sample_jets_batch(rule, local, x):
     """r_1, r_2, d_1, d_2, d at the sampling points: x (n_samples, 5, 3, lanes)."""
     lanes = x.shape[3]
@@ -88,7 +90,7 @@ def sample_jets_batch(rule, local, x):
                     x[s, 4, i, l] += t * local[12 + a, i, l]
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def sampled_strains(rule, x, out):
     """Shear and thickness strains at their sampling points: out (n_rows, lanes)."""
     lanes = out.shape[1]
@@ -101,7 +103,7 @@ def sampled_strains(rule, x, out):
             )
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def point_strains(rule, p, x, sampled, eps):
     """The 14 strains at integration point p before the undeformed ones are subtracted: eps (14, lanes)."""
     lanes = eps.shape[1]
@@ -128,7 +130,7 @@ def point_strains(rule, p, x, sampled, eps):
                 eps[N_IN_PLANE + k, l] += weight * sampled[r, l]
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def point_stresses(rule, p, eps, elements, classes, same, stress):
     """Stress (14, lanes) with the weights at integration point p; subtracts the undeformed strains from eps."""
     lanes = eps.shape[1]
@@ -159,7 +161,7 @@ def point_stresses(rule, p, eps, elements, classes, same, stress):
                 stress[j, l] += elements.law[classes[l], m, p] * eps[k, l]
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def point_forces(rule, p, x, stress, sampled, f, force):
     """Adds the force of point p to force (16, 3, lanes), and its shear and thickness stresses to sampled (n_rows, lanes)."""
     lanes = stress.shape[1]
@@ -188,7 +190,7 @@ def point_forces(rule, p, x, stress, sampled, f, force):
                 sampled[r, l] += weight * stress[N_IN_PLANE + k, l]
 
 
-@njit(**INNER)
+@njit(**INLINED)
 def sample_forces(rule, x, sampled, f, force):
     """Adds the forces of the sampled stresses (n_rows, lanes) to force (16, 3, lanes)."""
     lanes = sampled.shape[1]

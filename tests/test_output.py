@@ -467,7 +467,7 @@ def test_charts_refuse_what_they_cannot_draw(tmp_path):
     mesh, path, t = sk.meshes.uniform(sk.Rectangle(1.0, 1.0), 2, 2), tmp_path / "a.png", np.arange(3.0)
     calls = {
         "values have shape .*one for each of the 9 nodes": lambda: output.field_chart(mesh, t, path, "u"),
-        "values .*not finite": lambda: output.field_chart(mesh, np.full(9, np.nan), path, "u"),
+        "values.*not finite": lambda: output.field_chart(mesh, np.full(9, np.nan), path, "u"),
         "limits = .*smaller": lambda: output.field_chart(mesh, np.ones(9), path, "u", limits=(1, 0)),
         "'a': values of shape": lambda: output.histories_chart(t, {"a": [1, 2]}, path, ylabel="u"),
         "none to draw": lambda: output.histories_chart(t, {}, path, ylabel="u"),

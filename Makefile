@@ -9,7 +9,7 @@ BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
 
-.PHONY: help demo test lint types docs bench check clean
+.PHONY: help demo test lint types docs bench check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
@@ -17,6 +17,7 @@ help:
 	@echo "make docs    build the documentation into docs/_build/html"
 	@echo "make bench   time the kernels"
 	@echo "make check   lint and types"
+	@echo "make kernels forget the compiled kernels (after an edit of one)"
 	@echo "make clean   remove the virtual environment, caches and $(OUT)/"
 
 $(READY): pyproject.toml
@@ -51,6 +52,9 @@ docs: $(DOCS)
 
 bench: $(READY)
 	$(BIN)/python benchmarks/kernel.py
+
+kernels:
+	find skancf -name '*.nb[ic]' -delete
 
 clean:
 	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache docs/_build docs/gallery docs/api/generated skancf.egg-info

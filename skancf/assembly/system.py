@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.assembly import kernels
+from skancf.assembly import kernels, tangent_kernel
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.residual_kernel import residual
 from skancf.assembly.schedule import Schedule
@@ -112,7 +112,7 @@ class System:
             stresses = self.stresses(q)
         out = np.zeros((self.pattern.n_blocks, 12, 12))
         self._schedule.run(
-            kernels.tangent, self._nodal(q), stresses, self._rule, self._elements, self._slots, out
+            tangent_kernel.tangent, self._nodal(q), stresses, self._rule, self._elements, self._slots, out
         )
         for load in self.loads:
             blocks = load.stiffness(q.reshape(-1, 4, 3), time)
@@ -148,7 +148,7 @@ class System:
             + np.einsum("ap,bp,sp->sab", d, d, m2)
         )
         out = np.zeros((self.pattern.n_blocks, 12, 12))
-        self._schedule.run(kernels.mass, shapes, self._elements, self._slots, out)
+        self._schedule.run(tangent_kernel.mass, shapes, self._elements, self._slots, out)
         return BlockMatrix(self.pattern, out)
 
     def _nodal(self, q: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ In-plane strains are taken at the integration points. Shear and thickness strain
 interpolated to the integration points; for the plain element the sampling points are the integration points and the
 interpolation is the identity. Arrays have points last, so that inner loops run over points.
 
-The cache of compiled kernels looks at each kernel's own file. After an edit of a function that a kernel in another file uses,
+The cache of compiled kernels looks at each kernel's own file. After an edit of a function that another file's kernel uses,
 ``make kernels`` removes the cache.
 """
 

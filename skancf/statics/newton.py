@@ -108,7 +108,7 @@ def newton(
     def result(status: Status, message: str = "") -> NewtonResult:
         largest = max(energies, default=1.0) or 1.0
         norms = tuple(float(np.sqrt(e / largest)) for e in energies)
-        pivots = solver.negative_pivots if energies else 0
+        pivots = solver.negative_pivots if energies and status is not Status.SINGULAR else 0
         return NewtonResult(q, status, norms, pivots, message)
 
     for step in range(max_steps):
@@ -120,7 +120,7 @@ def newton(
         try:
             solver.factor(matrix)
         except SingularMatrix as singular:
-            return NewtonResult(q, Status.SINGULAR, (), 0, str(singular))
+            return result(Status.SINGULAR, str(singular))
         rhs = -(residual + matrix @ moved) if moved.any() else -residual
         free = solver.solve(rhs)
         energies.append(work(free, rhs))

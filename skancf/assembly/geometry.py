@@ -7,12 +7,15 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.elements.quad_ancf import gauss, nodal_jacobian
+from skancf.assembly.local import Maps
+from skancf.assembly.ties import find_ties
+from skancf.elements.nodal import nodal_jacobian, require_aligned
+from skancf.elements.quad_ancf import gauss
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, vector
 from skancf.meshes import check_mesh
-from skancf.surfaces import Surface, normal
-from skancf.theories import Full
+from skancf.surfaces import Surface, check_regular, normal
+from skancf.theories import Theory
 
 
 class Geometry:
@@ -20,27 +23,49 @@ class Geometry:
 
     Attributes
     ----------
+    ties : Ties
+        Which nodes of the mesh are one.
     nodes : (n_elements, 4) int array
+        The nodes with the unknowns, of each element; those of the mesh are ``mesh.t``.
     points : (2, n_nodes) array
         Nodes in the parameter plane.
     undeformed : (n_nodes, 4, 3) array
-        Nodal coordinates r, r_x, r_y, r_z of the undeformed surface.
-    pointer, rows, cols, values
-        The maps from nodal coordinates to local vectors, c[row] += value * e[col], triples of element i at
-        ``pointer[i]:pointer[i + 1]``; a column is 4 * corner + kind.
+        Nodal coordinates of the undeformed surface: r, r_x, r_y and r_z or r_xy; at a pole r and two tangents.
+    side : (n_elements,) array
+        1 where corners are numbered counter-clockwise, else -1.
+    maps : Maps
+        From nodal coordinates to local vectors.
     """
 
-    def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Full):
+    def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Theory):
         check_mesh(mesh)
+        if theory.twist:
+            require_aligned(mesh)
         self.mesh, self.surface, self.theory = mesh, surface, theory
-        self.nodes = np.ascontiguousarray(mesh.t.T, dtype=np.int32)
-        self.points = mesh.p
-        self.pointer, self.rows, self.cols, self.values = _local_map(mesh)
-        x, y = mesh.p
-        r_x, r_y = surface.derivatives(x, y)
-        self.undeformed = np.ascontiguousarray(
-            np.stack([surface.position(x, y), r_x, r_y, normal(surface, x, y)]).transpose(2, 0, 1)
-        )
+        self.ties = find_ties(mesh, surface, theory.twist)
+        self.nodes = np.ascontiguousarray(self.ties.node_of[mesh.t].T, dtype=np.int32)
+        self.points = mesh.p[:, self.ties.representative]
+        jacobian = nodal_jacobian(mesh)
+        self.side = np.sign(np.linalg.det(np.moveaxis(jacobian[:, :, 0], -1, 0)))
+        self.maps = _local_maps(mesh, jacobian, theory, self.ties.mix, self.nodes)
+        self.undeformed = self._undeformed()
+        check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
+
+    def _undeformed(self) -> np.ndarray:
+        x, y = self.points
+        vectors = [self.surface.position(x, y), *self.surface.derivatives(x, y), self.theory.fourth(self.surface, x, y)]
+        nodal = np.ascontiguousarray(np.stack(vectors).transpose(2, 0, 1))
+        for node, tangents in self.ties.poles.items():
+            nodal[node, 1:3] = tangents
+            nodal[node, 3] = 0.0 if self.theory.twist else self._normal_at_pole(node, tangents)
+        return nodal
+
+    def _normal_at_pole(self, node: int, tangents: np.ndarray) -> np.ndarray:
+        """The normal there, on the side of those beside it."""
+        element = int(np.flatnonzero((self.nodes == node).any(axis=1))[0])
+        beside = normal(self.surface, *self.parameters(np.array([[0.5], [0.5]]), np.array([element]))[:, 0])[:, 0]
+        n = np.cross(*tangents)
+        return np.asarray(n / np.linalg.norm(n) * np.sign(n @ beside))
 
     @property
     def n_nodes(self) -> int:
@@ -53,25 +78,25 @@ class Geometry:
     def local(self, q: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
         """Local vectors (n, 16, 3) of nodal coordinates (n_nodes, 4, 3)."""
         elements = np.arange(self.n_elements) if elements is None else np.asarray(elements)
-        index, triple = self._triples(elements)
+        index, row, node, kind, value = self._triples(elements)
         out = np.zeros((len(elements), 16, 3))
-        node = self.nodes[elements[index], self.cols[triple] // 4]
-        np.add.at(out, (index, self.rows[triple]), self.values[triple, None] * q[node, self.cols[triple] % 4])
+        np.add.at(out, (index, row), value[:, None] * q[node, kind])
         return out
 
     def nodal(self, local: np.ndarray, elements: np.ndarray) -> np.ndarray:
         """Nodal forces (n_nodes, 4, 3) of forces on local vectors (n, 16, 3): the transpose of :meth:`local`."""
-        index, triple = self._triples(np.asarray(elements))
+        index, row, node, kind, value = self._triples(np.asarray(elements))
         out = np.zeros((self.n_nodes, 4, 3))
-        node = self.nodes[elements[index], self.cols[triple] // 4]
-        np.add.at(out, (node, self.cols[triple] % 4), self.values[triple, None] * local[index, self.rows[triple]])
+        np.add.at(out, (node, kind), value[:, None] * local[index, row])
         return out
 
-    def _triples(self, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        counts = np.diff(self.pointer)[elements]
+    def _triples(self, elements: np.ndarray) -> tuple[np.ndarray, ...]:
+        maps = self.maps
+        counts = np.diff(maps.pointer)[elements]
         index = np.repeat(np.arange(len(elements)), counts)
-        offset = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-        return index, self.pointer[elements][index] + offset
+        triple = maps.pointer[elements][index] + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        node = self.nodes[elements[index], maps.corners[triple]]
+        return index, maps.rows[triple], node, maps.kinds[triple], maps.values[triple]
 
     @cached_property
     def undeformed_local(self) -> np.ndarray:
@@ -81,8 +106,8 @@ class Geometry:
         """Parameters (2, n_elements, n) of local points (2, n)."""
         xi, eta = points
         bilinear = np.stack([np.where(a, xi, 1 - xi) * np.where(b, eta, 1 - eta) for a, b in CORNERS])
-        corners = self.points[:, self.nodes if elements is None else self.nodes[elements]]
-        return np.einsum("dec,cn->den", corners, bilinear)
+        corners = self.mesh.p[:, self.mesh.t if elements is None else self.mesh.t[:, elements]]
+        return np.einsum("dce,cn->den", corners, bilinear)
 
     def tangents(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
         """Tangent along the parameter x at local points (2, n): (3, n_elements, n)."""
@@ -110,14 +135,14 @@ class Geometry:
                              "of names and points, or a function of (x, y)")  # fmt: skip
         if isinstance(where, str):
             facets = self._facets_named(where)
-            return (self.corners, none) if facets is None else (np.unique(self.mesh.facets[:, facets]), facets)
+            return (self.corners, none) if facets is None else (np.unique(self.ends(facets)), facets)
         if callable(where):
             mask = np.broadcast_to(np.asarray(where(*self.points), dtype=bool), (self.n_nodes,))
             if not mask.any():
                 raise InputError("the function given as a place is true at no node; give a tolerance, as in "
                                  "lambda x, y: abs(x) < 1e-9")  # fmt: skip
-            boundary = self.mesh.boundary_facets()
-            return np.flatnonzero(mask), boundary[mask[self.mesh.facets[:, boundary]].all(axis=0)]
+            boundary = self.boundary
+            return np.flatnonzero(mask), boundary[mask[self.ends(boundary)].all(axis=0)]
         if all(isinstance(x, (int, float, np.number)) for x in where):
             return np.array([self.node_at(where)]), none
         parts = [self.points_and_facets(place) for place in where]
@@ -131,10 +156,22 @@ class Geometry:
                 raise InputError(f"boundary {name!r} has no edge on this mesh; the mesh's own names are at fault")
             return facets
         if name == "boundary":
-            return self.mesh.boundary_facets()
+            return self.boundary
         if name == "corners":
             return None
         raise InputError(f"no boundary {name!r} on this mesh; it has {self.names()}")
+
+    def ends(self, facets: np.ndarray) -> np.ndarray:
+        """Nodes at the ends of facets, (2, m)."""
+        return np.asarray(self.ties.node_of[self.mesh.facets[:, facets]])
+
+    @cached_property
+    def boundary(self) -> np.ndarray:
+        """Facets on the boundary of the surface: of one element only, no seam and no pole."""
+        facets = self.mesh.boundary_facets()
+        ends = np.sort(self.ends(facets), axis=0)
+        _, place, counts = np.unique(ends, axis=1, return_inverse=True, return_counts=True)
+        return np.asarray(facets[(counts[place.ravel()] == 1) & (ends[0] != ends[1])])
 
     @cached_property
     def corners(self) -> np.ndarray:
@@ -144,14 +181,14 @@ class Geometry:
     def node_at(self, at: Any) -> int:
         """The node at a point of the parameter plane."""
         point = vector("point", at, 2)
-        distance = np.linalg.norm(self.points - point[:, None], axis=0)
+        distance = np.linalg.norm(self.mesh.p - point[:, None], axis=0)
         nearest = int(np.argmin(distance))
-        if distance[nearest] > 1e-8 * np.ptp(self.points, axis=1).max():
+        if distance[nearest] > 1e-8 * np.ptp(self.mesh.p, axis=1).max():
             raise InputError(
                 f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
-                f"{tuple(self.points[:, nearest].tolist())}; choose a mesh with a node at the point"
+                f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"
             )
-        return nearest
+        return int(self.ties.node_of[nearest])
 
     @cached_property
     def _finder(self) -> Any:
@@ -162,13 +199,13 @@ class Geometry:
         point = vector("point", at, 2)
         outside = InputError(
             f"point {tuple(point.tolist())} lies outside the surface; in the parameter plane the mesh "
-            f"spans {self.points.min(axis=1).tolist()} to {self.points.max(axis=1).tolist()}"
+            f"spans {self.mesh.p.min(axis=1).tolist()} to {self.mesh.p.max(axis=1).tolist()}"
         )
         try:
             element = int(self._finder(point[:1], point[1:])[0])
         except ValueError as error:
             raise outside from error
-        local = _inverse_bilinear(self.points[:, self.nodes[element]], point)
+        local = _inverse_bilinear(self.mesh.p[:, self.mesh.t[:, element]], point)
         if np.any((local < -1e-8) | (local > 1 + 1e-8)):
             raise outside
         return element, np.clip(local, 0.0, 1.0)
@@ -187,31 +224,34 @@ class Geometry:
         return elements, points, lengths
 
     def _local_corner(self, elements: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-        return CORNERS[np.argmax(self.nodes[elements] == nodes[:, None], axis=1)]
+        return CORNERS[np.argmax(self.mesh.t[:, elements] == nodes, axis=0)]
 
     def facet_directions(self, facets: np.ndarray) -> np.ndarray:
         """Directions of facets in the parameter plane, (2, m), of unit length."""
-        ends = self.points[:, self.mesh.facets[:, facets]]
+        ends = self.mesh.p[:, self.mesh.facets[:, facets]]
         along = ends[:, 1] - ends[:, 0]
         return along / np.linalg.norm(along, axis=0)
 
 
-def _local_map(mesh: skfem.MeshQuad) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _local_maps(
+    mesh: skfem.MeshQuad, jacobian: np.ndarray, theory: Theory, mix: np.ndarray, nodes: np.ndarray
+) -> Maps:
     """The triples of all elements; slopes go through the nodal Jacobian, r and d are taken as they are."""
     n = mesh.t.shape[1]
-    jacobian = nodal_jacobian(mesh)
-    dense = np.zeros((n, 16, 16))
-    for corner in range(4):
-        dense[:, 3 * corner, 4 * corner] = 1
-        dense[:, 12 + corner, 4 * corner + 3] = 1
-        for j in range(2):
-            for i in range(2):
-                dense[:, 3 * corner + 1 + j, 4 * corner + 1 + i] = jacobian[i, j, corner]
+    own = np.zeros((n, 4, 4, 4))  # element, corner, local vector, nodal vector
+    own[:, :, 0, 0] = own[:, :, 3, 3] = 1
+    own[:, :, 1:3, 1:3] = jacobian.transpose(3, 2, 1, 0)
+    if theory.twist:
+        own[:, :, 3, 3] = (jacobian[0, 0] * jacobian[1, 1] + jacobian[0, 1] * jacobian[1, 0]).T
     size = np.abs(jacobian).max(axis=(0, 1, 2))
-    dense[np.abs(dense) < 1e-14 * np.minimum(size, 1.0)[:, None, None]] = 0
-    element, rows, cols = np.nonzero(dense)
+    own[np.abs(own) < 1e-14 * np.minimum(size, size**2 if theory.twist else 1.0)[:, None, None, None]] = 0
+    own = own @ mix[mesh.t.T]
+    element, corner, vector, kind = np.nonzero(own)
     pointer = np.concatenate([[0], np.cumsum(np.bincount(element, minlength=n))])
-    return pointer, rows.astype(np.int32), cols.astype(np.int32), dense[element, rows, cols]
+    rows = theory.rows[corner, vector].astype(np.int32)
+    return Maps(
+        nodes, pointer, rows, corner.astype(np.int32), kind.astype(np.int32), own[element, corner, vector, kind]
+    )
 
 
 def _inverse_bilinear(corners: np.ndarray, point: np.ndarray) -> np.ndarray:

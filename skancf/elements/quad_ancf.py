@@ -6,23 +6,8 @@ import numpy as np
 import skfem
 from skfem.element import DiscreteField
 
+from skancf.elements.nodal import nodal_jacobian
 from skancf.elements.reference import CORNERS, ancf_functions
-
-
-def nodal_jacobian(mesh: skfem.MeshQuad, elements: np.ndarray | None = None) -> np.ndarray:
-    r"""Derivatives of the bilinear map of each quad at its own corners.
-
-    Returns
-    -------
-    (2, 2, 4, n_elements) array
-        Entry [i, j] is :math:`\partial x_i / \partial \xi_j`; the third axis is the corner.
-    """
-    corner = mesh.p[:, mesh.t if elements is None else mesh.t[:, elements]]
-    along_xi = np.stack([corner[:, 1] - corner[:, 0]] * 2 + [corner[:, 2] - corner[:, 3]] * 2, axis=1)
-    along_eta = np.stack(
-        [corner[:, 3] - corner[:, 0], corner[:, 2] - corner[:, 1]] * 2, axis=1
-    )[:, [0, 1, 3, 2]]
-    return np.stack([along_xi, along_eta], axis=1)
 
 
 class ElementQuadANCF(skfem.Element):

@@ -59,3 +59,41 @@ def ancf_functions(xi: np.ndarray, eta: np.ndarray, order: tuple[int, int] = (0,
         out[corner, 2] = linear_x * derivative(HERMITE_SLOPE[b], eta, n)
         out[corner, 3] = linear_x * linear_y
     return out
+
+
+def hermite_functions(xi: np.ndarray, eta: np.ndarray, order: tuple[int, int] = (0, 0)) -> np.ndarray:
+    r"""Bicubic Hermite functions (Bogner, Fox and Schmit), differentiated ``order`` times in xi and eta.
+
+    Products of the cubic Hermite functions H (value) and G (slope) of an end a of the unit interval,
+
+    .. math::
+        N_r = H_a(\xi) H_b(\eta), \quad N_{r,\xi} = G_a(\xi) H_b(\eta), \quad N_{r,\eta} = H_a(\xi) G_b(\eta), \quad
+        N_{r,\xi\eta} = G_a(\xi) G_b(\eta).
+
+    They span all products of cubics, and on aligned rectangles the field and its gradient are continuous.
+
+    Parameters
+    ----------
+    xi, eta : (...) array
+        Points of the reference square.
+    order : (int, int)
+        Order of differentiation in xi and in eta.
+
+    Returns
+    -------
+    (4, 4, ...) array
+        First axis: corner. Second axis: r, r_xi, r_eta, r_xieta.
+
+    References
+    ----------
+    Bogner, Fox and Schmit (1965), Proc. Conf. Matrix Methods in Structural Mechanics, 397-443.
+    """
+    xi, eta = np.broadcast_arrays(np.asarray(xi, float), np.asarray(eta, float))
+    m, n = order
+    out = np.empty((4, 4, *xi.shape))
+    for corner, (a, b) in enumerate(CORNERS.astype(int)):
+        along_xi = [derivative(family[a], xi, m) for family in (HERMITE_VALUE, HERMITE_SLOPE)]
+        along_eta = [derivative(family[b], eta, n) for family in (HERMITE_VALUE, HERMITE_SLOPE)]
+        for kind in range(4):
+            out[corner, kind] = along_xi[kind % 2] * along_eta[kind // 2]
+    return out

@@ -1,0 +1,117 @@
+"""Nodes that are one point of the surface: the two ends of a closed parameter, and the side that shrinks to a pole.
+
+Along a closed seam the nodal vectors of both ends are equal, so that the nodes are one. At a pole all nodes share the
+position, the slope along the side is zero, and the other slopes lie in the tangent plane of the pole: with two vectors t1 and
+t2 that span it, as nodal vectors of the pole,
+
+.. math:: r_{,x}(y_j) = a_j t_1 + b_j t_2, \\qquad r_{,xy}(y_j) = a'_j t_1 + b'_j t_2,
+
+and the surface stays C1 there however it moves.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import skfem
+
+from skancf.errors import InputError
+from skancf.surfaces import Surface
+
+# Of the size of the surface: two positions closer than this are one.
+SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class Ties:
+    """Which nodes of a mesh are one, and how the nodal vectors of a mesh node come from those of its own.
+
+    Attributes
+    ----------
+    node_of : (n_mesh_nodes,) int array
+        The node with the unknowns.
+    representative : (n_nodes,) int array
+        A mesh node for each of those.
+    mix : (n_mesh_nodes, 4, 4) array
+        From the vectors of the node to r, r_x, r_y and the fourth vector at the mesh node.
+    poles : mapping from node to (t1, t2), (2, 3) array
+    """
+
+    node_of: np.ndarray
+    representative: np.ndarray
+    mix: np.ndarray
+    poles: dict[int, np.ndarray]
+
+
+def find_ties(mesh: skfem.MeshQuad, surface: Surface, twist: bool) -> Ties:
+    """Ties of a mesh on a surface; ``twist`` says that the fourth nodal vector is r_xy.
+
+    Raises
+    ------
+    InputError
+        Where the nodes of the two ends of a closed parameter do not match, or where a side shrinks to a point that has no
+        tangent plane.
+    """
+    first = np.arange(mesh.p.shape[1])
+    mix = np.tile(np.eye(4), (len(first), 1, 1))
+    for axis, closed in enumerate(getattr(surface, "closed", (False, False))):
+        if closed:
+            _close(mesh, surface, axis, first)
+    collapsed = _collapsed(mesh, surface)
+    tangents: dict[int, np.ndarray] = {}
+    for nodes, axis in collapsed:
+        root = int(first[nodes].min())
+        first[nodes] = root
+        tangents[root] = _pole(mesh, surface, nodes, axis, twist, mix)
+    representative, node_of = np.unique(first, return_inverse=True)
+    poles = {int(node_of[root]): t for root, t in tangents.items()}
+    return Ties(node_of.astype(np.int32), representative, mix, poles)
+
+
+def _close(mesh: skfem.MeshQuad, surface: Surface, axis: int, first: np.ndarray) -> None:
+    low, high = surface.bounds[axis]  # type: ignore[attr-defined]
+    slack, other = SAME * (high - low), mesh.p[1 - axis]
+    ends = [np.flatnonzero(np.abs(mesh.p[axis] - end) <= slack) for end in (low, high)]
+    start, end = (nodes[np.argsort(other[nodes])] for nodes in ends)
+    reach = SAME * np.ptp(other)
+    if len(start) != len(end) or (np.abs(other[start] - other[end]) > reach).any():
+        raise InputError(f"the surface is closed in {'xy'[axis]}, but the mesh has other nodes at {low:.6g} than at "
+                         f"{high:.6g}; give both ends the same nodes, or a surface that is not closed")  # fmt: skip
+    first[end] = first[start]
+
+
+def _collapsed(mesh: skfem.MeshQuad, surface: Surface) -> list[tuple[np.ndarray, int]]:
+    """Connected nodes of boundary edges that have no length in space, and the parameter along them."""
+    facets = mesh.facets[:, mesh.boundary_facets()]
+    position = surface.position(*mesh.p)
+    size = np.ptp(position, axis=1).max()
+    zero = facets[:, np.linalg.norm(position[:, facets[0]] - position[:, facets[1]], axis=0) <= SAME * size]
+    groups: list[tuple[set[int], int]] = []
+    for a, b in zero.T.tolist():
+        axis = int(np.argmax(np.abs(mesh.p[:, a] - mesh.p[:, b])))
+        together = {a, b}.union(*(nodes for nodes, along in groups if along == axis and nodes & {a, b}))
+        groups = [(nodes, along) for nodes, along in groups if along != axis or not nodes & {a, b}]
+        groups.append((together, axis))
+    return [(np.array(sorted(nodes)), axis) for nodes, axis in groups]
+
+
+def _pole(
+    mesh: skfem.MeshQuad, surface: Surface, nodes: np.ndarray, along: int, twist: bool, mix: np.ndarray
+) -> np.ndarray:
+    """Tangents (2, 3) of a pole; writes the mixes of its nodes."""
+    x, y = mesh.p[:, nodes]
+    slopes = surface.derivatives(x, y)[1 - along].T
+    twists = surface.second_derivatives(x, y)[1].T
+    _, sizes, basis = np.linalg.svd(np.concatenate([slopes, twists]))
+    if sizes[2] > 1e-6 * sizes[0] or sizes[1] < 1e-6 * sizes[0]:
+        place = ", ".join(f"{v:.4g}" for v in surface.position(x[:1], y[:1])[:, 0])
+        raise InputError(f"a side of the surface shrinks to the point ({place}), where it has no tangent plane; "
+                         "leave a small hole there")  # fmt: skip
+    tangents = basis[:2] * np.abs(slopes @ basis[:2].T).max()
+    square = (tangents[0] ** 2).sum()
+    mix[nodes, 1:] = 0.0
+    mix[nodes, 2 - along, 1:3] = slopes @ tangents.T / square
+    if twist:
+        mix[nodes, 3, 1:3] = twists @ tangents.T / square
+    else:
+        mix[nodes, 3, 3] = 1.0
+    return np.asarray(tangents)

@@ -60,10 +60,7 @@ class Problem:
     def __post_init__(self) -> None:
         if isinstance(self.surface, type) or not hasattr(self.surface, "position"):
             raise InputError(f"surface = {self.surface!r}: give a surface, for example Rectangle(1.0, 1.0)")
-        if isinstance(self.material, type) or not (hasattr(self.material, "stiffness") or hasattr(self.material, "section")):
-            raise InputError(f"material = {self.material!r}: give a law, for example Isotropic(young, poisson, density), "
-                             "or a Laminate")  # fmt: skip
-        section_of(self.material, self.thickness)  # a thickness that is wrong is told here, not where it is first used
+        section_of(self.material, self.thickness)  # what is wrong is told here, not where the section is first used
         for name, method in (("supports", "rows"), ("loads", "on")):
             items = getattr(self, name)
             if not isinstance(items, Sequence):

@@ -363,6 +363,13 @@ def test_square_laminate_under_its_own_weight(held, degrees, expected):
 # --- mistakes --------------------------------------------------------------------------------------------------------
 
 LAYER = sk.Layer(PLY, 0.1)
+
+
+class HalfALaw:
+    def stiffness(self):
+        return np.eye(6)
+
+
 MISTAKES = {
     "no layers": (lambda: sk.Laminate([]), r"layers = \[\]: give a list of layers"),
     "no list": (lambda: sk.Laminate(LAYER), "layers = .*give a list of layers"),
@@ -375,7 +382,10 @@ MISTAKES = {
     "offset": (lambda: sk.Laminate([LAYER], float("inf")), "offset = inf: not finite"),
     "thickness of a laminate": (lambda: sk.Problem(SQUARE, 0.1, sk.Laminate([LAYER])), "thickness = 0.1: a laminate brings"),
     "thickness missing": (lambda: sk.Problem(SQUARE, material=PLY), r"thickness: missing.*\(Orthotropic\)"),
-    "material missing": (lambda: sk.Problem(SQUARE, 0.1), "material = None: give a law.*or a Laminate"),
+    "material missing": (lambda: sk.Problem(SQUARE, 0.1), "material = None: give a law"),
+    "half a law": (lambda: sk.Problem(SQUARE, 0.1, HalfALaw()), "give a law.*this has no density and no thermal_strain"),
+    "class of laminates": (lambda: sk.Problem(SQUARE, material=sk.Laminate), "material = .*give a law"),
+    "laminate in a laminate": (lambda: sk.Layer(sk.Laminate([LAYER]), 0.1), "give a law.*this has no density"),
     "expansion": (lambda: sk.Isotropic(1.0, 0.3, 1.0, expansion=float("nan")), "expansion = nan"),
     "two expansions": (lambda: sk.Isotropic(1.0, 0.3, 1.0, expansion=(1.0, 2.0)), "expansion.*one number"),
     "one expansion": (lambda: sk.Orthotropic(PLY.young, PLY.poisson, PLY.shear, 1.0, expansion=1.0), "expansion.*3 numbers"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.errors import InputError, number, positive
-from skancf.materials.law import Law, turned, turned_strain
+from skancf.materials.law import Law, require_law, turned, turned_strain
 from skancf.materials.section import Section, stack
 
 
@@ -34,8 +34,7 @@ class Layer:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.material, type) or not hasattr(self.material, "stiffness"):
-            raise InputError(f"material = {self.material!r}: give a law, for example Isotropic(young, poisson, density)")
+        require_law(self.material)
         positive("thickness of a layer", self.thickness, "m")
         number("angle", self.angle)
 

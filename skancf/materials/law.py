@@ -31,6 +31,14 @@ class Law(Protocol):
         """Free strain per kelvin, shape (6,), in the frame of the undeformed surface."""
 
 
+def require_law(material: Any) -> None:
+    """InputError for what has not the methods of a :class:`Law`."""
+    missing = [name for name in ("density", "stiffness", "thermal_strain") if not hasattr(material, name)]
+    if isinstance(material, type) or missing:
+        raise InputError(f"material = {material!r}: give a law, for example Isotropic(young, poisson, density)"
+                         + (f"; this has no {' and no '.join(missing)}" if missing else ""))  # fmt: skip
+
+
 def check_definite(matrix: np.ndarray, name: str) -> np.ndarray:
     """The matrix, if it is symmetric positive definite."""
     scale = np.abs(matrix).max()

@@ -11,6 +11,7 @@ import numpy as np
 
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, positive
+from skancf.materials.law import require_law
 
 IN_PLANE = [0, 1, 5]
 OUT_OF_PLANE = [2, 3, 4]
@@ -167,12 +168,13 @@ def section_of(material: Any, thickness: float | None) -> Section:
     Raises
     ------
     InputError
-        For a law without a thickness, and a laminate with one.
+        For a law without a thickness, a laminate with one, and a material that is neither.
     """
-    if hasattr(material, "section"):
+    if hasattr(material, "section") and not isinstance(material, type):
         if thickness is not None:
             raise InputError(f"thickness = {thickness}: a laminate brings its own, the sum of its layers'; leave it out")
         return material.section()
+    require_law(material)
     if thickness is None:
         raise InputError(f"thickness: missing; a plate of one material ({type(material).__name__}) needs a thickness")
     half = positive("thickness", thickness, "m") / 2

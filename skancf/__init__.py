@@ -5,7 +5,7 @@ from skancf.dynamics import FixedStep, GeneralizedAlpha, LocalError, Motion, sim
 from skancf.elements import ElementQuadANCF, through_thickness
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError
 from skancf.loads import DiskForce, EdgeLoad, EdgeMoment, Gravity, PointForce, SurfaceLoad
-from skancf.materials import Anisotropic, Isotropic, Orthotropic
+from skancf.materials import Anisotropic, Isotropic, Laminate, Layer, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
 from skancf.statics import HalveAndGrow, StaticResult, solve, solve_linear
@@ -30,6 +30,8 @@ __all__ = [
     "HalveAndGrow",
     "InputError",
     "Isotropic",
+    "Laminate",
+    "Layer",
     "LocalError",
     "Motion",
     "Orthotropic",

@@ -58,7 +58,7 @@ class DeadLoad:
 class Load(Protocol):
     """What a problem knows of a load."""
 
-    def on(self, geometry: Geometry, sections: Sections, density: float) -> Any:
+    def on(self, geometry: Geometry, sections: Sections) -> Any:
         """The load on a given mesh: see :class:`skancf.assembly.system.Loading`."""
 
 
@@ -79,7 +79,7 @@ class PointForce:
         vector("at", self.at, 2)
         vector("force", self.force, 3)
 
-    def on(self, geometry: Geometry, sections: Sections, density: float) -> DeadLoad:
+    def on(self, geometry: Geometry, sections: Sections) -> DeadLoad:
         element, local = geometry.locate(self.at)
         return DeadLoad(point_forces(geometry, [element], local[None], np.array([self.force])), self.history)
 
@@ -115,7 +115,7 @@ class DiskForce:
         positive("radius", self.radius, "m")
         vector("force", self.force, 3)
 
-    def on(self, geometry: Geometry, sections: Sections, density: float) -> DeadLoad:
+    def on(self, geometry: Geometry, sections: Sections) -> DeadLoad:
         # Rings of equal area about the centre; 16 x 48 points follow a disk that covers several elements.
         n_rings, n_angles = 16, 48
         radii = self.radius * np.sqrt((np.arange(n_rings) + 0.5) / n_rings)
@@ -150,7 +150,7 @@ class SurfaceLoad:
     def __post_init__(self) -> None:
         check_distributed(self.force, self.history)
 
-    def on(self, geometry: Geometry, sections: Sections, density: float) -> DeadLoad:
+    def on(self, geometry: Geometry, sections: Sections) -> DeadLoad:
         points = geometry.theory.quadrature[0]
         forces = np.zeros((geometry.n_elements, 2, 3, points.shape[1]))
         forces[:, 0] = _values(self.force, geometry.parameters(points)) * sections.areas[sections.shape][:, None]
@@ -186,8 +186,8 @@ class Gravity:
         check_history(self.history)
         vector("acceleration", self.acceleration, 3)
 
-    def on(self, geometry: Geometry, sections: Sections, density: float) -> DeadLoad:
-        moments = density * sections.moments[sections.shape][:, :2]
+    def on(self, geometry: Geometry, sections: Sections) -> DeadLoad:
+        moments = sections.moments[sections.shape][:, :2]
         forces = np.einsum("evp,i->evip", moments, np.asarray(self.acceleration, float))
         return DeadLoad(_over_elements(geometry, forces), self.history)
 
@@ -203,7 +203,7 @@ class EdgeLoad:
     def __post_init__(self) -> None:
         check_distributed(self.force, self.history)
 
-    def on(self, geometry: Geometry, sections: Sections, density: float) -> DeadLoad:
+    def on(self, geometry: Geometry, sections: Sections) -> DeadLoad:
         elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
         forces = np.zeros((len(elements), 2, 3, lengths.shape[1]))
         at = np.stack([geometry.parameters(p, np.array([e]))[:, 0] for e, p in zip(elements, points, strict=True)], 1)
@@ -226,7 +226,7 @@ class EdgeMoment:
         check_history(self.history)
         vector("moment", self.moment, 3)
 
-    def on(self, geometry: Geometry, sections: Sections, density: float) -> "MomentOnDirectors":
+    def on(self, geometry: Geometry, sections: Sections) -> "MomentOnDirectors":
         facets = geometry.facets_on(self.where)
         _, _, lengths = geometry.edge_quadrature(facets)
         nodes, position = np.unique(geometry.mesh.facets[:, facets], return_inverse=True)

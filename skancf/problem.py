@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,9 @@ from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.sections import build_sections
 from skancf.assembly.system import System
-from skancf.errors import InputError, positive
+from skancf.errors import InputError
 from skancf.loads import Load
-from skancf.materials import Law
+from skancf.materials import Laminate, Law, Section, section_of
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.theories import Full, theory_named
@@ -28,15 +29,16 @@ class Problem:
     surface : Surface
         Undeformed mid-surface, for example :class:`~skancf.Rectangle`.
     thickness : float
-        In metres, or any consistent unit of length.
-    material : Law
-        For example :class:`~skancf.Isotropic`.
+        In metres, or any consistent unit of length; left out with a laminate, whose layers have their own.
+    material : Law or Laminate
+        For example :class:`~skancf.Isotropic` or :class:`~skancf.Laminate`.
     supports, loads : sequences
 
     Raises
     ------
     InputError
-        For a thickness that is not positive, and for a surface, material, support or load that is none.
+        For a thickness that is not positive, is missing, or is given with a laminate, and for a surface, material,
+        support or load that is none.
 
     Examples
     --------
@@ -50,17 +52,15 @@ class Problem:
     """
 
     surface: Surface
-    thickness: float
-    material: Law
+    thickness: float | None = None
+    material: Law | Laminate | None = None
     supports: Sequence[Support] = field(default_factory=tuple)
     loads: Sequence[Load] = field(default_factory=tuple)
 
     def __post_init__(self) -> None:
-        positive("thickness", self.thickness, "m")
         if isinstance(self.surface, type) or not hasattr(self.surface, "position"):
             raise InputError(f"surface = {self.surface!r}: give a surface, for example Rectangle(1.0, 1.0)")
-        if isinstance(self.material, type) or not hasattr(self.material, "stiffness"):
-            raise InputError(f"material = {self.material!r}: give a law, for example Isotropic(young, poisson, density)")
+        section_of(self.material, self.thickness)  # what is wrong is told here, not where the section is first used
         for name, method in (("supports", "rows"), ("loads", "on")):
             items = getattr(self, name)
             if not isinstance(items, Sequence):
@@ -70,14 +70,19 @@ class Problem:
                 if isinstance(item, type) or not hasattr(item, method):
                     raise InputError(f"{name}: {item!r} is none; see skancf.{name} for what there is")
 
+    @cached_property
+    def section(self) -> Section:
+        """The layers through the thickness, one for a plate of one material."""
+        return section_of(self.material, self.thickness)
+
     def on(self, mesh: skfem.MeshQuad, theory: str | Full = "full") -> System:
         """The problem on a mesh of the parameter plane, with a theory (a name, or an object such as ``Full()``)."""
         geometry = Geometry(mesh, self.surface, theory_named(theory))
         self._check_bounds(mesh)
-        sections = build_sections(geometry, self.material.stiffness(), self.thickness)
+        sections = build_sections(geometry, self.section)
         constraints, prescription = constrain(geometry, self.supports)
-        loads = [load.on(geometry, sections, self.material.density) for load in self.loads]
-        return System(geometry, sections, self.material.density, constraints, prescription, loads, problem=self)
+        loads = [load.on(geometry, sections) for load in self.loads]
+        return System(geometry, sections, constraints, prescription, loads, problem=self)
 
     def _check_bounds(self, mesh: skfem.MeshQuad) -> None:
         bounds: Any = getattr(self.surface, "bounds", None)

@@ -67,8 +67,12 @@ class Solution:
         return np.einsum("vken,ekn->env", to_local[0], change, optimize=True)
 
     def stresses(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
-        """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa)."""
-        return self.strains(points, z) @ self.system.problem.material.stiffness()
+        """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
+
+        The law is that of the layer at z, of the lower one at an interface.
+        """
+        section = self.system.problem.section
+        return self.strains(points, z) @ section.stiffness[section.layer_at(z)]
 
     def nodal_stresses(self, z: float = 0.0) -> np.ndarray:
         """Second Piola-Kirchhoff stress at the nodes, averaged over the elements that meet there: (n_nodes, 6) (Pa)."""
@@ -109,9 +113,8 @@ class Solution:
         return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
 
     def _depth(self, z: float) -> float:
-        half = self.system.problem.thickness / 2
-        if abs(number("z", z)) > half * (1 + 1e-12):
-            raise InputError(f"z = {z}: outside the plate, whose faces are at z = -{half} and {half}")
+        if number("z", z):
+            self.system.problem.section.layer_at(z)
         return float(z)
 
 

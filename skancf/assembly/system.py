@@ -50,13 +50,12 @@ class System:
         self,
         geometry: Geometry,
         sections: Sections,
-        density: float,
         constraints: Constraints,
         prescription: Prescription,
         loads: Sequence[Loading],
         problem: Any,
     ):
-        self.geometry, self.sections, self.density = geometry, sections, density
+        self.geometry, self.sections = geometry, sections
         self.constraints, self.prescription, self.loads, self.problem = constraints, prescription, loads, problem
         self.undeformed = geometry.undeformed.ravel()
         self.pattern = BlockPattern.from_cells(
@@ -140,7 +139,7 @@ class System:
     def mass(self) -> BlockMatrix:
         """The constant mass matrix, with the rotary part of r_z."""
         r, d = position_table(self.geometry.theory.quadrature[0])
-        m0, m1, m2 = np.moveaxis(self.density * self.sections.moments, 1, 0)
+        m0, m1, m2 = np.moveaxis(self.sections.moments, 1, 0)
         shapes = (
             np.einsum("ap,bp,sp->sab", r, r, m0)
             + np.einsum("ap,bp,sp->sab", r, d, m1)

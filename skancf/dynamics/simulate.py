@@ -165,7 +165,7 @@ class _Run:
 
     def _go(self, q: np.ndarray, v: np.ndarray, begin: float, end: float, bar: Progress) -> tuple[MotionStatus, str]:
         a = self.solver.initial_acceleration(q, v, begin)
-        thickness = self.system.problem.thickness
+        thickness = self.system.problem.section.thickness
         guess = np.sqrt(2e-3 * thickness / max(self.size(a), 1e-300))
         dt = self.control.first(min(float(guess), (end - begin) / 20))
         shortest = dt * self.control.smallest

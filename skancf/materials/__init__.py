@@ -1,9 +1,11 @@
-"""Laws: strain to stress, as pure functions at a point."""
+"""Laws: strain to stress, as pure functions at a point; sections: the layers through the thickness."""
 
 from skancf.materials.isotropic import Isotropic
+from skancf.materials.laminate import Laminate, Layer
 from skancf.materials.law import Anisotropic, Law
 from skancf.materials.orthotropic import Orthotropic
+from skancf.materials.section import Section, section_of
 
 ALL = [Isotropic, Orthotropic, Anisotropic]
 
-__all__ = ["ALL", "Anisotropic", "Isotropic", "Law", "Orthotropic"]
+__all__ = ["ALL", "Anisotropic", "Isotropic", "Laminate", "Law", "Layer", "Orthotropic", "Section", "section_of"]

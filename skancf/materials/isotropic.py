@@ -26,6 +26,8 @@ class Isotropic:
         :math:`(1 - \nu)^2 / (1 - 2 \nu)`, on any mesh.
     shear_correction : float
         Factor of the transverse shear modulus.
+    expansion : float
+        Coefficient of thermal expansion (1/K).
 
     Raises
     ------
@@ -38,6 +40,7 @@ class Isotropic:
     density: float
     kind: str = "plane_stress"
     shear_correction: float = SHEAR_CORRECTION
+    expansion: float = 0.0
     angle = 0.0
 
     def __post_init__(self) -> None:
@@ -45,6 +48,7 @@ class Isotropic:
         nu = number("poisson", self.poisson)
         if not -1 < nu < 0.5:
             raise InputError(f"poisson = {nu}: an isotropic law needs -1 < poisson < 0.5")
+        number("expansion", self.expansion)
         self.stiffness()
 
     def stiffness(self) -> np.ndarray:
@@ -54,3 +58,7 @@ class Isotropic:
         full = np.diag([2 * shear] * 3 + [shear] * 3)
         full[:3, :3] += lame
         return build(self, full)
+
+    def thermal_strain(self) -> np.ndarray:
+        """Free strain per kelvin, shape (6,)."""
+        return self.expansion * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.errors import InputError, finite, number, positive
+from skancf.errors import InputError, finite, number, positive, vector
 
 SHEAR_CORRECTION = 5 / 6
 TRANSVERSE = [3, 4]
@@ -26,6 +26,17 @@ class Law(Protocol):
 
     def stiffness(self) -> np.ndarray:
         """C, shape (6, 6), in the frame of the undeformed surface."""
+
+    def thermal_strain(self) -> np.ndarray:
+        """Free strain per kelvin, shape (6,), in the frame of the undeformed surface."""
+
+
+def require_law(material: Any) -> None:
+    """InputError for what has not the methods of a :class:`Law`."""
+    missing = [name for name in ("density", "stiffness", "thermal_strain") if not hasattr(material, name)]
+    if isinstance(material, type) or missing:
+        raise InputError(f"material = {material!r}: give a law, for example Isotropic(young, poisson, density)"
+                         + (f"; this has no {' and no '.join(missing)}" if missing else ""))  # fmt: skip
 
 
 def check_definite(matrix: np.ndarray, name: str) -> np.ndarray:
@@ -65,10 +76,10 @@ def corrected(full: np.ndarray, shear_correction: float) -> np.ndarray:
     return full * np.outer(factor, factor)
 
 
-def turned(matrix: np.ndarray, angle: float) -> np.ndarray:
-    """The law of a material whose axes 1 and 2 are turned by ``angle`` (radians) about axis 3."""
+def strain_turn(angle: float) -> np.ndarray:
+    """Strain in axes that are turned by ``angle`` (radians) about axis 3, from that in the present ones: (6, 6)."""
     c, s = cos(angle), sin(angle)
-    to_material = np.array([
+    return np.array([
         [c * c, s * s, 0, 0, 0, c * s],
         [s * s, c * c, 0, 0, 0, -c * s],
         [0, 0, 1, 0, 0, 0],
@@ -76,7 +87,17 @@ def turned(matrix: np.ndarray, angle: float) -> np.ndarray:
         [0, 0, 0, s, c, 0],
         [-2 * c * s, 2 * c * s, 0, 0, 0, c * c - s * s],
     ])
+
+
+def turned(matrix: np.ndarray, angle: float) -> np.ndarray:
+    """The law of a material whose axes 1 and 2 are turned by ``angle`` (radians) about axis 3."""
+    to_material = strain_turn(angle)
     return to_material.T @ matrix @ to_material
+
+
+def turned_strain(strain: np.ndarray, angle: float) -> np.ndarray:
+    """A strain (6,) that is known in axes turned by ``angle`` (radians) about axis 3, in the present ones."""
+    return strain_turn(-angle) @ strain
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +117,8 @@ class Anisotropic:
         strain is constant through the thickness; ``"3d"`` takes the matrix as it is and suffers Poisson thickness locking.
     shear_correction : float
         Factor of the transverse shear block.
+    expansion : (6,)
+        Thermal strain per kelvin in the material's axes, Voigt order and doubled shear strains (1/K).
 
     Raises
     ------
@@ -108,13 +131,19 @@ class Anisotropic:
     angle: float = 0.0
     kind: str = "plane_stress"
     shear_correction: float = SHEAR_CORRECTION
+    expansion: Any = (0.0,) * 6
     _stiffness: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        vector("expansion", self.expansion, 6)
         object.__setattr__(self, "_stiffness", build(self, finite("matrix", self.matrix)))
 
     def stiffness(self) -> np.ndarray:
         return self._stiffness.copy()
+
+    def thermal_strain(self) -> np.ndarray:
+        """Free strain per kelvin, shape (6,), after the turn by ``angle``."""
+        return turned_strain(vector("expansion", self.expansion, 6), self.angle)
 
 
 def build(law: Any, full: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.errors import positive, vector
-from skancf.materials.law import SHEAR_CORRECTION, build, check_definite
+from skancf.materials.law import SHEAR_CORRECTION, build, check_definite, turned_strain
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,8 @@ class Orthotropic:
         From the tangent along the parameter x to the material's axis 1, radians.
     kind, shear_correction
         As for :class:`~skancf.Anisotropic`.
+    expansion : (a1, a2, a3)
+        Coefficients of thermal expansion along the material's axes (1/K).
 
     Raises
     ------
@@ -40,12 +42,14 @@ class Orthotropic:
     angle: float = 0.0
     kind: str = "plane_stress"
     shear_correction: float = SHEAR_CORRECTION
+    expansion: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         for name, values in (("young", self.young), ("shear", self.shear)):
             for value in vector(name, values, 3):
                 positive(name, value, "Pa")
         vector("poisson", self.poisson, 3)
+        vector("expansion", self.expansion, 3)
         self.stiffness()
 
     def stiffness(self) -> np.ndarray:
@@ -58,3 +62,7 @@ class Orthotropic:
             compliance[i, j] = compliance[j, i] = value
         check_definite(compliance, "Orthotropic")
         return build(self, np.linalg.inv(compliance))
+
+    def thermal_strain(self) -> np.ndarray:
+        """Free strain per kelvin, shape (6,), after the turn by ``angle``."""
+        return turned_strain(np.array([*self.expansion, 0.0, 0.0, 0.0]), self.angle)

@@ -38,8 +38,8 @@ def write(
     subdivisions : int
         Linear cells along an element's edge.
     depths : mapping from name to z (m), optional
-        Where stress and strain are written. Default: ``mid`` (z = 0) and the faces ``top`` and ``bottom`` (plus and
-        minus half the thickness). ``{}``: displacements and velocities only, a tenth of the size.
+        Where stress and strain are written. Default: the faces ``top`` and ``bottom`` and ``mid``, halfway between
+        them. ``{}``: displacements and velocities only, a tenth of the size.
 
     Returns
     -------
@@ -87,8 +87,9 @@ def write_state(
     data = {"displacement": surface.displacement}
     if surface.velocity is not None:
         data["velocity"] = surface.velocity
-    half = solution.system.problem.thickness / 2
-    for name, z in ({"mid": 0.0, "top": half, "bottom": -half} if depths is None else depths).items():
+    bottom, top = solution.system.problem.section.z[[0, -1]]
+    middle = {"mid": (bottom + top) / 2, "top": top, "bottom": bottom}
+    for name, z in (middle if depths is None else depths).items():
         strain, stress = sample_strain(solution, subdivisions, number(f"depths[{name!r}]", z))
         data[f"stress_{name}"], data[f"strain_{name}"] = stress[:, FILE_ORDER], strain[:, FILE_ORDER]
         data[f"mises_{name}"] = von_mises(stress)

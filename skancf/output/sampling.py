@@ -121,7 +121,7 @@ def sample(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Samples
     subdivisions : int
         Cells along an element's edge, at least 1.
     z : float
-        Depth, between minus and plus half the thickness (m).
+        Depth, from the bottom face to the top face (m).
 
     Returns
     -------

@@ -15,9 +15,10 @@ from functools import cached_property
 
 import numpy as np
 
-from skancf.elements.quad_ancf import gauss, square_quadrature
+from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import ancf_functions
 from skancf.errors import InputError
+from skancf.materials import Section
 
 R1, R2, D1, D2, D = range(5)
 TERMS = np.array([
@@ -104,7 +105,7 @@ class Full:
     assumed : bool
         Assumed transverse shear and thickness strains, which do not lock; False is the plain element of the literature.
     n_thickness : int
-        Gauss points through the thickness; 3 are exact for flat plates.
+        Gauss points through the thickness of each layer; 3 are exact for flat plates.
 
     Notes
     -----
@@ -161,12 +162,6 @@ class Full:
         return out
 
 
-def thickness_points(thickness: float, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss points and weights on [-thickness/2, thickness/2]."""
-    s, w = gauss(n)
-    return (s - 0.5) * thickness, w * thickness
-
-
 def covariant_to_local(jet: np.ndarray, first: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     r"""From the 14 strains to the strain in the local frame at depth z.
 
@@ -221,7 +216,7 @@ def voigt_rows(A: np.ndarray, z: float) -> np.ndarray:
 
 
 def section_stiffness(
-    jet: np.ndarray, first: np.ndarray, law: np.ndarray, thickness: float, n_z: int
+    jet: np.ndarray, first: np.ndarray, section: Section, n_z: int
 ) -> tuple[np.ndarray, np.ndarray]:
     r"""The law integrated through the thickness, for the 14 strains.
 
@@ -233,20 +228,21 @@ def section_stiffness(
         Jet of the undeformed state.
     first : (3, ...) array
         Tangent along the parameter x.
-    law : (6, 6) array
-    thickness : float
+    section : Section
     n_z : int
-        Gauss points through the thickness; 3 are exact for a flat plate.
+        Gauss points through each layer; 3 are exact for a flat plate.
 
     Returns
     -------
     stiffness : (..., 14, 14) array
         Per unit of reference square.
     moments : (3, ...) array
-        Integrals of det F, z det F, z^2 det F over z: what mass and dead loads need.
+        Integrals of the density times det F, z det F, z^2 det F over z: what mass and dead loads need.
     """
-    z, w = thickness_points(thickness, n_z)
-    P, volume = covariant_to_local(jet, first, z)
-    stiffness = np.einsum("zpk...,pq,zql...,z...,z->...kl", P, law, P, volume, w, optimize=True)
-    moments = np.stack([np.einsum("z...,z->...", volume, w * z**k) for k in range(3)])
+    stiffness, moments = np.zeros((*jet.shape[2:], N_STRAINS, N_STRAINS)), np.zeros((3, *jet.shape[2:]))
+    points = (part.reshape(-1, n_z) for part in section.points(n_z)[:2])
+    for law, density, z, w in zip(section.stiffness, section.density, *points, strict=True):
+        P, volume = covariant_to_local(jet, first, z)
+        stiffness += np.einsum("zpk...,pq,zql...,z...,z->...kl", P, law, P, volume, w, optimize=True)
+        moments += density * np.stack([np.einsum("z...,z->...", volume, w * z**k) for k in range(3)])
     return stiffness, moments

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
+from skancf.materials import Section
 from skancf.theories.full import N_IN_PLANE, R1, R2, TERMS, local_frame, section_stiffness
 
 # Lengths of an element that differ by less than this many times the rounding of its nodes' positions are equal.
@@ -28,7 +29,7 @@ class Sections:
     sampled : (n_shapes, n_rows, n_rows) array
         Law of the assumed strains at their sampling points: interpolation^T D interpolation.
     moments : (n_shapes, 3, n_points) array
-        Integrals of 1, z, z^2 through the thickness with det F.
+        Integrals of the density times 1, z, z^2 through the thickness with det F.
     areas : (n_shapes, n_points) array
         Area of the mid-surface.
     """
@@ -42,7 +43,7 @@ class Sections:
     areas: np.ndarray
 
 
-def build_sections(geometry: Geometry, law: np.ndarray, thickness: float) -> Sections:
+def build_sections(geometry: Geometry, section: Section) -> Sections:
     """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
     theory = geometry.theory
     points, weights = theory.quadrature
@@ -50,7 +51,7 @@ def build_sections(geometry: Geometry, law: np.ndarray, thickness: float) -> Sec
     local = geometry.undeformed_local[representative]
     jets = theory.jets(local, points)
     first = geometry.tangents(points, representative)
-    full, moments = section_stiffness(jets, first, law, thickness, theory.n_thickness)
+    full, moments = section_stiffness(jets, first, section, theory.n_thickness)
     full = full * weights[:, None, None]
     k, l = np.nonzero(np.triu(np.abs(full).max(axis=(0, 1)) > 1e-13 * _scale(full)))
     return Sections(

@@ -1,0 +1,96 @@
+"""Laminates: layers of any law, each turned by its own angle."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.errors import InputError, number, positive
+from skancf.materials.law import Law, require_law, turned, turned_strain
+from skancf.materials.section import Section, stack
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A layer of a laminate.
+
+    Parameters
+    ----------
+    material : Law
+        For example :class:`~skancf.Orthotropic`.
+    thickness : float
+        m.
+    angle : float
+        Turn about the normal, added to the material's own angle (radians).
+
+    Raises
+    ------
+    InputError
+        For a thickness that is not positive, an angle that is not finite, and a material that is no law.
+    """
+
+    material: Law
+    thickness: float
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_law(self.material)
+        positive("thickness of a layer", self.thickness, "m")
+        number("angle", self.angle)
+
+    def stiffness(self) -> np.ndarray:
+        """C, shape (6, 6), in the frame of the surface (Pa)."""
+        return turned(self.material.stiffness(), self.angle)
+
+    def thermal_strain(self) -> np.ndarray:
+        """Free strain per kelvin, shape (6,), in the frame of the surface."""
+        return turned_strain(self.material.thermal_strain(), self.angle)
+
+
+@dataclass(frozen=True)
+class Laminate:
+    """Perfectly bonded layers; in a problem it stands for the material and the thickness.
+
+    Parameters
+    ----------
+    layers : sequence of Layer
+        From bottom to top.
+    offset : float
+        Height of the laminate's mid-plane above the reference surface (m).
+
+    Raises
+    ------
+    InputError
+        For no layers, a layer that is none, and an offset that is not finite.
+
+    Notes
+    -----
+    Each layer's law holds its own shear correction factor. That of a homogeneous plate, 5/6, is an approximation in a
+    laminate, where it depends on the layup; too large a factor makes thick laminates with soft cores too stiff.
+
+    Examples
+    --------
+    >>> ply = sk.Orthotropic(young=(177e9, 10.8e9, 10.8e9), poisson=(0, 0, 0), shear=(7.6e9, 7.6e9, 8.5e9), density=1600)
+    >>> cross_ply = sk.Laminate([sk.Layer(ply, 0.25e-3), sk.Layer(ply, 0.25e-3, angle=np.pi / 2)])
+    >>> plate = sk.Problem(surface=sk.Rectangle(0.5, 0.5), material=cross_ply, supports=[sk.Clamp("left")])
+    """
+
+    layers: Sequence[Layer]
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.layers, Sequence) or not len(self.layers):
+            raise InputError(f"layers = {self.layers!r}: give a list of layers, as in [Layer(material, thickness)]")
+        object.__setattr__(self, "layers", tuple(self.layers))
+        for layer in self.layers:
+            if not isinstance(layer, Layer):
+                raise InputError(f"layers: {layer!r} is none; give Layer(material, thickness, angle)")
+        number("offset", self.offset)
+
+    def section(self) -> Section:
+        """The layers in the frame of the surface, at their heights above the reference surface."""
+        tops = np.cumsum([0.0] + [layer.thickness for layer in self.layers])
+        return stack(
+            tops - tops[-1] / 2 + self.offset, [layer.stiffness() for layer in self.layers],
+            [layer.material.density for layer in self.layers], [layer.thermal_strain() for layer in self.layers],
+        )  # fmt: skip

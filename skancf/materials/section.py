@@ -1,0 +1,186 @@
+r"""A section: the layers through the thickness, and what they amount to per area.
+
+Classical lamination theory is that of R. M. Jones, *Mechanics of Composite Materials*, 2nd ed. (1999), chapter 4.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.elements.quad_ancf import gauss
+from skancf.errors import InputError, finite, positive
+from skancf.materials.law import require_law
+
+IN_PLANE = [0, 1, 5]
+OUT_OF_PLANE = [2, 3, 4]
+SHEAR = [4, 3]
+"""Voigt rows of 13 and 23, in this order."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    r"""Layers through the thickness, from bottom to top.
+
+    Laws and expansions are in the frame of the surface, Voigt order 11, 22, 33, 23, 13, 12 with doubled shear strains.
+    A temperature change is :math:`T(z) = T_0 + z T_1`: that of the reference surface and its gradient.
+
+    Parameters
+    ----------
+    z : (n + 1,) array
+        Heights of the faces and interfaces above the reference surface, increasing (m).
+    stiffness : (n, 6, 6) array
+        C of each layer (Pa).
+    density : (n,) array
+        kg/m3.
+    expansion : (n, 6) array
+        Thermal strain of each layer (1/K).
+
+    Raises
+    ------
+    InputError
+        For heights that do not increase, and for arrays that do not fit to them.
+    """
+
+    z: np.ndarray
+    stiffness: np.ndarray
+    density: np.ndarray
+    expansion: np.ndarray
+
+    def __post_init__(self) -> None:
+        n = np.size(self.z) - 1
+        for name, shape in (("z", (n + 1,)), ("stiffness", (n, 6, 6)), ("density", (n,)), ("expansion", (n, 6))):
+            array = finite(name, getattr(self, name)).copy()
+            if n < 1 or array.shape != shape:
+                raise InputError(f"{name} of shape {array.shape}: a section of n layers has n + 1 heights z, and "
+                                 "stiffness (n, 6, 6), density (n,) and expansion (n, 6)")  # fmt: skip
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        if not (np.diff(self.z) > 0).all():
+            raise InputError(f"z = {self.z}: heights of a section increase from the bottom to the top face")
+
+    @property
+    def thicknesses(self) -> np.ndarray:
+        """Of the layers, (n,) (m)."""
+        return np.diff(self.z)
+
+    @property
+    def thickness(self) -> float:
+        """From face to face (m)."""
+        return float(self.z[-1] - self.z[0])
+
+    @property
+    def mass(self) -> float:
+        """Mass per area (kg/m2)."""
+        return float(self.density @ self.thicknesses)
+
+    def layer_at(self, z: Any) -> np.ndarray:
+        """The layer that each depth belongs to, an int array of z's shape; at an interface the lower one.
+
+        Raises
+        ------
+        InputError
+            For a depth outside the faces.
+        """
+        depth, slack = finite("z", z), 1e-12 * self.thickness
+        outside = (depth < self.z[0] - slack) | (depth > self.z[-1] + slack)
+        if outside.any():
+            raise InputError(f"z = {depth[outside][0]}: outside the plate, whose faces are at z = {self.z[0]} "
+                             f"and {self.z[-1]}")  # fmt: skip
+        return np.searchsorted(self.z[1:-1], depth - slack)
+
+    def points(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Gauss points of all layers, n in each: depths, weights (m) and layers, all of shape (n_layers * n,)."""
+        s, w = gauss(n)
+        depth = self.z[:-1, None] + np.outer(self.thicknesses, s)
+        return depth.ravel(), np.outer(self.thicknesses, w).ravel(), np.repeat(np.arange(len(self.density)), n)
+
+    def in_plane(self) -> np.ndarray:
+        r"""Stiffness Q of each layer for 11, 22, 12 where :math:`S_{33} = S_{23} = S_{13} = 0`: (n, 3, 3) (Pa).
+
+        .. math:: Q = C_{pp} - C_{pq} C_{qq}^{-1} C_{qp}, \qquad p = 11, 22, 12, \quad q = 33, 23, 13
+        """
+        pp, pq, qq = (self.stiffness[:, rows][:, :, cols] for rows, cols in
+                      ((IN_PLANE, IN_PLANE), (IN_PLANE, OUT_OF_PLANE), (OUT_OF_PLANE, OUT_OF_PLANE)))  # fmt: skip
+        return pp - pq @ np.linalg.solve(qq, pq.swapaxes(1, 2))
+
+    def abd(self) -> np.ndarray:
+        r"""Stiffness of the section in thin-plate theory, (6, 6).
+
+        .. math::
+            \begin{bmatrix} N \\ M \end{bmatrix} = \begin{bmatrix} A & B \\ B & D \end{bmatrix}
+            \begin{bmatrix} \varepsilon \\ \kappa \end{bmatrix}, \qquad (A, B, D) = \int Q \, (1, z, z^2) \, dz
+
+        for the in-plane strain :math:`\varepsilon + z \kappa` in the order 11, 22, 12. A in N/m, B in N, D in N m.
+        """
+        A, B, D = np.einsum("kl,lij->kij", self._powers(), self.in_plane())
+        return np.block([[A, B], [B, D]])
+
+    def thermal_resultants(self, temperature_mid: Any, temperature_gradient: Any) -> np.ndarray:
+        r"""Resultants of a temperature change that is not allowed to strain the section, with the sign turned.
+
+        .. math:: (N_T, M_T) = \int Q \alpha \, (T_0 + z T_1) \, (1, z) \, dz
+
+        Forces and moments are :math:`A \varepsilon + B \kappa - N_T` and :math:`B \varepsilon + D \kappa - M_T`.
+
+        Parameters
+        ----------
+        temperature_mid : float or (...) array
+            :math:`T_0`, at the reference surface (K).
+        temperature_gradient : float or (...) array
+            :math:`T_1` (K/m).
+
+        Returns
+        -------
+        (6, ...) array
+            :math:`N_T` (N/m), then :math:`M_T` (N), each in the order 11, 22, 12.
+        """
+        stress = np.einsum("lij,lj->li", self.in_plane(), self.expansion[:, IN_PLANE])
+        first, second, third = self._powers() @ stress
+        by_mid, by_gradient = np.concatenate([first, second]), np.concatenate([second, third])
+        middle, gradient = finite("temperature_mid", temperature_mid), finite("temperature_gradient", temperature_gradient)
+        return np.multiply.outer(by_mid, middle) + np.multiply.outer(by_gradient, gradient)
+
+    def thermal_strain(self, z: Any, temperature_mid: float, temperature_gradient: float = 0.0) -> np.ndarray:
+        r"""Free strain :math:`\alpha \, (T_0 + z T_1)` at depths z: (..., 6)."""
+        change = temperature_mid + np.asarray(z, dtype=float) * temperature_gradient
+        return self.expansion[self.layer_at(z)] * change[..., None]
+
+    def shear_stiffness(self) -> np.ndarray:
+        """Transverse shear stiffness k G t for 13 and 23, (2, 2) (N/m); the laws hold the shear correction factor k."""
+        return np.einsum("l,lij->ij", self.thicknesses, self.stiffness[:, SHEAR][:, :, SHEAR])
+
+    def _powers(self) -> np.ndarray:
+        """Integrals of 1, z, z^2 over each layer, (3, n)."""
+        return np.stack([np.diff(self.z**k) / k for k in (1, 2, 3)])
+
+
+def section_of(material: Any, thickness: float | None) -> Section:
+    """The section of a plate: one layer about its mid-surface, or the layers that the material brings.
+
+    Parameters
+    ----------
+    material : Law or Laminate
+    thickness : float or None
+        Of the plate, for a law (m); None for a laminate.
+
+    Raises
+    ------
+    InputError
+        For a law without a thickness, a laminate with one, and a material that is neither.
+    """
+    if hasattr(material, "section") and not isinstance(material, type):
+        if thickness is not None:
+            raise InputError(f"thickness = {thickness}: a laminate brings its own, the sum of its layers'; leave it out")
+        return material.section()
+    require_law(material)
+    if thickness is None:
+        raise InputError(f"thickness: missing; a plate of one material ({type(material).__name__}) needs a thickness")
+    half = positive("thickness", thickness, "m") / 2
+    return stack([-half, half], [material.stiffness()], [material.density], [material.thermal_strain()])
+
+
+def stack(z: Any, stiffness: Sequence[Any], density: Sequence[float], expansion: Sequence[Any]) -> Section:
+    """A section from lists."""
+    return Section(np.array(z), np.array(stiffness), np.array(density), np.array(expansion))

@@ -2,19 +2,22 @@
 
 from skancf.errors import InputError
 from skancf.theories.full import Full
+from skancf.theories.kirchhoff import Kirchhoff
+from skancf.theories.theory import Theory
 
-ALL = {"full": Full}
+ALL: dict[str, type] = {"full": Full, "kirchhoff": Kirchhoff}
 
 
-def theory_named(theory: "str | Full") -> Full:
+def theory_named(theory: "str | Theory") -> Theory:
     """A theory from its name, with its defaults, or the theory itself."""
     if isinstance(theory, str):
         if theory not in ALL:
             raise InputError(f"theory = {theory!r}: unknown; there is {sorted(ALL)}")
-        return ALL[theory]()
-    if not isinstance(theory, Full):
+        made: Theory = ALL[theory]()
+        return made
+    if not isinstance(theory, tuple(ALL.values())):
         raise InputError(f"theory = {theory!r}: give a name, one of {sorted(ALL)}, or an object such as Full()")
     return theory
 
 
-__all__ = ["ALL", "Full", "theory_named"]
+__all__ = ["ALL", "Full", "Kirchhoff", "Theory", "theory_named"]

@@ -18,6 +18,7 @@ import numpy as np
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import ancf_functions
 from skancf.errors import InputError
+from skancf.surfaces import Surface, normal
 from skancf.materials import Section
 
 R1, R2, D1, D2, D = range(5)
@@ -116,10 +117,28 @@ class Full:
     n_thickness: int = 3
 
     name = "full"
+    twist = False
 
     def __post_init__(self) -> None:
         if not (isinstance(self.n_thickness, int) and self.n_thickness >= 1):
             raise InputError(f"n_thickness = {self.n_thickness}: give a whole number of Gauss points, 2 or more to bend")
+
+    @cached_property
+    def rows(self) -> np.ndarray:
+        """Local function of each corner and nodal vector, (4, 4)."""
+        return np.hstack([np.arange(12).reshape(4, 3), np.arange(12, 16)[:, None]])
+
+    def fourth(self, surface: Surface, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The normal, (3, n)."""
+        return normal(surface, x, y)
+
+    def position_table(self, points: np.ndarray) -> np.ndarray:
+        """Values of the local functions of r and d at points (2, n): (2, 16, n)."""
+        return position_table(points)
+
+    def normals(self, local: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
+        """The director (n_elements, 3, n)."""
+        return np.einsum("ap,eai->eip", position_table(points)[1], local, optimize=True)
 
     @cached_property
     def quadrature(self) -> tuple[np.ndarray, np.ndarray]:

@@ -7,17 +7,7 @@ is an array (9, 9, n_points).
 
 from numba import njit
 
-OPTIONS = {
-    "cache": True,
-    "nogil": True,
-    "error_model": "numpy",
-    # Everything but the flags that would let the compiler assume away NaN and infinity.
-    "fastmath": {"contract", "reassoc", "nsz", "arcp"},
-}
-"""Options of compiled functions that are called from Python."""
-INNER = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Options of those that only compiled functions call: without entry points they compile in half the time."""
-
+from skancf.compiled import INNER
 
 @njit(**INNER)
 def dot(a, b):

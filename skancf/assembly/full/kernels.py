@@ -13,8 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from skancf.assembly.local import gather
+from skancf.compiled import INNER, OPTIONS
 from skancf.theories.full import N_IN_PLANE, N_STRAINS
-from skancf.theories.full_point import INNER, OPTIONS, in_plane
+from skancf.theories.full_point import in_plane
 
 N_SAMPLED = N_STRAINS - N_IN_PLANE
 N_POINTS = 16
@@ -23,19 +25,11 @@ N_POINTS = 16
 class Elements(NamedTuple):
     """What differs between elements.
 
-    ``nodes`` (n, 4); the map from nodal coordinates to local vectors as triples: those of element e are
-    ``pointer[e]:pointer[e + 1]``, c[``rows``] += ``values`` * the vector ``kinds`` of the corner ``corners``;
     ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains ``reference``
     (n_shapes, 14, n_points), the law with the weights ``law`` (n_shapes, n_pairs, n_points), and the law of the sampled
     strains ``sampled`` (n_shapes, n_rows, n_rows).
     """
 
-    nodes: np.ndarray
-    pointer: np.ndarray
-    rows: np.ndarray
-    corners: np.ndarray
-    kinds: np.ndarray
-    values: np.ndarray
     shape: np.ndarray
     reference: np.ndarray
     law: np.ndarray
@@ -66,17 +60,6 @@ class Rule(NamedTuple):
     sample_rows: np.ndarray
     pairs: np.ndarray
     coupled: bool
-
-
-@njit(**INNER)
-def gather(e, q, elements, local):
-    """Local vectors (16, 3) of element e from nodal coordinates (n_nodes, 4, 3)."""
-    local[:] = 0.0
-    for k in range(elements.pointer[e], elements.pointer[e + 1]):
-        a, v = elements.rows[k], elements.values[k]
-        n, kind = elements.nodes[e, elements.corners[k]], elements.kinds[k]
-        for i in range(3):
-            local[a, i] += v * q[n, kind, i]
 
 
 @njit(**INNER)
@@ -175,7 +158,7 @@ def collect(rule, stress, sampled):
 
 
 @njit(**OPTIONS)
-def stresses(start, stop, order, q, change, rule, elements, strain_out, out):
+def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, out):
     """Strain and stress extrapolated linearly along ``change``, strain(q) + B(q) change; the stress has the weights.
 
     Into ``strain_out`` (n_elements, 14, 16), or nowhere if that is empty, and ``out``.
@@ -188,8 +171,10 @@ def stresses(start, stop, order, q, change, rule, elements, strain_out, out):
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
-        gather(e, q, elements, local)
-        gather(e, change, elements, moved)
+        gather(e, q, maps, local)
+        moved[:] = 0.0
+        if change.shape[0]:
+            gather(e, change, maps, moved)
         # For quadratic strains strain(q) + B(q) change is the bilinear form at q and q + 2 change.
         for a in range(16):
             for i in range(3):

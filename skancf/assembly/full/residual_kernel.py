@@ -1,15 +1,15 @@
 """Compiled internal force of theory `full`, several elements at a time.
 
-The arithmetic is that of :mod:`skancf.assembly.kernels`, one integration point after the other; arrays have the elements of
+The arithmetic is that of :mod:`skancf.assembly.full.kernels`, one integration point after the other; arrays have the elements of
 a batch last, and inner loops run over them, which keeps the vector units busy.
 """
 
 import numpy as np
 from numba import njit
 
-from skancf.assembly.kernels import N_POINTS, N_SAMPLED
+from skancf.assembly.full.kernels import N_POINTS, N_SAMPLED
+from skancf.compiled import INNER, OPTIONS
 from skancf.theories.full import N_IN_PLANE, N_STRAINS
-from skancf.theories.full_point import INNER, OPTIONS
 
 LANES = 32
 INLINED = {**INNER, "inline": "always"}
@@ -17,16 +17,16 @@ INLINED = {**INNER, "inline": "always"}
 
 
 @njit(**INLINED)
-def gather_batch(base, stop, order, q, elements, local, classes):
+def gather_batch(base, stop, order, q, maps, elements, local, classes):
     """Local vectors (16, 3, lanes) of the elements order[base:stop]; returns whether all are of one class."""
     lanes = local.shape[2]
     local[:] = 0.0
     for lane in range(min(lanes, stop - base)):
         e = order[base + lane]
         classes[lane] = elements.shape[e]
-        for k in range(elements.pointer[e], elements.pointer[e + 1]):
-            a, v = elements.rows[k], elements.values[k]
-            n, kind = elements.nodes[e, elements.corners[k]], elements.kinds[k]
+        for k in range(maps.pointer[e], maps.pointer[e + 1]):
+            a, v = maps.rows[k], maps.values[k]
+            n, kind = maps.nodes[e, maps.corners[k]], maps.kinds[k]
             for i in range(3):
                 local[a, i, lane] += v * q[n, kind, i]
     same = True
@@ -38,13 +38,13 @@ def gather_batch(base, stop, order, q, elements, local, classes):
 
 
 @njit(**INLINED)
-def scatter_batch(base, stop, order, force, elements, out):
+def scatter_batch(base, stop, order, force, maps, out):
     """Adds the forces on the local vectors (16, 3, lanes) to out (n_nodes, 4, 3)."""
     for lane in range(min(force.shape[2], stop - base)):
         e = order[base + lane]
-        for k in range(elements.pointer[e], elements.pointer[e + 1]):
-            a, v = elements.rows[k], elements.values[k]
-            n, kind = elements.nodes[e, elements.corners[k]], elements.kinds[k]
+        for k in range(maps.pointer[e], maps.pointer[e + 1]):
+            a, v = maps.rows[k], maps.values[k]
+            n, kind = maps.nodes[e, maps.corners[k]], maps.kinds[k]
             for i in range(3):
                 out[n, kind, i] += v * force[a, i, lane]
 
@@ -219,7 +219,7 @@ def sample_forces(rule, x, sampled, f, force):
 
 
 @njit(**OPTIONS)
-def residual(start, stop, order, q, rule, elements, out):
+def residual(start, stop, order, q, rule, maps, elements, out):
     """Internal force of the elements order[start:stop], added to out (n_nodes, 4, 3)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
     classes = np.zeros(LANES, dtype=np.int64)
@@ -229,7 +229,7 @@ def residual(start, stop, order, q, rule, elements, out):
     sampled, collected = np.empty((n_rows, LANES)), np.empty((n_rows, LANES))
     eps, stress = np.empty((N_STRAINS, LANES)), np.empty((N_STRAINS, LANES))
     for base in range(start, stop, LANES):
-        same = gather_batch(base, stop, order, q, elements, local, classes)
+        same = gather_batch(base, stop, order, q, maps, elements, local, classes)
         sample_jets_batch(rule, local, sx)
         sampled_strains(rule, sx, sampled)
         force[:] = 0.0
@@ -240,4 +240,4 @@ def residual(start, stop, order, q, rule, elements, out):
             point_stresses(rule, p, eps, elements, classes, same, stress)
             point_forces(rule, p, x, stress, collected, f, force)
         sample_forces(rule, sx, collected, sf, force)
-        scatter_batch(base, stop, order, force, elements, out)
+        scatter_batch(base, stop, order, force, maps, out)

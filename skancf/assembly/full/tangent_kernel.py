@@ -1,11 +1,13 @@
-"""Compiled tangent and mass of theory `full`; strains and tables are those of :mod:`skancf.assembly.kernels`."""
+"""Compiled tangent of theory `full`; strains and tables are those of :mod:`skancf.assembly.full.kernels`."""
 
 import numpy as np
 from numba import njit
 
-from skancf.assembly.kernels import N_POINTS, collect, gather, in_plane_jets, sample_jets, vectors
+from skancf.assembly.full.kernels import N_POINTS, collect, in_plane_jets, sample_jets, vectors
+from skancf.assembly.local import gather, scatter_tangent
+from skancf.compiled import INNER, OPTIONS
 from skancf.theories.full import N_IN_PLANE
-from skancf.theories.full_point import INNER, OPTIONS, in_plane_force, in_plane_stiffness
+from skancf.theories.full_point import in_plane_force, in_plane_stiffness
 
 COMPONENTS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]])
 
@@ -137,30 +139,8 @@ def sampled_stiffness(e, rule, elements, B, MB):
                         MB[N_POINTS * l + s, a] += weight * B[N_POINTS * k + s, a]
 
 
-@njit(**INNER)
-def scatter_tangent(e, elements, slots, K, out):
-    """Adds an element's tangent, K (48, 48) of which i <= j is used, to the upper blocks, out (n_blocks, 12, 12)."""
-    for k in range(elements.pointer[e], elements.pointer[e + 1]):
-        a, v, row = elements.rows[k], elements.values[k], 3 * elements.kinds[k]
-        slot_row = slots[e, elements.corners[k]]
-        for l in range(elements.pointer[e], elements.pointer[e + 1]):
-            slot = slot_row[elements.corners[l]]
-            if slot >= 0:
-                b, w, col = elements.rows[l], v * elements.values[l], 3 * elements.kinds[l]
-                block = out[slot]
-                block[row, col] += w * K[a, b]
-                block[row, col + 1] += w * K[a, 16 + b]
-                block[row, col + 2] += w * K[a, 32 + b]
-                block[row + 1, col] += w * K[b, 16 + a]
-                block[row + 1, col + 1] += w * K[16 + a, 16 + b]
-                block[row + 1, col + 2] += w * K[16 + a, 32 + b]
-                block[row + 2, col] += w * K[b, 32 + a]
-                block[row + 2, col + 1] += w * K[16 + b, 32 + a]
-                block[row + 2, col + 2] += w * K[32 + a, 32 + b]
-
-
 @njit(**OPTIONS)
-def tangent(start, stop, order, q, stress, rule, elements, slots, out):
+def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
     """Tangent with the given stresses (n_elements, 14, 16), added to out (n_blocks, 12, 12)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
     local, x, sx = np.empty((16, 3)), np.empty((4, 3, N_POINTS)), np.empty((n_samples, 5, 3))
@@ -173,7 +153,7 @@ def tangent(start, stop, order, q, stress, rule, elements, slots, out):
     for index in range(start, stop):
         e = order[index]
         law = elements.law[elements.shape[e]]
-        gather(e, q, elements, local)
+        gather(e, q, maps, local)
         in_plane_jets(rule, local, x)
         sample_jets(rule, local, sx)
         unpack(rule, law, square)
@@ -205,17 +185,4 @@ def tangent(start, stop, order, q, stress, rule, elements, slots, out):
                 if c < 3:
                     for b in range(16):
                         row[j + b] += G[a, b]
-        scatter_tangent(e, elements, slots, K, out)
-
-
-@njit(**OPTIONS)
-def mass(start, stop, order, shapes, elements, slots, out):
-    """Adds the classes' mass matrices (n_shapes, 16, 16), the same for the three components."""
-    K = np.zeros((48, 48))
-    for index in range(start, stop):
-        e = order[index]
-        for i in range(0, 48, 16):
-            for a in range(16):
-                for b in range(16):
-                    K[i + a, i + b] = shapes[elements.shape[e], a, b]
-        scatter_tangent(e, elements, slots, K, out)
+        scatter_tangent(e, maps, slots, K, out)

@@ -11,24 +11,25 @@ from skancf.surfaces.protocol import Surface, parameters
 # differences have errors of 1e-12; a strip of aspect ratio 1e6 has an area of 1e-6.
 NO_ANGLE = 1e-9
 NO_AREA = 1e-12
-# |X_x x X_y| over its value in the middle: below this a point is a pole.
+# |X_x x X_y| over its largest value at a few places: below this there is no normal. And how close to a bound is on it,
+# over the range.
 POLE = 1e-9
 
 
 def normal(surface: Surface, x: Any, y: Any) -> np.ndarray:
     r"""Unit normal :math:`\mathbf X_{,x} \times \mathbf X_{,y} / |\mathbf X_{,x} \times \mathbf X_{,y}|`, shape (3, ...).
 
-    At a pole of a surface with bounds (the centre of a disc, the top of a sphere), where the product vanishes, its limit
-    from the middle of the surface: the direction of its derivative towards there.
+    At a pole on a bound of the surface (the centre of a disc, the top of a sphere), where the product vanishes, its limit
+    from inside: the direction of its derivative towards the middle of the surface.
 
     Raises
     ------
     InputError
-        Where neither exists; the point is named.
+        Where there is neither, such as on a fold; the point is named.
     """
     x, y = parameters(x, y)
     n = np.cross(*surface.derivatives(x, y), axis=0)
-    flat = _length(n) <= POLE * _middle_area(surface)
+    flat = _length(n) <= POLE * _largest_area(surface)
     if flat.any():
         n[:, flat] = _limit(surface, x[flat], y[flat])
     return np.asarray(n / _length(n))
@@ -50,8 +51,9 @@ def check_regular(surface: Surface, x: Any, y: Any) -> None:
     x_slope, y_slope = surface.derivatives(x, y)
     area, x_length, y_length = _length(np.cross(x_slope, y_slope, axis=0)), _length(x_slope), _length(y_slope)
     wrong = ~(area > NO_ANGLE * x_length * y_length)
-    if x.size:
-        dx, dy = np.ptp(x), np.ptp(y)
+    dx, dy = (np.ptp(t) if t.size else 0.0 for t in (x, y))
+    # A row of points has no extent across.
+    if dx > 0 and dy > 0:
         wrong |= area * dx * dy < NO_AREA * max(x_length.max() * dx, y_length.max() * dy) ** 2
     if wrong.any():
         raise _irregular(surface, x[wrong][0], y[wrong][0], f" ({wrong.sum()} such points)")
@@ -61,22 +63,24 @@ def _limit(surface: Surface, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Derivative of X_x x X_y towards the middle of the surface, shape (3, n)."""
     if not hasattr(surface, "bounds"):
         raise _irregular(surface, x[0], y[0])
-    dx, dy = (sum(interval) / 2 - at for interval, at in zip(surface.bounds, (x, y), strict=True))
+    (x_low, x_high), (y_low, y_high) = surface.bounds
+    dx, dy = (x_low + x_high) / 2 - x, (y_low + y_high) / 2 - y
+    inner = np.maximum(np.abs(dx) / (x_high - x_low), np.abs(dy) / (y_high - y_low)) < 0.5 - POLE
     x_slope, y_slope = surface.derivatives(x, y)
     xx, xy, yy = surface.second_derivatives(x, y)
     n = np.cross(xx * dx + xy * dy, y_slope, axis=0) + np.cross(x_slope, xy * dx + yy * dy, axis=0)
-    wrong = ~(_length(n) > POLE * _middle_area(surface))
+    wrong = inner | ~(_length(n) > POLE * _largest_area(surface))
     if wrong.any():
         raise _irregular(surface, x[wrong][0], y[wrong][0])
     return n
 
 
-def _middle_area(surface: Surface) -> float:
-    """|X_x x X_y| in the middle of the bounds; 0 without bounds."""
+def _largest_area(surface: Surface) -> float:
+    """Largest |X_x x X_y| at a few places within the bounds; 0 without bounds."""
     if not hasattr(surface, "bounds"):
         return 0.0
-    x, y = (sum(interval) / 2 for interval in surface.bounds)
-    return float(_length(np.cross(*surface.derivatives(x, y), axis=0)))
+    x, y = np.meshgrid(*(low + (high - low) * np.array([0.2, 0.5, 0.7]) for low, high in surface.bounds))
+    return float(_length(np.cross(*surface.derivatives(x, y), axis=0)).max())
 
 
 def _length(v: np.ndarray) -> np.ndarray:

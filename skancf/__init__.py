@@ -10,7 +10,17 @@ from skancf.problem import Problem
 from skancf.solution import Solution
 from skancf.statics import HalveAndGrow, StaticResult, solve, solve_linear
 from skancf.supports import Clamp, Pin, Prescribed, Roller, SimpleSupport, Symmetry
-from skancf.surfaces import AnnulusSector, Plane, Rectangle
+from skancf.surfaces import (
+    AnnulusSector,
+    Cone,
+    CylinderSector,
+    HyperbolicParaboloid,
+    MappedSurface,
+    Parallelogram,
+    Plane,
+    Rectangle,
+    SphereSector,
+)
 from skancf.theories import Full
 from skancf.version import __version__
 
@@ -18,6 +28,8 @@ __all__ = [
     "Anisotropic",
     "AnnulusSector",
     "Clamp",
+    "Cone",
+    "CylinderSector",
     "DidNotConverge",
     "DiskForce",
     "EdgeLoad",
@@ -28,13 +40,16 @@ __all__ = [
     "GeneralizedAlpha",
     "Gravity",
     "HalveAndGrow",
+    "HyperbolicParaboloid",
     "InputError",
     "Isotropic",
     "Laminate",
     "Layer",
     "LocalError",
+    "MappedSurface",
     "Motion",
     "Orthotropic",
+    "Parallelogram",
     "Pin",
     "Plane",
     "PointForce",
@@ -46,6 +61,7 @@ __all__ = [
     "SingularMatrix",
     "SkancfError",
     "Solution",
+    "SphereSector",
     "StaticResult",
     "SurfaceLoad",
     "Symmetry",

@@ -156,6 +156,7 @@ class Roof:
     half_angle: float = math.radians(40)
 
     sides = ("near", "far", "left", "right")
+    closed = (False, False)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -170,6 +171,11 @@ class Roof:
         zero = np.zeros_like(x)
         return (np.stack([zero + 1, zero, zero]),
                 np.stack([zero, self.radius * np.cos(y), -self.radius * np.sin(y)]))  # fmt: skip
+
+    def second_derivatives(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        zero = np.zeros((3, *x.shape))
+        return zero, zero, np.stack([zero[0], -self.radius * np.sin(y), -self.radius * np.cos(y)])
 
 
 def roof() -> None:

@@ -7,11 +7,13 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError, finite
-from skancf.surfaces import BoundedSurface, Interval
+from skancf.surfaces import BoundedSurface, Interval, closed_directions
 
 
 def tensor(surface: BoundedSurface, x: Any, y: Any) -> skfem.MeshQuad:
     """Aligned rectangles between the node positions ``x`` and ``y``, with the boundaries named by ``surface.sides``.
+
+    Sides of a closed direction are one curve in space and no boundary; they get no name.
 
     Parameters
     ----------
@@ -32,14 +34,14 @@ def tensor(surface: BoundedSurface, x: Any, y: Any) -> skfem.MeshQuad:
     """
     x_bounds, y_bounds = bounds_of(surface)
     x, y = node_row("x", x, x_bounds), node_row("y", y, y_bounds)
-    left, right, bottom, top = surface.sides
+    # The middle of a facet that lies on a side has exactly the coordinate of its two ends.
+    places = [(0, x[0]), (0, x[-1]), (1, y[0]), (1, y[-1])]
+    closed = closed_directions(surface)
     return skfem.MeshQuad.init_tensor(x, y).with_boundaries(
-        # The middle of a facet that lies on a side has exactly the coordinate of its two ends.
         {
-            left: lambda middle: middle[0] == x[0],
-            right: lambda middle: middle[0] == x[-1],
-            bottom: lambda middle: middle[1] == y[0],
-            top: lambda middle: middle[1] == y[-1],
+            name: lambda middle, direction=direction, at=at: middle[direction] == at
+            for name, (direction, at) in zip(surface.sides, places, strict=True)
+            if not closed[direction]
         }
     )
 

@@ -1,0 +1,32 @@
+"""The flat plate."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.surfaces.protocol import parameters
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The plane z = 0 with x and y as parameters, for any mesh of it.
+
+    Its boundaries are the named boundaries of the mesh. Its normal is +z.
+    """
+
+    def position(self, x: Any, y: Any) -> np.ndarray:
+        x, y = parameters(x, y)
+        return np.stack([x, y, np.zeros_like(x)])
+
+    def derivatives(self, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
+        zero = np.zeros(np.broadcast(x, y).shape)
+        return np.stack([zero + 1, zero, zero]), np.stack([zero, zero + 1, zero])
+
+    def second_derivatives(self, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        shape = (3, *np.broadcast(x, y).shape)
+        return np.zeros(shape), np.zeros(shape), np.zeros(shape)
+
+    @property
+    def closed(self) -> tuple[bool, bool]:
+        return False, False

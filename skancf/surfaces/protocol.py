@@ -1,0 +1,55 @@
+"""What the rest of the library knows of a surface."""
+
+from typing import Any, Protocol
+
+import numpy as np
+
+Interval = tuple[float, float]
+
+
+class Surface(Protocol):
+    r"""A mid-surface :math:`\mathbf X(x, y)`, in m, over a parameter plane.
+
+    x and y are numbers or arrays that broadcast against each other. Second derivatives must be continuous.
+    """
+
+    def position(self, x: Any, y: Any) -> np.ndarray:
+        """X(x, y), shape (3, ...)."""
+
+    def derivatives(self, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
+        """X_x and X_y, each of shape (3, ...)."""
+
+    def second_derivatives(self, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """X_xx, X_xy and X_yy, each of shape (3, ...)."""
+
+    @property
+    def closed(self) -> tuple[bool, bool]:
+        """Does x (does y) come back to where it began, so that its smallest and largest value are one curve in space?
+
+        The two sides are no boundary then. A side of zero length (the centre of a disc, the top of a sphere) is not
+        meant by this.
+        """
+
+
+class BoundedSurface(Surface, Protocol):
+    """A surface over a rectangle of the parameter plane."""
+
+    @property
+    def bounds(self) -> tuple[Interval, Interval]:
+        """Smallest and largest x, smallest and largest y."""
+
+    @property
+    def sides(self) -> tuple[str, str, str, str]:
+        """Names of x = min, x = max, y = min, y = max; in a closed direction they name no boundary of a mesh."""
+
+
+def closed_directions(surface: Surface) -> tuple[bool, bool]:
+    """``surface.closed``; a surface that does not say is open in both directions."""
+    x, y = getattr(surface, "closed", (False, False))
+    return bool(x), bool(y)
+
+
+def parameters(x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
+    """x and y as float arrays of one shape."""
+    x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+    return x, y

@@ -2,14 +2,24 @@
 
 from skancf import adapt, meshes, output
 from skancf.dynamics import FixedStep, GeneralizedAlpha, LocalError, Motion, simulate
-from skancf.elements import ElementQuadANCF, through_thickness
+from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError
-from skancf.loads import DiskForce, EdgeLoad, EdgeMoment, Gravity, PointForce, SurfaceLoad
+from skancf.loads import (
+    DiskForce,
+    EdgeLoad,
+    EdgeMoment,
+    FollowerPressure,
+    Gravity,
+    LineLoad,
+    PointForce,
+    SurfaceLoad,
+    Temperature,
+)
 from skancf.materials import Anisotropic, Isotropic, Laminate, Layer, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
 from skancf.statics import HalveAndGrow, StaticResult, solve, solve_linear
-from skancf.supports import Clamp, Pin, Prescribed, Roller, SimpleSupport, Symmetry
+from skancf.supports import Clamp, Foundation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry
 from skancf.surfaces import (
     AnnulusSector,
     Cone,
@@ -21,7 +31,7 @@ from skancf.surfaces import (
     Rectangle,
     SphereSector,
 )
-from skancf.theories import Full
+from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
 __all__ = [
@@ -35,7 +45,10 @@ __all__ = [
     "EdgeLoad",
     "EdgeMoment",
     "ElementQuadANCF",
+    "ElementQuadHermite",
     "FixedStep",
+    "FollowerPressure",
+    "Foundation",
     "Full",
     "GeneralizedAlpha",
     "Gravity",
@@ -43,8 +56,10 @@ __all__ = [
     "HyperbolicParaboloid",
     "InputError",
     "Isotropic",
+    "Kirchhoff",
     "Laminate",
     "Layer",
+    "LineLoad",
     "LocalError",
     "MappedSurface",
     "Motion",
@@ -62,9 +77,11 @@ __all__ = [
     "SkancfError",
     "Solution",
     "SphereSector",
+    "Spring",
     "StaticResult",
     "SurfaceLoad",
     "Symmetry",
+    "Temperature",
     "__version__",
     "adapt",
     "meshes",

@@ -10,14 +10,13 @@ import skfem
 
 from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
-from skancf.assembly.sections import build_sections
-from skancf.assembly.system import System
+from skancf.assembly.system import System, assemble
 from skancf.errors import InputError
 from skancf.loads import Load
 from skancf.materials import Laminate, Law, Section, section_of
 from skancf.supports import Support
 from skancf.surfaces import Surface
-from skancf.theories import Full, theory_named
+from skancf.theories import Theory, theory_named
 
 
 @dataclass(frozen=True)
@@ -75,14 +74,14 @@ class Problem:
         """The layers through the thickness, one for a plate of one material."""
         return section_of(self.material, self.thickness)
 
-    def on(self, mesh: skfem.MeshQuad, theory: str | Full = "full") -> System:
+    def on(self, mesh: skfem.MeshQuad, theory: str | Theory = "full") -> System:
         """The problem on a mesh of the parameter plane, with a theory (a name, or an object such as ``Full()``)."""
-        geometry = Geometry(mesh, self.surface, theory_named(theory))
         self._check_bounds(mesh)
-        sections = build_sections(geometry, self.section)
-        constraints, prescription = constrain(geometry, self.supports)
-        loads = [load.on(geometry, sections) for load in self.loads]
-        return System(geometry, sections, constraints, prescription, loads, problem=self)
+        assembly = assemble(Geometry(mesh, self.surface, theory_named(theory)), self.section)
+        constraints, prescription = constrain(assembly.geometry, self.supports)
+        loads = [load.on(assembly) for load in self.loads]
+        elastic = [part for support in self.supports for part in support.springs(assembly)]
+        return System(assembly, constraints, prescription, loads, elastic, problem=self)
 
     def _check_bounds(self, mesh: skfem.MeshQuad) -> None:
         bounds: Any = getattr(self.surface, "bounds", None)

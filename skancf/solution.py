@@ -9,7 +9,6 @@ import scipy.sparse as sp
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number
-from skancf.theories.full import covariant_to_local, position_table
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 
@@ -41,30 +40,46 @@ class Solution:
 
     @property
     def displacements(self) -> np.ndarray:
-        """Displacements of the nodes, (3, n_nodes) (m)."""
-        return (self.q - self.system.undeformed).reshape(-1, 4, 3)[:, 0].T
+        """Displacements of the nodes of the mesh, (3, n_mesh_nodes) (m)."""
+        change = (self.q - self.system.undeformed).reshape(-1, 4, 3)[:, 0]
+        return np.asarray(change[self.system.geometry.ties.node_of].T)
 
     def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        return at_points(self.system, self.q - self.system.undeformed, at, self._depth(z))
+        return self.position(at, z) - Solution(self.system, self.system.undeformed).position(at, z)
 
     def position(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        return at_points(self.system, self.q, at, self._depth(z))
+        out = probe(self.system, at) @ self.q.reshape(-1, 3)
+        if self._depth(z):
+            out = out + z * self._normals(at)
+        return np.asarray(out[0] if np.ndim(at) == 1 else out)
+
+    def rotation(self, at: Any) -> np.ndarray:
+        """Angle between the normal (director) and the undeformed one at points (2,) or (n, 2): () or (n,) (rad)."""
+        n, before = self._normals(at), Solution(self.system, self.system.undeformed)._normals(at)
+        angle = np.arctan2(np.linalg.norm(np.cross(before, n), axis=1), (before * n).sum(axis=1))
+        return angle[0] if np.ndim(at) == 1 else angle
+
+    def _normals(self, at: Any) -> np.ndarray:
+        """Directors or unit normals (n, 3) at points of the parameter plane."""
+        geometry, out = self.system.geometry, []
+        for place in np.atleast_2d(finite("at", at)):
+            element, point = geometry.locate(place)
+            local = geometry.local(self.q.reshape(-1, 4, 3), np.array([element]))
+            inside = geometry.inside(point[:, None])
+            out.append(geometry.theory.normals(local, inside, geometry.side[[element]])[0, :, 0])
+        return np.array(out)
 
     def strains(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
         """Green-Lagrange strain in the local frame at points (2, n) of every element and depth z: (n_elements, n, 6).
 
-        Order 11, 22, 33, 23, 13, 12, shear strains doubled.
+        Order 11, 22, 33, 23, 13, 12, shear strains doubled. In theory `kirchhoff` the strain 33 (and 23, 13 of an oblique
+        law) is the one that leaves no stress.
         """
+        free = self._free_strains(points, self._depth(z))
         geometry = self.system.geometry
-        theory = geometry.theory
-        change = theory.strains(geometry.local(self.q.reshape(-1, 4, 3)), points) - theory.strains(
-            geometry.undeformed_local, points
-        )
-        jets = theory.jets(geometry.undeformed_local, points)
-        to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.array([self._depth(z)]))
-        return np.einsum("vken,ekn->env", to_local[0], change, optimize=True)
+        return self.system.assembly.strains(self.q.reshape(-1, 4, 3), geometry.inside(points), z, free)
 
     def stresses(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
@@ -72,14 +87,47 @@ class Solution:
         The law is that of the layer at z, of the lower one at an interface.
         """
         section = self.system.problem.section
-        return self.strains(points, z) @ section.stiffness[section.layer_at(z)]
+        elastic = self.strains(points, z) - self._free_strains(points, z)
+        return np.asarray(elastic @ section.stiffness[section.layer_at(z)])
+
+    def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
+        """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
+        parts = [load.free_strain(points, z, self.time) for load in self.system.loads if hasattr(load, "free_strain")]
+        return self.load_factor * sum(parts, np.zeros(6))
+
+    def section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
+        r"""Membrane forces and moments per length in the local frame at points of every element: (n_elements, 6, n).
+
+        :math:`N_{11}, N_{22}, N_{12}` (N/m) and :math:`M_{11}, M_{22}, M_{12}` (N), integrals of the stress and of z times
+        the stress over the thickness.
+
+        Parameters
+        ----------
+        points : (2, n) array, optional
+            In the reference square. Default: the four corners.
+        """
+        geometry = self.system.geometry
+        points = CORNERS.T if points is None else points
+        forces = self.system.assembly.section_forces(self.q.reshape(-1, 4, 3), geometry.inside(points))
+        for load in self.system.loads:
+            if hasattr(load, "resultants"):
+                forces = forces - self.load_factor * load.resultants(points, self.time)
+        return forces
+
+    def nodal_section_forces(self) -> np.ndarray:
+        """Section forces at the nodes, averaged over the elements that meet there: (n_nodes, 6)."""
+        return self._at_nodes(self.section_forces().swapaxes(1, 2))
+
+    def _at_nodes(self, values: np.ndarray) -> np.ndarray:
+        """Averages (n_nodes, k) of values (n_elements, 4, k) at the corners."""
+        geometry = self.system.geometry
+        out = np.zeros((geometry.n_nodes, values.shape[2]))
+        np.add.at(out, geometry.nodes, values)
+        return out / np.bincount(geometry.nodes.ravel(), minlength=geometry.n_nodes)[:, None]
 
     def nodal_stresses(self, z: float = 0.0) -> np.ndarray:
         """Second Piola-Kirchhoff stress at the nodes, averaged over the elements that meet there: (n_nodes, 6) (Pa)."""
-        geometry = self.system.geometry
-        out = np.zeros((geometry.n_nodes, 6))
-        np.add.at(out, geometry.nodes, self.stresses(CORNERS.T, z))
-        return out / np.bincount(geometry.nodes.ravel(), minlength=geometry.n_nodes)[:, None]
+        return self._at_nodes(self.stresses(CORNERS.T, z))
 
     @property
     def strain_energy(self) -> float:
@@ -119,24 +167,21 @@ class Solution:
 
 
 def require_same_mesh(system: System, start: Solution) -> None:
-    """InputError for a state that was computed on another mesh."""
+    """InputError for a state that was computed on another mesh or with another theory."""
     if start.system.mesh is not system.mesh:
         raise InputError("start belongs to another mesh; nodal coordinates have a meaning only on their own one")
+    if start.system.geometry.theory.name != system.geometry.theory.name:
+        raise InputError(f"start is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
+                         f"than those of {system.geometry.theory.name!r}")
 
 
-def at_points(system: System, q: np.ndarray, at: Any, z: float = 0.0) -> np.ndarray:
-    """Values of a nodal vector's field at points of the parameter plane, (2,) or (n, 2): (3,) or (n, 3)."""
-    out = probe(system, at, z) @ q.reshape(-1, 3)
-    return out[0] if np.ndim(at) == 1 else out
-
-
-def probe(system: System, at: Any, z: float = 0.0) -> sp.csr_matrix:
-    """Weights (n, 4 n_nodes) that make values at points of the parameter plane, (2,) or (n, 2), of nodal vectors."""
+def probe(system: System, at: Any) -> sp.csr_matrix:
+    """Weights (n, 4 n_nodes) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
+    vectors."""
     geometry, rows = system.geometry, []
     for place in np.atleast_2d(finite("at", at)):
         element, local = geometry.locate(place)
-        r, d = position_table(local[:, None])[:, :, 0]
         weights = np.zeros((1, 16, 3))
-        weights[0, :, 0] = r + z * d
+        weights[0, :, 0] = geometry.theory.position_table(local[:, None])[0, :, 0]
         rows.append(sp.csr_matrix(geometry.nodal(weights, np.array([element]))[:, :, 0].reshape(1, -1)))
     return sp.vstack(rows).tocsr()

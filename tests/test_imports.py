@@ -13,7 +13,7 @@ import skancf
 PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
-    "version", "errors", "history", "progress", "elements", "surfaces", "meshes", "materials", "theories", "linear",
+    "version", "errors", "history", "progress", "compiled", "elements", "surfaces", "meshes", "materials", "theories", "linear",
     "assembly", "supports", "loads", "problem", "solution", "statics", "dynamics", "adapt", "output",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.

@@ -56,12 +56,12 @@ def stress_regions(
     Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (5) and (6).
     """
     geometry = solution.system.geometry
-    corners = geometry.points[:, geometry.nodes]
-    cell = np.median(np.ptp(corners, axis=2), axis=1)
-    positions = geometry.undeformed[:, 0].T
-    sides = positions[:, np.roll(geometry.nodes, -1, axis=1)] - positions[:, geometry.nodes]
+    mesh, node_of = geometry.mesh, geometry.ties.node_of
+    cell = np.median(np.ptp(mesh.p[:, mesh.t], axis=1), axis=1)
+    positions = geometry.undeformed[node_of, 0].T
+    sides = positions[:, np.roll(mesh.t, -1, axis=0)] - positions[:, mesh.t]
     regions = find_regions(
-        geometry.points, nodal_measure(solution, components, z), positions=positions,
+        mesh.p, nodal_measure(solution, components, z)[node_of], positions=positions,
         spacing=float(np.median(np.linalg.norm(sides, axis=0))), cell=(float(cell[0]), float(cell[1])), **search,
     )  # fmt: skip
     return Regions(regions, cell=(float(cell[0]), float(cell[1])))

@@ -43,8 +43,14 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
         if not any(history is known for known in histories):
             histories.append(history)
         number = next(k for k, known in enumerate(histories) if known is history)
-        for node, a, value in support.rows(geometry):
-            by_node[node].append((a, value, number))
+        for mesh_node, a, value in support.rows(geometry):
+            on_node = (geometry.ties.mix[mesh_node].T @ a.reshape(4, 3)).ravel()
+            size = np.linalg.norm(on_node)
+            if size > PARALLEL * np.linalg.norm(a):  # a vector that a pole does not have needs no holding
+                by_node[int(geometry.ties.node_of[mesh_node])].append((on_node / size, value / size, number))
+    if geometry.theory.twist:
+        for node in geometry.ties.poles:  # has three vectors only
+            by_node[node] += [(row, 0.0, 0) for row in np.eye(12)[9:]]
     fixed = np.zeros((geometry.n_nodes, 12), dtype=bool)
     changes = np.zeros((len(histories), geometry.n_nodes, 12))
     frame_nodes, frames = [], []

@@ -90,6 +90,37 @@ class Geometry:
         np.add.at(out, (node, kind), value[:, None] * local[index, row])
         return out
 
+    def undeformed_at(self, mesh_node: int) -> np.ndarray:
+        """r, r_x, r_y and the fourth vector of the undeformed surface at a node of the mesh, (4, 3)."""
+        return np.asarray(self.ties.mix[mesh_node] @ self.undeformed[self.ties.node_of[mesh_node]])
+
+    def normal_at(self, mesh_node: int) -> np.ndarray:
+        """Unit normal of the undeformed surface at a node of the mesh, (3,)."""
+        x, y = self.mesh.p[:, mesh_node]
+        return np.asarray(normal(self.surface, np.array([x]), np.array([y]))[:, 0])
+
+    def normal_slopes_at(self, mesh_node: int) -> np.ndarray:
+        """Its derivatives n_x and n_y, (2, 3); zero at a pole, where they have no meaning."""
+        x, y = self.mesh.p[:, mesh_node]
+        slopes = np.stack(self.surface.derivatives(x, y))
+        xx, xy, yy = self.surface.second_derivatives(x, y)
+        bending = np.array([[xx, xy], [xy, yy]]) @ self.normal_at(mesh_node)
+        metric = slopes @ slopes.T
+        if np.linalg.det(metric) < 1e-18 * np.trace(metric) ** 2:
+            return np.zeros((2, 3))
+        return np.asarray(-bending @ np.linalg.solve(metric, slopes))
+
+    def dense_map(self, element: int) -> np.ndarray:
+        """From the nodal vectors of an element, corner by corner, to its local vectors: (16, 16)."""
+        maps, out = self.maps, np.zeros((16, 16))
+        part = slice(maps.pointer[element], maps.pointer[element + 1])
+        out[maps.rows[part], 4 * maps.corners[part] + maps.kinds[part]] = maps.values[part]
+        return out
+
+    def inside(self, points: np.ndarray) -> np.ndarray:
+        """Local points (2, n) where strains are wanted; a little inside where a pole would make the surface singular."""
+        return 0.5 + 0.99 * (points - 0.5) if self.ties.poles else points
+
     def _triples(self, elements: np.ndarray) -> tuple[np.ndarray, ...]:
         maps = self.maps
         counts = np.diff(maps.pointer)[elements]
@@ -210,21 +241,25 @@ class Geometry:
             raise outside
         return element, np.clip(local, 0.0, 1.0)
 
+    def edge_points(self, facets: np.ndarray, n: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Gauss points (m, 2, n) of boundary facets in their elements, tangents (m, 2) in the reference square that run
+        counter-clockwise there, and weights (n,)."""
+        elements, (s, w) = self.mesh.f2t[0, facets], gauss(n)
+        corners = [np.argmax(self.mesh.t[:, elements] == self.mesh.facets[k, facets], axis=0) for k in (0, 1)]
+        swap = (corners[0] + 1) % 4 != corners[1]
+        start, end = np.where(swap, corners[1], corners[0]), np.where(swap, corners[0], corners[1])
+        tangents = CORNERS[end] - CORNERS[start]
+        return CORNERS[start][:, :, None] + tangents[:, :, None] * s, tangents, w
+
     def edge_quadrature(self, facets: np.ndarray, n: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Elements (m,), local points (m, 2, n) and weights times length (m, n) of boundary facets."""
         elements = self.mesh.f2t[0, facets]
-        s, w = gauss(n)
-        ends = np.stack([self._local_corner(elements, self.mesh.facets[k, facets]) for k in (0, 1)])
-        points = ends[0][:, :, None] * (1 - s) + ends[1][:, :, None] * s
-        direction = ends[1] - ends[0]
+        points, tangents, w = self.edge_points(facets, n)
         lengths = np.empty((len(facets), n))
         for k, e in enumerate(elements):
             along = self.theory.jets(self.undeformed_local[[e]], points[k])[:2, :, 0]
-            lengths[k] = w * np.linalg.norm(np.tensordot(direction[k], along, 1), axis=0)
+            lengths[k] = w * np.linalg.norm(np.tensordot(tangents[k], along, 1), axis=0)
         return elements, points, lengths
-
-    def _local_corner(self, elements: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-        return CORNERS[np.argmax(self.mesh.t[:, elements] == nodes, axis=0)]
 
     def facet_directions(self, facets: np.ndarray) -> np.ndarray:
         """Directions of facets in the parameter plane, (2, m), of unit length."""

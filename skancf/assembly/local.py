@@ -67,10 +67,10 @@ def scatter_tangent(e, maps, slots, K, out):
 
 
 @njit(**OPTIONS)
-def add_local(start, stop, order, matrices, maps, slots, out):
-    """Adds symmetric matrices (m, 48, 48) of the elements order[start:stop], component by component, to out."""
-    for index in range(start, stop):
-        scatter_tangent(order[index], maps, slots, matrices[order[index]], out)
+def add_local(elements, matrices, maps, slots, out):
+    """Adds symmetric matrices (m, 48, 48) of elements (m,), component by component, to the upper blocks out."""
+    for k in range(elements.shape[0]):
+        scatter_tangent(elements[k], maps, slots, matrices[k], out)
 
 
 @njit(**OPTIONS)

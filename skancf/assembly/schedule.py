@@ -31,9 +31,8 @@ class Schedule:
     The order of additions does not depend on the number of threads, so results are the same to the last bit.
     """
 
-    def __init__(self, nodes: np.ndarray, points: np.ndarray):
-        centres = points[:, nodes].mean(axis=2)
-        along = int(np.argmax(np.ptp(points, axis=1)))
+    def __init__(self, nodes: np.ndarray, centres: np.ndarray):
+        along = int(np.argmax(np.ptp(centres, axis=1)))
         n_elements = len(nodes)
         self.order = np.lexsort((centres[1 - along], centres[along])).astype(np.int32)
         n_chunks = max(1, min(CHUNKS, n_elements // SMALLEST_CHUNK))

@@ -5,25 +5,72 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
+import scipy.sparse as sp
 
-from skancf.assembly import kernels, tangent_kernel
+from skancf.assembly import local
+from skancf.assembly.full.assembly import FullAssembly
 from skancf.assembly.geometry import Geometry
-from skancf.assembly.residual_kernel import residual
 from skancf.assembly.schedule import Schedule
-from skancf.assembly.sections import Sections
+from skancf.assembly.thin.assembly import ThinAssembly
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, BlockPattern, Constraints
-from skancf.theories.full import D1, D2, N_IN_PLANE, R1, R2, D, jet_table, position_table
+from skancf.materials import Section
+
+ASSEMBLIES: dict[str, type] = {"full": FullAssembly, "kirchhoff": ThinAssembly}
+
+
+class Assembly(Protocol):
+    """A theory on a mesh. Nodal vectors q and forces have the shape (n_nodes, 4, 3); stresses hold the weights."""
+
+    geometry: Geometry
+    section: Section
+    sections: Any
+
+    def internal_force(self, q: np.ndarray) -> np.ndarray:
+        """Derivative of the strain energy."""
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Forces that do the work of given stresses (n_elements, n_strains, n_points)."""
+
+    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
+
+    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
+        """Add the tangent with given stresses to the upper blocks ``out``."""
+
+    @property
+    def mass_shapes(self) -> np.ndarray:
+        """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
+
+    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Stresses that hold back a temperature change T0 + z T1, each (n_elements, n_points)."""
+
+    def section_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """N and M in the local frame at points (2, n) of every element, without those of temperature: (n_elements, 6, n)."""
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
+        """Strain in the local frame at a depth (n_elements, n, 6); ``free`` is the thermal part, which has no stress."""
 
 
 class Loading(Protocol):
-    """A load on a given mesh."""
+    """A load on a given mesh; :class:`skancf.loads.acting.Acting` has the defaults.
+
+    ``q`` has the shape (n_nodes, 4, 3); a time of None means the full amplitude.
+    """
 
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        """External force (n_nodes, 4, 3) in the configuration q at a time; None means its full amplitude."""
+        """External force (n_nodes, 4, 3) in the configuration q."""
 
-    def stiffness(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
-        """Nodes (m,) and symmetric blocks (m, 12, 12) of minus the force's derivative; None for a dead load."""
+    def add_stiffness(
+        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
+    ) -> None:
+        """Add the symmetric part of minus the force's derivative, times ``factor``, to the upper blocks ``out``."""
+
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
+        """Elements (m,) and skew parts (m, 48, 48) of minus the force's derivative, component by component; or None."""
+
+    def initial_stresses(self, time: float | None) -> np.ndarray | None:
+        """Stresses (n_elements, n_strains, n_points) that hold back a free strain; None if there are none."""
 
 
 class Prescription(Protocol):
@@ -36,38 +83,33 @@ class Prescription(Protocol):
 class System:
     """Residual, tangent and mass of a problem on a mesh.
 
-    Nodal coordinates are one vector q of 12 per node: r, r_x, r_y, r_z, three components each.
+    Nodal coordinates are one vector q of 12 per node: r, r_x, r_y and r_z (`full`) or r_xy (`kirchhoff`), three components
+    each.
 
     Attributes
     ----------
-    geometry, sections
-        What it was made of.
+    assembly : Assembly
+    geometry : Geometry
     undeformed : (n_dofs,) array
     constraints : Constraints
     """
 
     def __init__(
         self,
-        geometry: Geometry,
-        sections: Sections,
+        assembly: Assembly,
         constraints: Constraints,
         prescription: Prescription,
         loads: Sequence[Loading],
+        elastic: Sequence[tuple[np.ndarray, np.ndarray]],
         problem: Any,
     ):
-        self.geometry, self.sections = geometry, sections
+        self.assembly, self.geometry = assembly, assembly.geometry
         self.constraints, self.prescription, self.loads, self.problem = constraints, prescription, loads, problem
+        geometry = self.geometry
         self.undeformed = geometry.undeformed.ravel()
-        self.pattern = BlockPattern.from_cells(
-            geometry.nodes.T, geometry.n_nodes, 12, geometry.surface.position(*geometry.points)
-        )
+        self.pattern = BlockPattern.from_cells(geometry.nodes.T, geometry.n_nodes, 12, geometry.undeformed[:, 0].T)
         self._slots = self.pattern.slots(geometry.nodes.T)
-        self._schedule = Schedule(geometry.nodes, geometry.points)
-        self._rule = _rule(geometry, sections)
-        self._elements = kernels.Elements(
-            geometry.nodes, geometry.pointer, geometry.rows, geometry.cols // 4, geometry.cols % 4, geometry.values,
-            sections.shape, sections.reference, sections.law, sections.sampled,
-        )  # fmt: skip
+        self.foundation = self._gathered(elastic) if elastic else None
 
     @property
     def n_dofs(self) -> int:
@@ -80,75 +122,107 @@ class System:
         return self.geometry.mesh
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
-        """Derivative of the strain energy, (n_dofs,)."""
-        out = np.zeros_like(self.geometry.undeformed)
-        self._schedule.run(residual, self._nodal(q), self._rule, self._elements, out)
-        return out.ravel()
+        """Derivative of the strain energy, springs and foundations included, (n_dofs,)."""
+        force = self.assembly.internal_force(self._nodal(q)).ravel()
+        return force if self.foundation is None else force + self.foundation @ (q - self.undeformed)
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
         """Stresses at the integration points with their weights, extrapolated linearly along ``change``.
 
-        Shape (n_elements, n_strains, n_points).
+        Shape (n_elements, n_strains, n_points). Those of a temperature change are not subtracted.
         """
-        return self._strains_and_stresses(q, change, keep_strains=False)[1]
-
-    def _strains_and_stresses(
-        self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool
-    ) -> tuple[np.ndarray, np.ndarray]:
-        shape = (self.geometry.n_elements, *self.sections.reference.shape[1:])
-        strains, out = np.empty(shape if keep_strains else (0, 0, 0)), np.empty(shape)
-        change = np.zeros(self.n_dofs) if change is None else change
-        self._schedule.run(
-            kernels.stresses, self._nodal(q), self._nodal(change), self._rule, self._elements, strains, out
-        )
-        return strains, out
+        change = None if change is None else self._nodal(change)
+        return self.assembly.stresses(self._nodal(q), change, keep_strains=False)[1]
 
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray | None = None, time: float | None = None, factor: float = 1.0
     ) -> BlockMatrix:
-        """Derivative of the residual; ``stresses`` other than those of q give the mixed tangent of Newton's method."""
+        """Symmetric part of the derivative of the residual.
+
+        Stresses other than those of q give the mixed tangent of Newton's method.
+        """
         if stresses is None:
             stresses = self.stresses(q)
+        held = self._initial_stresses(time)
         out = np.zeros((self.pattern.n_blocks, 12, 12))
-        self._schedule.run(
-            tangent_kernel.tangent, self._nodal(q), stresses, self._rule, self._elements, self._slots, out
-        )
+        self.assembly.tangent(self._nodal(q), stresses if held is None else stresses - factor * held, self._slots, out)
+        nodal = q.reshape(-1, 4, 3)
         for load in self.loads:
-            blocks = load.stiffness(q.reshape(-1, 4, 3), time)
-            if blocks is not None:
-                out[self.pattern.diagonal_slots[blocks[0]]] += factor * blocks[1]
+            load.add_stiffness(nodal, time, factor, self._slots, out)
+        if self.foundation is not None:
+            out += self.foundation.values
         return BlockMatrix(self.pattern, out)
+
+    def skew(self, q: np.ndarray, time: float | None = None, factor: float = 1.0) -> sp.csr_matrix | None:
+        """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
+        found = [part for part in (load.skew(q.reshape(-1, 4, 3), time) for load in self.loads) if part is not None]
+        total = sum((self._sparse(*part) for part in found), sp.csr_matrix(self.pattern.shape))
+        return factor * total if total.nnz else None
 
     def external_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
         """Loads at a time, (n_dofs,); without a time at their full amplitude."""
+        nodal = self._nodal(q)
         total = np.zeros_like(self.geometry.undeformed)
         for load in self.loads:
-            total += load.force(q.reshape(-1, 4, 3), time)
-        return total.ravel()
+            total += load.force(nodal, time)
+        held = self._initial_stresses(time)
+        return (total if held is None else total + self.assembly.force_of(nodal, held)).ravel()
+
+    def _initial_stresses(self, time: float | None) -> np.ndarray | None:
+        parts = [part for part in (load.initial_stresses(time) for load in self.loads) if part is not None]
+        return sum(parts[1:], parts[0]) if parts else None
 
     def prescribed(self, time: float | None = None) -> np.ndarray:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
         return self.prescription.values(time)
 
     def strain_energy(self, q: np.ndarray) -> float:
-        """Half of stress times strain, integrated."""
-        strains, stresses = self._strains_and_stresses(q, None, keep_strains=True)
-        return 0.5 * float(np.vdot(strains, stresses))
+        """Half of stress times strain, integrated, and the energy of springs and foundations."""
+        strains, stresses = self.assembly.stresses(self._nodal(q), None, keep_strains=True)
+        energy = 0.5 * float(np.vdot(strains, stresses))
+        if self.foundation is not None:
+            change = q - self.undeformed
+            energy += 0.5 * float(change @ (self.foundation @ change))
+        return energy
 
     @cached_property
     def mass(self) -> BlockMatrix:
-        """The constant mass matrix, with the rotary part of r_z."""
-        r, d = position_table(self.geometry.theory.quadrature[0])
-        m0, m1, m2 = np.moveaxis(self.sections.moments, 1, 0)
-        shapes = (
-            np.einsum("ap,bp,sp->sab", r, r, m0)
-            + np.einsum("ap,bp,sp->sab", r, d, m1)
-            + np.einsum("ap,bp,sp->sab", d, r, m1)
-            + np.einsum("ap,bp,sp->sab", d, d, m2)
-        )
+        """The constant mass matrix; in theory `full` with the rotary part of r_z."""
         out = np.zeros((self.pattern.n_blocks, 12, 12))
-        self._schedule.run(tangent_kernel.mass, shapes, self._elements, self._slots, out)
+        self.assembly.schedule.run(
+            local.mass, self.assembly.sections.shape, self.assembly.mass_shapes, self.geometry.maps, self._slots, out
+        )
         return BlockMatrix(self.pattern, out)
+
+    def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
+        """The first element whose surface is turned over or has no area, and its undeformed place; None if there is none."""
+        geometry, points = self.geometry, self.geometry.theory.quadrature[0]
+        jets = [geometry.theory.jets(geometry.local(nodal), points)[:2] for nodal in (self._nodal(q), geometry.undeformed)]
+        now, before = ((np.cross(pair[0], pair[1], axis=0) ** 2).sum(axis=0) for pair in jets)
+        wrong = np.flatnonzero(~(now > FOLDED**2 * before).all(axis=1))
+        if not wrong.size:
+            return None
+        place = geometry.parameters(np.array([[0.5], [0.5]]), wrong[:1])[:, :, 0]
+        return int(wrong[0]), geometry.surface.position(*place)[:, 0]
+
+    def _gathered(self, parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> BlockMatrix:
+        out = np.zeros((self.pattern.n_blocks, 12, 12))
+        for elements, matrices in parts:
+            self._add(elements, matrices, out)
+        return BlockMatrix(self.pattern, out)
+
+    def _add(self, elements: np.ndarray, matrices: np.ndarray, out: np.ndarray) -> None:
+        local.add_local(np.asarray(elements, np.int32), matrices, self.geometry.maps, self._slots, out)
+
+    def _sparse(self, elements: np.ndarray, matrices: np.ndarray) -> sp.csr_matrix:
+        """Matrices (m, 48, 48) of local vectors, component by component, in nodal coordinates."""
+        m, geometry = len(elements), self.geometry
+        maps = np.stack([geometry.dense_map(e) for e in elements])
+        split = matrices.reshape(m, 3, 16, 3, 16)
+        blocks = np.einsum("eak,eiajb,ebl->ekilj", maps, split, maps, optimize=True).reshape(m, 48, 48)
+        places = (12 * geometry.nodes[elements][:, :, None].astype(int) + np.arange(12)).reshape(m, 48)
+        rows, columns = np.repeat(places, 48, axis=1).ravel(), np.tile(places, (1, 48)).ravel()
+        return sp.coo_matrix((blocks.ravel(), (rows, columns)), shape=self.pattern.shape).tocsr()
 
     def _nodal(self, q: np.ndarray) -> np.ndarray:
         if np.size(q) != self.n_dofs:
@@ -156,25 +230,12 @@ class System:
         return np.ascontiguousarray(q, dtype=float).reshape(-1, 4, 3)
 
 
-def _rule(geometry: Geometry, sections: Sections) -> kernels.Rule:
-    theory = geometry.theory
-    inside, sampled = jet_table(theory.quadrature[0]), jet_table(theory.samples)
-    interpolation, rows = theory.sampling()
-    position = np.ascontiguousarray(inside[[R1, R2], :12].swapaxes(0, 1))
-    director = np.ascontiguousarray(inside[[D1, D2], 12:].swapaxes(0, 1))
-    k, l = sections.pairs.T
-    return kernels.Rule(
-        position=position,
-        director=director,
-        position_twice=np.tile(position, 2),
-        director_twice=np.tile(director, 2),
-        position_columns=np.ascontiguousarray(position.reshape(12, -1).T),
-        director_columns=np.ascontiguousarray(director.reshape(4, -1).T),
-        sample_position=np.ascontiguousarray(sampled[[R1, R2], :12].transpose(0, 2, 1)),
-        sample_director=np.ascontiguousarray(sampled[[D1, D2, D], 12:].transpose(0, 2, 1)),
-        interpolation=interpolation,
-        plain=not theory.assumed,
-        sample_rows=rows,
-        pairs=sections.pairs,
-        coupled=bool(((k < N_IN_PLANE) & (l >= N_IN_PLANE)).any()),
-    )
+FOLDED = 1e-6
+"""An area less than this times the undeformed one is none."""
+
+
+def assemble(geometry: Geometry, section: Section) -> Assembly:
+    """The assembly of the geometry's theory."""
+    schedule = Schedule(geometry.nodes, geometry.mesh.p[:, geometry.mesh.t].mean(axis=1))
+    made: Assembly = ASSEMBLIES[geometry.theory.name](geometry, section, schedule)
+    return made

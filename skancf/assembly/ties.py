@@ -1,10 +1,10 @@
-"""Nodes that are one point of the surface: the two ends of a closed parameter, and the side that shrinks to a pole.
+r"""Nodes that are one point of the surface: the two ends of a closed parameter, and the side that shrinks to a pole.
 
 Along a closed seam the nodal vectors of both ends are equal, so that the nodes are one. At a pole all nodes share the
-position, the slope along the side is zero, and the other slopes lie in the tangent plane of the pole: with two vectors t1 and
-t2 that span it, as nodal vectors of the pole,
+position, the slope along the side is zero, and the other slopes lie in the tangent plane of the pole: with two vectors t1
+and t2 that span it, as nodal vectors of the pole,
 
-.. math:: r_{,x}(y_j) = a_j t_1 + b_j t_2, \\qquad r_{,xy}(y_j) = a'_j t_1 + b'_j t_2,
+.. math:: r_{,x}(y_j) = a_j t_1 + b_j t_2, \qquad r_{,xy}(y_j) = a'_j t_1 + b'_j t_2,
 
 and the surface stays C1 there however it moves.
 """
@@ -15,7 +15,7 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError
-from skancf.surfaces import Surface
+from skancf.surfaces import Surface, closed_directions
 
 # Of the size of the surface: two positions closer than this are one.
 SAME = 1e-9
@@ -53,7 +53,7 @@ def find_ties(mesh: skfem.MeshQuad, surface: Surface, twist: bool) -> Ties:
     """
     first = np.arange(mesh.p.shape[1])
     mix = np.tile(np.eye(4), (len(first), 1, 1))
-    for axis, closed in enumerate(getattr(surface, "closed", (False, False))):
+    for axis, closed in enumerate(closed_directions(surface)):
         if closed:
             _close(mesh, surface, axis, first)
     collapsed = _collapsed(mesh, surface)

@@ -95,7 +95,9 @@ class Motion:
 
     def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Displacement of one point of the parameter plane at the output times, (n, 3)."""
-        point = probe(self.system, at, z)
+        if z:
+            return np.array([state.displacement(at, z) for state in self.states])
+        point = probe(self.system, at)
         change = (self.q - self.system.undeformed).reshape(len(self.q), -1, 3)
         return np.einsum("p,tpi->ti", point.data, change[:, point.indices])
 

@@ -105,6 +105,11 @@ class Section:
                       ((IN_PLANE, IN_PLANE), (IN_PLANE, OUT_OF_PLANE), (OUT_OF_PLANE, OUT_OF_PLANE)))  # fmt: skip
         return pp - pq @ np.linalg.solve(qq, pq.swapaxes(1, 2))
 
+    def condensed(self, z: float) -> np.ndarray:
+        """Strains 33, 23, 13 per unit of 11, 22, 12 where S33 = S23 = S13 = 0, in the layer at z: (3, 3)."""
+        law = self.stiffness[self.layer_at(z)]
+        return -np.linalg.solve(law[np.ix_(OUT_OF_PLANE, OUT_OF_PLANE)], law[np.ix_(OUT_OF_PLANE, IN_PLANE)])
+
     def abd(self) -> np.ndarray:
         r"""Stiffness of the section in thin-plate theory, (6, 6).
 

@@ -181,9 +181,9 @@ def _frame(solution: Solution, style: Look) -> Frame:
 
 def _boundary(solution: Solution, rims: np.ndarray) -> np.ndarray:
     """The parts (n_lines, k + 1) of rims (n_elements, 4 k + 1) that are edges of one element only."""
-    mesh, k = solution.system.geometry.mesh, rims.shape[1] // 4
+    geometry, k = solution.system.geometry, rims.shape[1] // 4
     sides = np.stack([rims[:, side * k : (side + 1) * k + 1] for side in range(4)])
-    return np.asarray(sides[mesh.f2t[1, mesh.t2f] == -1])
+    return np.asarray(sides[np.isin(geometry.mesh.t2f, geometry.boundary)])
 
 
 def _title(solution: Solution, style: Look) -> str:

@@ -7,7 +7,6 @@ import numpy as np
 
 from skancf.errors import InputError
 from skancf.solution import Solution
-from skancf.theories.full import position_table
 
 
 class Grid(NamedTuple):
@@ -89,20 +88,27 @@ def grid(subdivisions: int) -> Grid:
 def sample_surface(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Surface:
     """Positions, displacements and velocities of a state; see :func:`sample`."""
     cut, geometry = grid(subdivisions), solution.system.geometry
-    r, d = position_table(cut.points)
     first = np.arange(geometry.n_elements)[:, None] * cut.points.shape[1]
+    theory, local, side = geometry.theory, geometry.local(solution.q.reshape(-1, 4, 3)), geometry.side
+    inside, table = geometry.inside(cut.points), geometry.theory.position_table(cut.points)[0]
 
-    def values(local: np.ndarray) -> np.ndarray:
-        return np.einsum("an,eai->eni", r + z * d, local, optimize=True).reshape(-1, 3)
+    def at_depth(vectors: np.ndarray, normals: np.ndarray | float) -> np.ndarray:
+        middle = np.einsum("an,eai->ein", table, vectors, optimize=True)
+        return np.asarray((middle + z * normals).swapaxes(1, 2).reshape(-1, 3))
 
-    points, velocity = values(geometry.local(solution.q.reshape(-1, 4, 3))), solution.velocity
+    points = at_depth(local, theory.normals(local, inside, side) if z else 0.0)
+    before = geometry.undeformed_local
+    velocity = None
+    if solution.velocity is not None:
+        rates = geometry.local(solution.velocity.reshape(-1, 4, 3))
+        velocity = at_depth(rates, theory.normal_rates(local, rates, inside, side) if z else 0.0)
     return Surface(
         points=points,
         cells=(first[:, :, None] + cut.cells).reshape(-1, 4),
         elements=np.repeat(np.arange(geometry.n_elements), len(cut.cells)),
         rims=first + cut.rim,
-        displacement=points - values(geometry.undeformed_local),
-        velocity=None if velocity is None else values(geometry.local(velocity.reshape(-1, 4, 3))),
+        displacement=points - at_depth(before, theory.normals(before, inside, side) if z else 0.0),
+        velocity=velocity,
     )
 
 

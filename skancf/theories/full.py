@@ -18,8 +18,8 @@ import numpy as np
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import ancf_functions
 from skancf.errors import InputError
-from skancf.surfaces import Surface, normal
 from skancf.materials import Section
+from skancf.surfaces import Surface, normal
 
 R1, R2, D1, D2, D = range(5)
 TERMS = np.array([
@@ -136,9 +136,17 @@ class Full:
         """Values of the local functions of r and d at points (2, n): (2, 16, n)."""
         return position_table(points)
 
+    def slope_table(self, points: np.ndarray) -> np.ndarray:
+        """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""
+        return jet_table(points)[[R1, R2]]
+
     def normals(self, local: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
         """The director (n_elements, 3, n)."""
         return np.einsum("ap,eai->eip", position_table(points)[1], local, optimize=True)
+
+    def normal_rates(self, local: np.ndarray, rates: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
+        """Rate of the director (n_elements, 3, n)."""
+        return self.normals(rates, points, side)
 
     @cached_property
     def quadrature(self) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ from numba import njit
 
 from skancf.compiled import INNER
 
+
 @njit(**INNER)
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -3,15 +3,15 @@ r"""Theory `kirchhoff`: thin plates and shells, whose normals stay normal and ke
 The strain at the depth z is :math:`\varepsilon + z \kappa`, membrane strain and curvature change of the mid-surface as in
 :mod:`skancf.theories.kirchhoff_point`, on the bicubic Hermite element, which is C1.
 
-A curved thin element whose membrane strains are taken as they are locks: bending without stretching asks for membrane strains
-that cubics cannot make zero everywhere. The assumed membrane strain is the part that they can,
+A curved thin element whose membrane strains are taken as they are locks: bending without stretching asks for membrane
+strains that cubics cannot make zero everywhere. The assumed membrane strain is the part that they can,
 
 .. math:: \hat\varepsilon_{11} \in P_1(\xi) \otimes P_3(\eta), \quad \hat\varepsilon_{22} \in P_3(\xi) \otimes P_1(\eta),
     \quad \hat\varepsilon_{12} \in P_1(\xi) \otimes P_1(\eta),
 
-the projection in the metric of the 4 x 4 Gauss points. The rest :math:`\varepsilon - \hat\varepsilon` counts with the factors
-:math:`t^2 / (h_a h_b)`, thickness over lengths of the element, at most one: small against bending, and enough to leave no
-motion free.
+the projection in the metric of the 4 x 4 Gauss points. The rest :math:`\varepsilon - \hat\varepsilon` counts with the
+factors :math:`t^2 / (h_a h_b)`, thickness over lengths of the element, at most one: small against bending, and enough to
+leave no motion free.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from numpy.polynomial.legendre import legvander
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import hermite_functions
 from skancf.surfaces import Surface
-from skancf.theories.kirchhoff_point import dot, strain, unit_normal
+from skancf.theories.kirchhoff_point import dot, dual, strain, unit_normal
 
 KEPT = ((2, 4), (4, 2), (2, 2))
 """Legendre polynomials in xi and in eta that the assumed strains 11, 22, 12 are made of."""
@@ -93,9 +93,19 @@ class Kirchhoff:
             out[:, :3] = np.einsum("ecs,csp->ecp", inside[:, :3], self.interpolation(points))
         return out
 
+    def slope_table(self, points: np.ndarray) -> np.ndarray:
+        """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""
+        return jet_table(points)[:2]
+
     def normals(self, local: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
         """Unit normal (n_elements, 3, n), on the side of the undeformed one."""
         return np.asarray(np.moveaxis(unit_normal(self.jets(local, points)), 0, 1) * side[:, None, None])
+
+    def normal_rates(self, local: np.ndarray, rates: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
+        """Rate of the normal (n_elements, 3, n)."""
+        jet, moved = self.jets(local, points), self.jets(rates, points)
+        n = unit_normal(jet) * side[:, None]
+        return np.asarray(np.moveaxis(-sum(a * dot(n, v) for a, v in zip(dual(jet), moved[:2], strict=True)), 0, 1))
 
 
 def local_frame(jet: np.ndarray, first: np.ndarray, side: np.ndarray) -> np.ndarray:

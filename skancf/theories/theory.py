@@ -39,6 +39,9 @@ class Theory(Protocol):
     def position_table(self, points: np.ndarray) -> np.ndarray:
         """Values of the local functions of r, and of r_z if there is one, at points (2, n): (1 or 2, 16, n)."""
 
+    def slope_table(self, points: np.ndarray) -> np.ndarray:
+        """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""
+
     def jets(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Jets (5, 3, n_elements, n) of local vectors (n_elements, 16, 3) at points (2, n); the first two are r_1, r_2."""
 
@@ -47,3 +50,6 @@ class Theory(Protocol):
 
     def normals(self, local: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
         """Director r_z or unit normal (n_elements, 3, n), on the side of the undeformed normal."""
+
+    def normal_rates(self, local: np.ndarray, rates: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
+        """Its rate for rates of the local vectors, (n_elements, 3, n)."""

@@ -1,7 +1,7 @@
 """Compiled internal force of theory `full`, several elements at a time.
 
-The arithmetic is that of :mod:`skancf.assembly.full.kernels`, one integration point after the other; arrays have the elements of
-a batch last, and inner loops run over them, which keeps the vector units busy.
+The arithmetic is that of :mod:`skancf.assembly.full.kernels`, one integration point after the other; arrays have the
+elements of a batch last, and inner loops run over them, which keeps the vector units busy.
 """
 
 import numpy as np

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.assembly.classes import classes, rounding_of
 from skancf.assembly.geometry import Geometry
 from skancf.materials import Section
 from skancf.theories.full import N_IN_PLANE, R1, R2, TERMS, local_frame, section_stiffness
-
-# Lengths of an element that differ by less than this many times the rounding of its nodes' positions are equal.
-ROUNDINGS = 16
 
 
 @dataclass(frozen=True)
@@ -47,7 +45,7 @@ def build_sections(geometry: Geometry, section: Section) -> Sections:
     """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
     theory = geometry.theory
     points, weights = theory.quadrature
-    representative, shape = _classes(geometry)
+    representative, shape = classes(*_shape_key(geometry))
     local = geometry.undeformed_local[representative]
     jets = theory.jets(local, points)
     first = geometry.tangents(points, representative)
@@ -81,17 +79,6 @@ def _scale(full: np.ndarray) -> np.ndarray:
     return np.outer(diagonal, diagonal)
 
 
-def _classes(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
-    """One element of each class, and each element's class."""
-    key, rounding = _shape_key(geometry)
-    known: dict[bytes, int] = {}
-    shape = np.array([known.setdefault(row.tobytes(), len(known)) for row in np.round(key, 7) + 0.0], dtype=np.int32)
-    representative = np.unique(shape, return_index=True)[1]
-    apart = np.flatnonzero(np.abs(key - key[representative][shape]).max(axis=1) > ROUNDINGS * rounding)
-    shape[apart] = len(representative) + np.arange(len(apart))
-    return np.concatenate([representative, apart]), shape
-
-
 def _shape_key(geometry: Geometry) -> tuple[np.ndarray, float]:
     """What tells undeformed elements apart, (n_elements, n), free of units, and the rounding it is known to.
 
@@ -108,5 +95,4 @@ def _shape_key(geometry: Geometry) -> tuple[np.ndarray, float]:
     frame = local_frame(jets, geometry.tangents(points))
     angles = np.einsum("fiep,jiep->efjp", frame[:2], jets[[R1, R2]]) / lengths.T[:, None, :, None]
     key = np.hstack([np.log(lengths).T, strains.reshape(len(local), -1), angles.reshape(len(local), -1)])
-    reach = np.abs(geometry.undeformed[:, 0]).max()
-    return key, float(np.finfo(float).eps * max(1.0, reach / lengths.min()))
+    return key, rounding_of(geometry.undeformed, lengths)

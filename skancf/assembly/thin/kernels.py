@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from skancf.assembly.local import Maps, gather, scatter_force, scatter_tangent
+from skancf.assembly.local import gather, scatter_force, scatter_tangent
 from skancf.compiled import INNER, OPTIONS
 
 N_POINTS = 16
@@ -33,11 +33,13 @@ class Elements(NamedTuple):
 class Rule(NamedTuple):
     """What elements share.
 
-    ``table`` (16, 80): jets of the local functions, jet by jet. ``projection`` (3, 16, 16): from the membrane strains 11,
-    22, 12 at the points to the assumed ones, ``(c, from, to)``. ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
+    ``table`` (16, 80): jets of the local functions, jet by jet; ``slopes`` (32, 16): the first two. ``projection``
+    (3, 16, 16): from the membrane strains 11, 22, 12 at the points to the assumed ones, ``(c, from, to)``. ``pairs``
+    (n_pairs, 2): k <= l of the entries of the law.
     """
 
     table: np.ndarray
+    slopes: np.ndarray
     projection: np.ndarray
     pairs: np.ndarray
 
@@ -301,7 +303,7 @@ def membrane_geometry(rule, stress, T, G):
             N1, N2 = rule.table[a, p], rule.table[a, 16 + p]
             T[a, p] = 0.5 * (stress[0, p] * N1 + stress[2, p] * N2)
             T[a, 16 + p] = 0.5 * (stress[2, p] * N1 + stress[1, p] * N2)
-    np.dot(T, rule.table[:, :32].T, G)
+    np.dot(T, rule.slopes, G)
 
 
 @njit(**OPTIONS)
@@ -332,5 +334,3 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
                 K[a, b] = K[b, a] = K[a, b] + K[b, a]
         scatter_tangent(e, maps, slots, K, out)
 
-
-__all__ = ["Elements", "Maps", "Rule", "force_of", "residual", "stresses", "tangent"]

@@ -1,81 +1,29 @@
-"""Supports: which nodal coordinates are held, or moved as prescribed.
-
-A place is the name of a boundary (``"left"``, ``"boundary"`` for all of it, ``"corners"``), a list of names, a point (x,
-y) of the parameter plane or a list of them (nodes must be there), or a function of (x, y) that is true at the nodes meant.
-"""
+"""Supports that hold nodal coordinates, or move them as prescribed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, finite, vector
 from skancf.history import History, check_history
-
-R, R_X, R_Y, D = range(4)
-
-
-class Row(NamedTuple):
-    """One condition a . (e - e0) = value on the 12 coordinates e of a node."""
-
-    node: int
-    a: np.ndarray
-    value: float = 0.0
-
-
-class Support(Protocol):
-    """What a problem knows of a support."""
-
-    where: Any
-
-    def rows(self, geometry: Geometry) -> list[Row]:
-        """The conditions on a given mesh."""
-
-
-def condition(kinds: dict[int, float], direction: np.ndarray) -> np.ndarray:
-    """Coefficients (12,) of a combination of nodal vectors, in one direction of space."""
-    a = np.zeros((4, 3))
-    for kind, factor in kinds.items():
-        a[kind] = factor * direction
-    return a.ravel()
-
-
-def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
-    """For each node of a place the directions, in the parameter plane, of its boundary edges there."""
-    nodes, facets = geometry.points_and_facets(where)
-    out: dict[int, list[np.ndarray]] = {int(n): [] for n in nodes}
-    for facet, along in zip(facets, geometry.facet_directions(facets).T, strict=True):
-        for node in geometry.mesh.facets[:, facet]:
-            if all(abs(np.cross([*along, 0], [*known, 0])[2]) > 1e-8 for known in out[int(node)]):
-                out[int(node)].append(along)
-    return out
-
-
-def held_along(geometry: Geometry, where: Any, directions: np.ndarray) -> list[Row]:
-    """Positions held in some directions of space, with the slopes along the edges of the place."""
-    rows = []
-    for node, tangents in edges(geometry, where).items():
-        for direction in directions:
-            rows.append(Row(node, condition({R: 1.0}, direction)))
-            rows += [Row(node, condition({R_X: t[0], R_Y: t[1]}, direction)) for t in tangents]
-    return rows
-
-
-def space_tangent(geometry: Geometry, node: int, along: np.ndarray) -> np.ndarray:
-    """Unit vector in space of a direction of the parameter plane at a node."""
-    tangent = along @ geometry.undeformed[node, [R_X, R_Y]]
-    return tangent / np.linalg.norm(tangent)
-
-
-def no_tilt_along(geometry: Geometry, where: Any) -> list[Row]:
-    """The director does not tilt along the edge."""
-    return [
-        Row(node, condition({D: 1.0}, space_tangent(geometry, node, along)))
-        for node, tangents in edges(geometry, where).items()
-        for along in tangents
-    ]
+from skancf.supports.conditions import (
+    FOURTH,
+    R_X,
+    R_Y,
+    R,
+    Row,
+    Support,
+    across,
+    condition,
+    edges,
+    held_along,
+    no_tilt_along,
+    no_turn_about,
+    space_tangent,
+)
 
 
 def checked_kind(kind: str) -> str:
@@ -86,8 +34,8 @@ def checked_kind(kind: str) -> str:
 
 
 @dataclass(frozen=True)
-class Pin:
-    """Positions held; rotations are free."""
+class Pin(Support):
+    """Positions held, as by a hinge along an edge or a ball joint at a point; rotations are free."""
 
     where: Any
 
@@ -96,21 +44,17 @@ class Pin:
 
 
 @dataclass(frozen=True)
-class Clamp:
-    """Positions and directors held along an edge; at single points all of the node."""
+class Clamp(Support):
+    """Positions and normals (directors) held along an edge; at single points all of the node."""
 
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        rows = held_along(geometry, self.where, np.eye(3))
-        for node, tangents in edges(geometry, self.where).items():
-            kinds = [D] if tangents else [R_X, R_Y, D]
-            rows += [Row(node, condition({kind: 1.0}, axis)) for kind in kinds for axis in np.eye(3)]
-        return rows
+        return held_along(geometry, self.where, np.eye(3)) + no_turn_about(geometry, self.where)
 
 
 @dataclass(frozen=True)
-class SimpleSupport:
+class SimpleSupport(Support):
     """A hinged edge: positions held, rotation about the edge free.
 
     Parameters
@@ -134,7 +78,7 @@ class SimpleSupport:
 
 
 @dataclass(frozen=True)
-class Roller:
+class Roller(Support):
     """Positions held in one direction of space only (by default z).
 
     Parameters
@@ -163,7 +107,7 @@ class Roller:
 
 
 @dataclass(frozen=True)
-class Symmetry:
+class Symmetry(Support):
     """The edge lies in a plane of symmetry of the undeformed body and stays in it."""
 
     where: Any
@@ -173,20 +117,30 @@ class Symmetry:
         for node, tangents in edges(geometry, self.where).items():
             if not tangents:
                 raise InputError(f"Symmetry({self.where!r}): a plane of symmetry needs an edge, not a point")
-            normal = geometry.undeformed[node, D]
             for along in tangents:
-                tangent = space_tangent(geometry, node, along)
-                across = np.cross(tangent, normal)
-                # The parameter direction whose slope is across the plane in the undeformed state.
-                x, y = np.linalg.lstsq(geometry.undeformed[node, [R_X, R_Y]].T, across, rcond=None)[0]
-                rows += [Row(node, condition({R: 1.0}, across)), Row(node, condition({D: 1.0}, across))]
-                rows.append(Row(node, condition({R_X: along[0], R_Y: along[1]}, across)))
-                rows += [Row(node, condition({R_X: x, R_Y: y}, v)) for v in (tangent, normal)]
+                rows += self._rows_at(geometry, node, along)
         return rows
+
+    def _rows_at(self, geometry: Geometry, node: int, along: np.ndarray) -> list[Row]:
+        normal, tangent = geometry.normal_at(node), space_tangent(geometry, node, along)
+        out = np.cross(tangent, normal)
+        slopes = geometry.undeformed_at(node)[[R_X, R_Y]]
+        rows = [Row(node, condition({R: 1.0}, out)), Row(node, condition({R_X: along[0], R_Y: along[1]}, out))]
+        if geometry.theory.twist:
+            kind = across(along)
+            slope = slopes[kind - 1]
+            if np.linalg.norm(np.cross(slope, out)) > 1e-6 * np.linalg.norm(slope):
+                raise InputError(f"Symmetry({self.where!r}): the lines of the parameter {'xy'[kind - 1]} do not cross the "
+                                 "edge at right angles; use a surface on which they do")  # fmt: skip
+            return rows + [Row(node, condition({k: 1.0}, v)) for k in (kind, FOURTH) for v in (tangent, normal)]
+        # The parameter direction whose slope is across the plane in the undeformed state.
+        x, y = np.linalg.lstsq(slopes.T, out, rcond=None)[0]
+        rows.append(Row(node, condition({FOURTH: 1.0}, out)))
+        return rows + [Row(node, condition({R_X: x, R_Y: y}, v)) for v in (tangent, normal)]
 
 
 @dataclass(frozen=True)
-class Prescribed:
+class Prescribed(Support):
     """Displacement given in some directions of space, free in the others.
 
     Parameters

@@ -1,0 +1,22 @@
+"""Classes of undeformed elements that are equal to rounding, so that what they share is kept once."""
+
+import numpy as np
+
+# Keys that differ by less than this many times the rounding of the nodes' positions are equal.
+ROUNDINGS = 16
+
+
+def classes(key: np.ndarray, rounding: float) -> tuple[np.ndarray, np.ndarray]:
+    """One element of each class, and each element's class, from a key (n_elements, n) known to a rounding."""
+    known: dict[bytes, int] = {}
+    shape = np.array([known.setdefault(row.tobytes(), len(known)) for row in np.round(key, 7) + 0.0], dtype=np.int32)
+    representative = np.unique(shape, return_index=True)[1]
+    apart = np.flatnonzero(np.abs(key - key[representative][shape]).max(axis=1) > ROUNDINGS * rounding)
+    shape[apart] = len(representative) + np.arange(len(apart))
+    return np.concatenate([representative, apart]), shape
+
+
+def rounding_of(undeformed: np.ndarray, lengths: np.ndarray) -> float:
+    """What rounding of positions (n_nodes, 4, 3) does to shapes of elements with these lengths, relative."""
+    reach = np.abs(undeformed[:, 0]).max()
+    return float(np.finfo(float).eps * max(1.0, reach / lengths.min()))

@@ -1,0 +1,116 @@
+"""Theory `full` on a mesh: forces, stresses, tangents, and strains at any point."""
+
+from functools import cached_property
+
+import numpy as np
+
+from skancf.assembly.full import kernels, tangent_kernel
+from skancf.assembly.full.residual_kernel import residual
+from skancf.assembly.full.sections import Sections, build_sections
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.schedule import Schedule
+from skancf.materials import Section
+from skancf.theories.full import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, TERMS, D, covariant_to_local, jet_table
+
+
+class FullAssembly:
+    """See :class:`skancf.assembly.system.Assembly`."""
+
+    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+        self.geometry, self.section, self.schedule = geometry, section, schedule
+        self.sections = build_sections(geometry, section)
+        self._rule = _rule(geometry, self.sections)
+        parts = self.sections
+        self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
+
+    def internal_force(self, q: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(residual, q, self._rule, self.geometry.maps, self._elements, out)
+        return out
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        theory, local = self.geometry.theory, self.geometry.local(q)
+        interpolation, _ = theory.sampling()  # type: ignore[attr-defined]
+        force = np.zeros_like(local)
+        inside, sampled = theory.quadrature[0], theory.samples  # type: ignore[attr-defined]
+        for points, first, last in ((inside, 0, N_IN_PLANE), (sampled, N_IN_PLANE, N_STRAINS)):
+            jets, on_jets = theory.jets(local, points), np.zeros((5, 3, len(local), points.shape[1]))
+            for k, a, b in TERMS[(TERMS[:, 0] >= first) & (TERMS[:, 0] < last)]:
+                stress = stresses[:, k] if first == 0 else stresses[:, k] @ interpolation[k - first].T
+                factor = 0.5 if a == b else 1.0
+                on_jets[a] += factor * stress * jets[b]
+                on_jets[b] += factor * stress * jets[a]
+            force += np.einsum("jap,jiep->eai", jet_table(points), on_jets, optimize=True)
+        return self.geometry.nodal(force, np.arange(self.geometry.n_elements))
+
+    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
+        shape = (self.geometry.n_elements, *self.sections.reference.shape[1:])
+        strains, out = np.empty(shape if keep_strains else (0, 0, 0)), np.empty(shape)
+        change = np.empty((0, 4, 3)) if change is None else change
+        self.schedule.run(
+            kernels.stresses, q, change, self._rule, self.geometry.maps, self._elements, strains, out
+        )
+        return strains, out
+
+    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
+        self.schedule.run(
+            tangent_kernel.tangent, q, stresses, self._rule, self.geometry.maps, self._elements, slots, out
+        )
+
+    @cached_property
+    def mass_shapes(self) -> np.ndarray:
+        r, d = self.geometry.theory.position_table(self.geometry.theory.quadrature[0])
+        m0, m1, m2 = np.moveaxis(self.sections.moments, 1, 0)
+        return (
+            np.einsum("ap,bp,sp->sab", r, r, m0)
+            + np.einsum("ap,bp,sp->sab", r, d, m1)
+            + np.einsum("ap,bp,sp->sab", d, r, m1)
+            + np.einsum("ap,bp,sp->sab", d, d, m2)
+        )
+
+    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        geometry, section, (points, weights) = self.geometry, self.section, self.geometry.theory.quadrature
+        jets = geometry.theory.jets(geometry.undeformed_local, points)
+        z, thicknesses, layer = section.points(geometry.theory.n_thickness)  # type: ignore[attr-defined]
+        to_local, volume = covariant_to_local(jets, geometry.tangents(points), z)
+        temperature = (middle + np.multiply.outer(z, gradient)) * volume * weights * thicknesses[:, None, None]
+        free = np.einsum("zpq,zq->zp", section.stiffness[layer], section.expansion[layer])
+        return np.ascontiguousarray(np.einsum("zpkev,zp,zev->ekv", to_local, free, temperature, optimize=True))
+
+    def section_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+        z, w, layer = self.section.points(2)
+        stress = [self.strains(q, points, depth, np.zeros(6)) @ self.section.stiffness[k]
+                  for depth, k in zip(z, layer, strict=True)]  # fmt: skip
+        plane = np.stack(stress)[..., [0, 1, 5]]
+        return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
+        geometry, theory = self.geometry, self.geometry.theory
+        change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
+        jets = theory.jets(geometry.undeformed_local, points)
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.array([z]))
+        return np.einsum("vken,ekn->env", to_local[0], change, optimize=True)
+
+
+def _rule(geometry: Geometry, sections: Sections) -> kernels.Rule:
+    theory = geometry.theory
+    inside, sampled = jet_table(theory.quadrature[0]), jet_table(theory.samples)
+    interpolation, rows = theory.sampling()
+    position = np.ascontiguousarray(inside[[R1, R2], :12].swapaxes(0, 1))
+    director = np.ascontiguousarray(inside[[D1, D2], 12:].swapaxes(0, 1))
+    k, l = sections.pairs.T
+    return kernels.Rule(
+        position=position,
+        director=director,
+        position_twice=np.tile(position, 2),
+        director_twice=np.tile(director, 2),
+        position_columns=np.ascontiguousarray(position.reshape(12, -1).T),
+        director_columns=np.ascontiguousarray(director.reshape(4, -1).T),
+        sample_position=np.ascontiguousarray(sampled[[R1, R2], :12].transpose(0, 2, 1)),
+        sample_director=np.ascontiguousarray(sampled[[D1, D2, D], 12:].transpose(0, 2, 1)),
+        interpolation=interpolation,
+        plain=not theory.assumed,
+        sample_rows=rows,
+        pairs=sections.pairs,
+        coupled=bool(((k < N_IN_PLANE) & (l >= N_IN_PLANE)).any()),
+    )

@@ -1,0 +1,90 @@
+"""Theory `kirchhoff` on a mesh: forces, stresses, tangents, and strains at any point."""
+
+from functools import cached_property
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.schedule import Schedule
+from skancf.assembly.thin import kernels
+from skancf.assembly.thin.sections import build_thin_sections
+from skancf.materials import Section
+from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
+from skancf.theories.kirchhoff import covariant_to_local, jet_table
+
+
+class ThinAssembly:
+    """See :class:`skancf.assembly.system.Assembly`."""
+
+    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+        self.geometry, self.section, self.schedule = geometry, section, schedule
+        self.sections = build_thin_sections(geometry, section)
+        theory, points = geometry.theory, geometry.theory.quadrature[0]
+        table = jet_table(points)
+        projection = theory.interpolation(points) if theory.assumed else np.stack([np.eye(points.shape[1])] * 3)
+        self._rule = kernels.Rule(
+            table=np.ascontiguousarray(table.transpose(1, 0, 2).reshape(16, -1)),
+            slopes=np.ascontiguousarray(table[:2].transpose(0, 2, 1).reshape(-1, 16)),
+            projection=np.ascontiguousarray(projection),
+            pairs=self.sections.pairs,
+        )
+        parts = self.sections
+        self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.rest)
+
+    def internal_force(self, q: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(kernels.residual, q, self._rule, self.geometry.maps, self._elements, out)
+        return out
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(kernels.force_of, q, stresses, self._rule, self.geometry.maps, out)
+        return out
+
+    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
+        shape = (self.geometry.n_elements, *self.sections.reference.shape[1:])
+        strains, out = np.empty(shape if keep_strains else (0, 0, 0)), np.empty(shape)
+        change = np.empty((0, 4, 3)) if change is None else change
+        self.schedule.run(
+            kernels.stresses, q, change, self._rule, self.geometry.maps, self._elements, strains, out
+        )
+        return strains, out
+
+    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
+        self.schedule.run(
+            kernels.tangent, q, stresses, self._rule, self.geometry.maps, self._elements, slots, out
+        )
+
+    @cached_property
+    def mass_shapes(self) -> np.ndarray:
+        table = self.geometry.theory.position_table(self.geometry.theory.quadrature[0])[0]
+        return np.einsum("ap,bp,sp->sab", table, table, self.sections.moments[:, 0])
+
+    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        sections = self.sections
+        turn = sections.turn[sections.shape] * sections.areas[sections.shape][:, None, None]
+        resultants = self.section.thermal_resultants(middle, gradient)
+        stress = np.einsum("eikp,iep->ekp", turn, resultants)
+        # Membrane stresses do work on the assumed strains.
+        stress[:, :3] = np.einsum("csp,ecp->ecs", self._rule.projection, stress[:, :3])
+        return np.ascontiguousarray(stress)
+
+    def section_strains(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Membrane strains and curvature changes in the local frame at points (2, n): (n_elements, 6, n)."""
+        geometry, theory = self.geometry, self.geometry.theory
+        change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
+        jets = theory.jets(geometry.undeformed_local, points)
+        turn, _ = covariant_to_local(jets, geometry.tangents(points), geometry.side)
+        return np.asarray(np.einsum("ikep,ekp->eip", turn, change))
+
+    def section_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+        return np.asarray(np.einsum("ij,ejp->eip", self.section.abd(), self.section_strains(q, points)))
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
+        parts = self.section_strains(q, points)
+        out = free + np.zeros((parts.shape[0], parts.shape[2], 6))
+        elastic = (parts[:, :3] + z * parts[:, 3:]).swapaxes(1, 2) - out[:, :, IN_PLANE]
+        out[:, :, IN_PLANE] += elastic
+        # The others follow from S33 = S23 = S13 = 0.
+        out[:, :, OUT_OF_PLANE] += elastic @ self.section.condensed(z).T
+        return out

@@ -1,0 +1,95 @@
+"""What a load is on a mesh, and the ways that forces get to the nodes."""
+
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.system import Assembly
+from skancf.errors import InputError, finite, vector
+from skancf.history import History, amplitude, check_history
+
+
+class Acting:
+    """A load on a given mesh; a kind of load overrides what it has. See :class:`skancf.assembly.system.Loading`."""
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        return np.zeros_like(q)
+
+    def add_stiffness(
+        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
+    ) -> None:
+        """A load that does not follow the motion has none."""
+
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
+        return None
+
+    def initial_stresses(self, time: float | None) -> np.ndarray | None:
+        return None
+
+
+class DeadLoad(Acting):
+    """A force (n_nodes, 4, 3) that does not depend on the configuration."""
+
+    def __init__(self, nodal: np.ndarray, history: History | None):
+        self.nodal, self.history = nodal, history
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        return np.asarray(amplitude(self.history, time) * self.nodal)
+
+
+class Load(Protocol):
+    """What a problem knows of a load."""
+
+    def on(self, assembly: Assembly) -> Any:
+        """The load on a given mesh: see :class:`skancf.assembly.system.Loading`."""
+
+
+class Spread(NamedTuple):
+    """Forces at points of elements: elements (m,), local points (m, 2, n), forces on r and r_z (m, 2, 3, n)."""
+
+    elements: np.ndarray
+    points: np.ndarray
+    forces: np.ndarray
+
+    def nodal(self, geometry: Geometry) -> np.ndarray:
+        """Nodal forces (n_nodes, 4, 3) that do the same work."""
+        local = np.empty((len(self.elements), 16, 3))
+        same = len(self.points) > 1 and (self.points == self.points[0]).all()
+        table = geometry.theory.position_table(self.points[0]) if same else None
+        for k, points in enumerate(self.points):
+            values = geometry.theory.position_table(points) if table is None else table
+            local[k] = np.einsum("vap,vip->ai", values, self.forces[k, : len(values)])
+        return geometry.nodal(local, self.elements)
+
+
+def check_distributed(force: Any, history: Any) -> None:
+    """InputError for a force that is neither three numbers nor a function, or a history that is no function."""
+    check_history(history)
+    if not callable(force):
+        vector("force", force, 3)
+
+
+def values_at(force: Any, at: np.ndarray) -> np.ndarray:
+    """A constant or a function at (2, n_elements, n): (n_elements, 3, n)."""
+    value = finite("force", force(*at) if callable(force) else force)
+    if value.shape[:1] != (3,):
+        raise InputError(f"force of shape {value.shape}: a function of (x, y) must return three components first, (3, ...)")
+    value = value.reshape(3, 1, 1) if value.ndim == 1 else value
+    try:
+        return np.moveaxis(np.broadcast_to(value, (3, *at.shape[1:])), 0, 1)
+    except ValueError as wrong:
+        raise InputError(f"force of shape {value.shape}: a function of (x, y) must return {(3, *at.shape[1:])}") from wrong
+
+
+def over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:
+    """Nodal forces of forces (n_elements, 1 or 2, 3, n_points) at the integration points."""
+    table = geometry.theory.position_table(geometry.theory.quadrature[0])
+    local = np.einsum("vap,evip->eai", table, forces[:, : len(table)], optimize=True)
+    return geometry.nodal(local, np.arange(geometry.n_elements))
+
+
+def point_forces(geometry: Geometry, elements: Any, local: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """Nodal forces of forces (m, 3) at local points (m, 2) of elements (m,)."""
+    on_both = np.stack([forces, np.zeros_like(forces)], axis=1)[..., None]
+    return Spread(np.asarray(elements), local[:, :, None], on_both).nodal(geometry)

@@ -1,0 +1,92 @@
+"""Dead forces per length, on edges and along lines."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.system import Assembly
+from skancf.elements.quad_ancf import gauss
+from skancf.errors import InputError, vector
+from skancf.history import History
+from skancf.loads.acting import DeadLoad, Spread, check_distributed, values_at
+
+
+@dataclass(frozen=True)
+class EdgeLoad:
+    """A dead force per undeformed length (N/m) along boundary edges."""
+
+    where: Any
+    force: Any
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_distributed(self.force, self.history)
+
+    def on(self, assembly: Assembly) -> DeadLoad:
+        geometry = assembly.geometry
+        elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
+        forces = np.zeros((len(elements), 2, 3, lengths.shape[1]))
+        at = np.stack([geometry.parameters(p, np.array([e]))[:, 0] for e, p in zip(elements, points, strict=True)], 1)
+        forces[:, 0] = values_at(self.force, at) * lengths[:, None]
+        return DeadLoad(Spread(elements, points, forces).nodal(geometry), self.history)
+
+
+@dataclass(frozen=True)
+class LineLoad:
+    """A dead force per undeformed length (N/m) along a straight line of the parameter plane.
+
+    Parameters
+    ----------
+    start, end : (2,)
+        Ends in the parameter plane.
+    force : (3,) or callable
+        Constant, or a function of the parameters (x, y) that returns (3, ...).
+
+    Raises
+    ------
+    InputError
+        For a line without length, or one that leaves the surface.
+    """
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+    force: Any
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_distributed(self.force, self.history)
+        if not np.any(vector("end", self.end, 2) - vector("start", self.start, 2)):
+            raise InputError(f"start = end = {self.start}: a line needs two different ends")
+
+    def on(self, assembly: Assembly) -> DeadLoad:
+        geometry = assembly.geometry
+        start, along = np.asarray(self.start, float), np.subtract(self.end, self.start, dtype=float)
+        cuts = _crossings(geometry, start, along)
+        s, w = gauss(4)
+        place = (cuts[:-1, None] + np.diff(cuts)[:, None] * s).ravel()
+        share = (np.diff(cuts)[:, None] * w).ravel()
+        at = start[:, None] + along[:, None] * place
+        found = [geometry.locate(point) for point in at.T]
+        elements = np.array([element for element, _ in found])
+        points = np.stack([local for _, local in found])[:, :, None]
+        slopes = np.stack(geometry.surface.derivatives(*at))
+        lengths = share * np.linalg.norm(np.tensordot(along, slopes, 1), axis=0)
+        forces = np.zeros((len(elements), 2, 3, 1))
+        forces[:, 0] = values_at(self.force, at[:, :, None]) * lengths[:, None, None]
+        return DeadLoad(Spread(elements, points, forces).nodal(geometry), self.history)
+
+
+def _crossings(geometry: Geometry, start: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Where a line (0 to 1) crosses edges of the mesh, its ends included."""
+    one, two = geometry.mesh.p[:, geometry.mesh.facets].swapaxes(0, 1)
+    edge, offset = two - one, one - start[:, None]
+    det = along[0] * edge[1] - along[1] * edge[0]
+    crosses = np.abs(det) > 1e-12 * np.linalg.norm(along) * np.linalg.norm(edge, axis=0)
+    edge, offset, det = edge[:, crosses], offset[:, crosses], det[crosses]
+    on_line = (offset[0] * edge[1] - offset[1] * edge[0]) / det
+    on_edge = (offset[0] * along[1] - offset[1] * along[0]) / det
+    inside = (on_line > 1e-9) & (on_line < 1 - 1e-9) & (on_edge > -1e-9) & (on_edge < 1 + 1e-9)
+    cuts = np.concatenate([[0.0, 1.0], on_line[inside]])
+    return np.unique(np.round(cuts, 12))

@@ -1,0 +1,128 @@
+"""Moments on edges."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly import local
+from skancf.assembly.system import Assembly
+from skancf.errors import vector
+from skancf.history import History, amplitude, check_history
+from skancf.loads.acting import Acting
+from skancf.theories.kirchhoff_point import R1, R2, dual, unit_normal
+
+
+@dataclass(frozen=True)
+class EdgeMoment:
+    r"""A moment per undeformed length (N) on boundary edges, about an axis that does not turn.
+
+    Its virtual work is that on the spin of the director or normal, :math:`m \cdot (d \times \delta d) / d \cdot d`; in
+    theory `full` summed over the nodes of the edge, in `kirchhoff` integrated along it. The part of m along the normal does
+    no work.
+    """
+
+    where: Any
+    moment: tuple[float, float, float]
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_history(self.history)
+        vector("moment", self.moment, 3)
+
+    def on(self, assembly: Assembly) -> Acting:
+        geometry = assembly.geometry
+        facets = geometry.facets_on(self.where)
+        elements, points, lengths = geometry.edge_quadrature(facets)
+        if geometry.theory.twist:
+            moments = np.multiply.outer(self.moment, lengths)
+            return MomentOnNormals(assembly, elements, points, moments, self.history)
+        nodes, position = np.unique(geometry.ends(facets), return_inverse=True)
+        shares = np.bincount(position.ravel(), np.tile(lengths.sum(axis=1) / 2, 2))
+        return MomentOnDirectors(assembly, nodes, np.outer(shares, self.moment), self.history)
+
+
+class MomentOnDirectors(Acting):
+    """Moments (m, 3) on the directors of nodes (m,)."""
+
+    def __init__(self, assembly: Assembly, nodes: np.ndarray, moments: np.ndarray, history: History | None):
+        self.geometry, self.nodes, self.moments, self.history = assembly.geometry, nodes, moments, history
+        found = [np.argwhere(self.geometry.nodes == node)[0] for node in nodes]
+        self.elements = np.array([element for element, _ in found])
+        self.rows = np.array([self.geometry.theory.rows[corner, 3] for _, corner in found])
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        out, d = np.zeros_like(q), q[self.nodes, 3]
+        out[self.nodes, 3] = np.cross(self.moments, d) / (d * d).sum(axis=1, keepdims=True)
+        return np.asarray(amplitude(self.history, time) * out)
+
+    def _blocks(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        """Minus the derivative of the force, (m, 3, 3)."""
+        d, m = q[self.nodes, 3], amplitude(self.history, time) * self.moments
+        square = (d * d).sum(axis=1)[:, None, None]
+        against = np.cross(np.eye(3), m[:, None, :]).swapaxes(1, 2)  # columns e_j x m
+        return np.asarray(2 * np.einsum("ni,nj->nij", np.cross(m, d), d) / square**2 + against / square)
+
+    def _matrices(self, blocks: np.ndarray) -> np.ndarray:
+        out = np.zeros((len(blocks), 3, 16, 3, 16))
+        for k, row in enumerate(self.rows):
+            out[k, :, row, :, row] = blocks[k]
+        return out.reshape(-1, 48, 48)
+
+    def add_stiffness(
+        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
+    ) -> None:
+        blocks = self._blocks(q, time)
+        symmetric = self._matrices(factor * (blocks + blocks.swapaxes(1, 2)) / 2)
+        local.add_local(self.elements, symmetric, self.geometry.maps, slots, out)
+
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
+        blocks = self._blocks(q, time)
+        return self.elements, self._matrices((blocks - blocks.swapaxes(1, 2)) / 2)
+
+
+class MomentOnNormals(Acting):
+    r"""Moments (3, m, n), times length, on the normals at local points (m, 2, n) of elements (m,).
+
+    With :math:`c_\gamma = (m \times n) \cdot a^\gamma` the force on :math:`r_{,\gamma}` is :math:`-c_\gamma n`, and minus
+    its derivative with respect to :math:`r_{,\lambda}` is
+
+    .. math:: -(c_\lambda\, n \otimes a^\gamma + c_\gamma\, a^\lambda \otimes n) - m \cdot (a^\lambda \times a^\gamma)\,
+        n \otimes n,
+
+    of which the last part is skew: a moment about a fixed axis has no potential unless it stays in the surface.
+    """
+
+    def __init__(
+        self, assembly: Assembly, elements: np.ndarray, points: np.ndarray, moments: np.ndarray, history: History | None
+    ):
+        self.geometry, self.elements, self.moments, self.history = assembly.geometry, elements, moments, history
+        # (m, 2, 16, n): r_1 and r_2 of the local functions at each facet's points.
+        self.slopes = np.stack([self.geometry.theory.slope_table(p) for p in points])
+
+    def _surface(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, ...]:
+        vectors = self.geometry.local(q, self.elements)
+        jet = np.einsum("mgan,mai->gimn", self.slopes, vectors)
+        n, duals = unit_normal(jet), dual(jet)
+        m = amplitude(self.history, time) * self.moments
+        return n, duals, m, np.einsum("imn,gimn->gmn", np.cross(m, n, axis=0), duals)
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        n, _, _, c = self._surface(q, time)
+        return self.geometry.nodal(-np.einsum("mgan,gmn,imn->mai", self.slopes, c, n), self.elements)
+
+    def add_stiffness(
+        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
+    ) -> None:
+        n, duals, _, c = self._surface(q, time)
+        half = np.einsum("mgan,mlbn,lmn,imn,gjmn->miajb", self.slopes, self.slopes, c, n, duals, optimize=True)
+        half = half.reshape(-1, 48, 48)
+        local.add_local(self.elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)
+
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
+        n, duals, m, _ = self._surface(q, time)
+        normal_part = np.einsum("imn,imn->mn", m, np.cross(duals[R1], duals[R2], axis=0))
+        sign = np.array([[0.0, -1.0], [1.0, 0.0]])  # of a^lambda x a^gamma
+        matrices = -np.einsum("gl,mgan,mlbn,mn,imn,jmn->miajb", sign, self.slopes, self.slopes, normal_part, n, n,
+                              optimize=True)  # fmt: skip
+        return self.elements, matrices.reshape(-1, 48, 48)

@@ -1,0 +1,87 @@
+"""Pressure that follows the surface."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.assembly.pressure_kernel import pressure_stiffness
+from skancf.assembly.system import Assembly
+from skancf.elements.quad_ancf import square_quadrature
+from skancf.errors import number
+from skancf.history import History, amplitude, check_history
+from skancf.loads.acting import Acting
+
+EXACT = 5
+
+
+@dataclass(frozen=True)
+class FollowerPressure:
+    r"""A pressure (Pa) on the deformed area, along the deformed normal.
+
+    .. math:: f = p \int N \, (r_{,x} \times r_{,y}) \, dx\,dy
+
+    Positive along :math:`X_{,x} \times X_{,y}`: on a closed cylinder or sphere with outward normals it inflates.
+    Its tangent is exact. The skew part of it is an integral along the boundary and vanishes where that is held,
+
+    .. math:: \tfrac12 p \oint \delta r \cdot (\Delta r \times dr).
+
+    References
+    ----------
+    Schweizerhof and Ramm (1984), Computers & Structures 18, 1099-1114.
+    """
+
+    pressure: float
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        number("pressure", self.pressure)
+        check_history(self.history)
+
+    def on(self, assembly: Assembly) -> "PressureOnSurface":
+        return PressureOnSurface(assembly, self.pressure, self.history)
+
+
+class PressureOnSurface(Acting):
+    """A follower pressure on all elements."""
+
+    def __init__(self, assembly: Assembly, pressure: float, history: History | None):
+        self.assembly, self.geometry, self.pressure, self.history = assembly, assembly.geometry, pressure, history
+        theory, geometry = self.geometry.theory, self.geometry
+        # N r_x x r_y is of degree 8; the boundary integral of the skew part is that of exact integrals only.
+        points, self.weights = square_quadrature(EXACT)
+        self.values, self.slopes = theory.position_table(points)[0], theory.slope_table(points)
+        facets = geometry.boundary
+        self.edges = geometry.mesh.f2t[0, facets]
+        self.edge_points, self.edge_tangents, self.edge_weights = geometry.edge_points(facets, EXACT)
+
+    def _amount(self, time: float | None) -> np.ndarray:
+        """Pressure of each element along r_1 x r_2, (n_elements,)."""
+        return np.asarray(amplitude(self.history, time) * self.pressure * self.geometry.side)
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        geometry = self.geometry
+        one, two = np.einsum("gap,eai->gpei", self.slopes, geometry.local(q), optimize=True)
+        along = np.cross(one, two) * (self._amount(time) * self.weights[:, None])[:, :, None]
+        return geometry.nodal(np.einsum("ap,pei->eai", self.values, along, optimize=True), np.arange(geometry.n_elements))
+
+    def add_stiffness(
+        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
+    ) -> None:
+        self.assembly.schedule.run(
+            pressure_stiffness, q, factor * self._amount(time), self.values * self.weights, self.slopes,
+            self.geometry.maps, slots, out,
+        )  # fmt: skip
+
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
+        if not len(self.edges):
+            return None
+        geometry, matrices = self.geometry, np.zeros((len(self.edges), 3, 16, 3, 16))
+        vectors, amount = geometry.local(q, self.edges), self._amount(time)[self.edges]
+        for k, points in enumerate(self.edge_points):
+            N = geometry.theory.position_table(points)[0]
+            slopes = geometry.theory.slope_table(points)
+            dr = np.einsum("g,gan,ai->in", self.edge_tangents[k], slopes, vectors[k]) * self.edge_weights
+            # u . (v x dr) = -u . (dr x v); minus the derivative of the force has the opposite sign.
+            cross = 0.5 * amount[k] * np.cross(np.eye(3)[:, :, None], dr[:, None], axis=0)  # (i, j, n) of e_j x dr
+            matrices[k] = -np.einsum("an,ijn,bn->iajb", N, cross, N)
+        return self.edges, matrices.reshape(-1, 48, 48)

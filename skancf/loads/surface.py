@@ -1,0 +1,54 @@
+"""Dead forces per area, and weight."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import Assembly
+from skancf.errors import vector
+from skancf.history import History, check_history
+from skancf.loads.acting import DeadLoad, check_distributed, over_elements, values_at
+
+
+@dataclass(frozen=True)
+class SurfaceLoad:
+    """A dead force per undeformed area (Pa).
+
+    Parameters
+    ----------
+    force : (3,) or callable
+        Constant, or a function of the parameters (x, y) that returns (3, ...).
+    """
+
+    force: Any
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_distributed(self.force, self.history)
+
+    def on(self, assembly: Assembly) -> DeadLoad:
+        geometry = assembly.geometry
+        areas = assembly.sections.areas[assembly.sections.shape]
+        points = geometry.theory.quadrature[0]
+        forces = np.zeros((geometry.n_elements, 2, 3, points.shape[1]))
+        forces[:, 0] = values_at(self.force, geometry.parameters(points)) * areas[:, None]
+        return DeadLoad(over_elements(geometry, forces), self.history)
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Dead weight of the whole body under an acceleration (m/s2)."""
+
+    acceleration: tuple[float, float, float] = (0.0, 0.0, -9.80665)
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_history(self.history)
+        vector("acceleration", self.acceleration, 3)
+
+    def on(self, assembly: Assembly) -> DeadLoad:
+        geometry = assembly.geometry
+        moments = assembly.sections.moments[assembly.sections.shape][:, :2]
+        forces = np.einsum("evp,i->evip", moments, np.asarray(self.acceleration, float))
+        return DeadLoad(over_elements(geometry, forces), self.history)

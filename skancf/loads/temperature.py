@@ -1,0 +1,72 @@
+"""Temperature changes."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import Assembly
+from skancf.errors import InputError, finite
+from skancf.history import History, amplitude, check_history
+from skancf.loads.acting import Acting
+
+
+@dataclass(frozen=True)
+class Temperature:
+    r"""A temperature change :math:`T(x, y, z) = T_0 + z T_1`, which strains the material by its ``expansion``.
+
+    Parameters
+    ----------
+    change : float or callable
+        :math:`T_0`, at the reference surface (K): constant, or a function of the parameters (x, y).
+    gradient : float or callable
+        :math:`T_1`, through the thickness (K/m).
+    """
+
+    change: Any = 0.0
+    gradient: Any = 0.0
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_history(self.history)
+        for name, value in (("change", self.change), ("gradient", self.gradient)):
+            if not callable(value) and np.ndim(finite(name, value)):
+                raise InputError(f"{name} = {value}: give one number or a function of (x, y)")
+
+    def on(self, assembly: Assembly) -> "Heating":
+        return Heating(assembly, self)
+
+    def values(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """T0 and T1 at parameters (2, ...), each (...)."""
+        found = []
+        for name, part in (("change", self.change), ("gradient", self.gradient)):
+            value = finite(name, part(*at) if callable(part) else part)
+            try:
+                found.append(np.broadcast_to(value, at.shape[1:]))
+            except ValueError as wrong:
+                raise InputError(f"{name} of shape {value.shape}: a function of (x, y) must return "
+                                 f"{at.shape[1:]}") from wrong
+        return found[0], found[1]
+
+
+class Heating(Acting):
+    """A temperature change on a mesh."""
+
+    def __init__(self, assembly: Assembly, load: Temperature):
+        self.load, self.history, self.section = load, load.history, assembly.section
+        self.geometry = assembly.geometry
+        self.held = assembly.thermal_stresses(*load.values(self.geometry.parameters(self.geometry.theory.quadrature[0])))
+
+    def initial_stresses(self, time: float | None) -> np.ndarray:
+        return np.asarray(amplitude(self.history, time) * self.held)
+
+    def free_strain(self, points: np.ndarray, z: float, time: float | None) -> np.ndarray:
+        """Strain without stress at local points (2, n) of every element and a depth: (n_elements, n, 6)."""
+        middle, gradient = self.load.values(self.geometry.parameters(points))
+        change = amplitude(self.history, time) * (middle + z * gradient)
+        return np.multiply.outer(change, self.section.expansion[self.section.layer_at(z)])
+
+    def resultants(self, points: np.ndarray, time: float | None) -> np.ndarray:
+        """Section forces that hold back the temperature change, at local points (2, n): (n_elements, 6, n)."""
+        values = self.load.values(self.geometry.parameters(points))
+        return np.asarray(amplitude(self.history, time) * np.moveaxis(self.section.thermal_resultants(*values), 0, 1))

@@ -1,0 +1,11 @@
+"""Supports: which nodal coordinates are held, moved as prescribed, or held by springs."""
+
+from skancf.supports.conditions import Support
+from skancf.supports.elastic import Foundation, Spring
+from skancf.supports.held import Clamp, Pin, Prescribed, Roller, SimpleSupport, Symmetry
+
+ALL = [Clamp, Foundation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry]
+
+__all__ = [
+    "ALL", "Clamp", "Foundation", "Pin", "Prescribed", "Roller", "SimpleSupport", "Spring", "Support", "Symmetry",
+]  # fmt: skip

@@ -1,0 +1,110 @@
+"""Conditions on the nodal vectors at a place.
+
+A place is the name of a boundary (``"left"``, ``"boundary"`` for all of it, ``"corners"``), a list of names, a point (x,
+y) of the parameter plane or a list of them (nodes must be there), or a function of (x, y) that is true at the nodes meant.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.system import Assembly
+
+R, R_X, R_Y, FOURTH = range(4)
+
+
+class Row(NamedTuple):
+    """One condition a . (e - e0) = value on the 12 coordinates e at a node of the mesh."""
+
+    node: int
+    a: np.ndarray
+    value: float = 0.0
+
+
+class Support:
+    """What a problem knows of a support: conditions, or springs, or both."""
+
+    where: Any
+
+    def rows(self, geometry: Geometry) -> list[Row]:
+        """The conditions on a given mesh."""
+        return []
+
+    def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Elements (m,) and symmetric matrices (m, 48, 48) of their local vectors, component by component."""
+        return []
+
+
+def condition(kinds: dict[int, Any], direction: np.ndarray) -> np.ndarray:
+    """Coefficients (12,) of a combination of nodal vectors: each factor times the direction, or a vector of its own."""
+    a = np.zeros((4, 3))
+    for kind, factor in kinds.items():
+        a[kind] = factor if np.ndim(factor) else factor * direction
+    return a.ravel()
+
+
+def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
+    """For each mesh node of a place the directions, in the parameter plane, of its boundary edges there."""
+    nodes, facets = geometry.points_and_facets(where)
+    node_of, out = geometry.ties.node_of, {int(n): [] for n in geometry.mesh.facets[:, facets].ravel()}
+    for facet, along in zip(facets, geometry.facet_directions(facets).T, strict=True):
+        for node in geometry.mesh.facets[:, facet]:
+            if all(abs(np.cross([*along, 0], [*known, 0])[2]) > 1e-8 for known in out[int(node)]):
+                out[int(node)].append(along)
+    alone = np.setdiff1d(nodes, node_of[list(out)] if out else [])
+    return {**out, **{int(n): [] for n in np.flatnonzero(np.isin(node_of, alone))}}
+
+
+def held_along(geometry: Geometry, where: Any, directions: np.ndarray) -> list[Row]:
+    """Positions held in some directions of space, with the slopes along the edges of the place."""
+    rows = []
+    for node, tangents in edges(geometry, where).items():
+        for direction in directions:
+            rows.append(Row(node, condition({R: 1.0}, direction)))
+            rows += [Row(node, condition({R_X: t[0], R_Y: t[1]}, direction)) for t in tangents]
+    return rows
+
+
+def space_tangent(geometry: Geometry, node: int, along: np.ndarray) -> np.ndarray:
+    """Unit vector in space of a direction of the parameter plane at a mesh node."""
+    tangent = along @ geometry.undeformed_at(node)[[R_X, R_Y]]
+    return np.asarray(tangent / np.linalg.norm(tangent))
+
+
+def across(along: np.ndarray) -> int:
+    """The nodal vector that is the slope across an edge along a parameter."""
+    return R_X if abs(along[1]) > abs(along[0]) else R_Y
+
+
+def no_tilt_along(geometry: Geometry, where: Any) -> list[Row]:
+    """The normal does not tilt along the edge."""
+    rows = []
+    for node, tangents in edges(geometry, where).items():
+        for along in tangents:
+            if geometry.theory.twist:
+                rows.append(Row(node, condition({R_X: along[0], R_Y: along[1]}, geometry.normal_at(node))))
+            else:
+                rows.append(Row(node, condition({FOURTH: 1.0}, space_tangent(geometry, node, along))))
+    return rows
+
+
+def no_turn_about(geometry: Geometry, where: Any) -> list[Row]:
+    """The normal does not turn about the edge; at single points not at all.
+
+    On the thin element the slope across the edge stays in the tangent plane, n . r_,x = 0 all along it: the stretch of the
+    surface at the edge is free. Its derivative along the edge is n . r_,xy + n_,y . r_,x = 0.
+    """
+    rows = []
+    for node, tangents in edges(geometry, where).items():
+        thin = geometry.theory.twist
+        if not tangents:
+            kinds = (R_X, R_Y) if thin else (R_X, R_Y, FOURTH)
+            rows += [Row(node, condition({kind: 1.0}, axis)) for kind in kinds for axis in np.eye(3)]
+        elif not thin:
+            rows += [Row(node, condition({FOURTH: 1.0}, axis)) for axis in np.eye(3)]
+        for along in tangents if thin else ():
+            n, kind = geometry.normal_at(node), across(along)
+            rows.append(Row(node, condition({kind: 1.0}, n)))
+            rows.append(Row(node, condition({FOURTH: 1.0, kind: geometry.normal_slopes_at(node)[kind - 1 ^ 1]}, n)))
+    return rows

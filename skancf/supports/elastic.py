@@ -1,0 +1,98 @@
+"""Supports that give way: springs and elastic foundations."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import Assembly
+from skancf.errors import InputError, finite, positive, vector
+from skancf.supports.conditions import Support
+
+
+def not_negative(name: str, value: Any) -> np.ndarray:
+    """Three stiffnesses, none of which is negative."""
+    k = vector(name, value, 3)
+    if (k < 0).any() or not k.any():
+        raise InputError(f"{name} = {tuple(k.tolist())}: stiffnesses are not negative, and one of them is positive")
+    return k
+
+
+def spring_matrices(table: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+    """Matrices (m, 48, 48) of springs (m, n, 3, 3) at points where the local functions of r are (m, 16, n)."""
+    return np.einsum("man,mnij,mbn->miajb", table, stiffness, table, optimize=True).reshape(-1, 48, 48)
+
+
+@dataclass(frozen=True)
+class Spring(Support):
+    r"""Linear springs along the axes of space: at points (N/m), or along edges per length (N/m2).
+
+    Their energy is :math:`\\tfrac12 u \\cdot k u` at a point, and its integral along an edge.
+
+    Parameters
+    ----------
+    where
+        Place, as for other supports.
+    stiffness : (3,)
+        Along x, y and z.
+    """
+
+    where: Any
+    stiffness: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        not_negative("stiffness", self.stiffness)
+
+    def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
+        geometry, k = assembly.geometry, np.diag(self.stiffness)
+        nodes, facets = geometry.points_and_facets(self.where)
+        parts = []
+        if len(facets):
+            elements, points, lengths = geometry.edge_quadrature(facets)
+            table = np.stack([geometry.theory.position_table(p)[0] for p in points])
+            parts.append((elements, spring_matrices(table, lengths[:, :, None, None] * k)))
+        alone = np.setdiff1d(nodes, geometry.ends(facets))
+        for node in alone:
+            element, corner = np.argwhere(geometry.nodes == node)[0]
+            table = np.zeros((1, 16, 1))
+            table[0, geometry.theory.rows[corner, 0]] = 1.0
+            parts.append((np.array([element]), spring_matrices(table, k[None, None])))
+        return parts
+
+
+@dataclass(frozen=True)
+class Foundation(Support):
+    r"""An elastic foundation (Winkler): a linear spring per area under the whole surface (N/m3).
+
+    Its energy is :math:`\\tfrac12 \\int k (u \\cdot d)^2 \\, dA` with the undeformed normal, or a direction of space, d.
+
+    Parameters
+    ----------
+    stiffness : float
+        k (N/m3).
+    direction : (3,), optional
+        Default: the undeformed normal.
+    """
+
+    stiffness: float
+    direction: tuple[float, float, float] | None = None
+    where = None
+
+    def __post_init__(self) -> None:
+        positive("stiffness", self.stiffness, "N/m3")
+        if self.direction is not None and not np.any(finite("direction", self.direction)):
+            raise InputError("direction = (0, 0, 0): a foundation needs a direction in which it pushes")
+
+    def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
+        geometry, theory = assembly.geometry, assembly.geometry.theory
+        points = theory.quadrature[0]
+        if self.direction is None:
+            d = theory.normals(geometry.undeformed_local, points, geometry.side)
+            d = d / np.linalg.norm(d, axis=1, keepdims=True)
+        else:
+            unit = vector("direction", self.direction, 3) / np.linalg.norm(self.direction)
+            d = np.broadcast_to(unit[:, None], (geometry.n_elements, 3, points.shape[1]))
+        areas = assembly.sections.areas[assembly.sections.shape]
+        stiffness = self.stiffness * np.einsum("en,ein,ejn->enij", areas, d, d)
+        table = np.broadcast_to(theory.position_table(points)[0], (geometry.n_elements, 16, points.shape[1]))
+        return [(np.arange(geometry.n_elements), spring_matrices(table, stiffness))]

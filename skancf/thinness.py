@@ -105,7 +105,7 @@ def choose(system: System, tolerance: float) -> Choice:
     try:
         change = system.linear_change()
     except SingularMatrix as free:
-        raise InputError(f"theory = 'auto' needs a static answer to judge by, and there is none ({free}); {way_out}") from free
+        raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
     energy = 0.5 * float(change @ (system.tangent(system.undeformed) @ change))
     if not energy > 0:
         raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")

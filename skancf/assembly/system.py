@@ -195,8 +195,8 @@ class System:
 
         A central difference over a part of the change that is so small that its cubic term is below rounding.
         """
-        vectors, sizes = np.abs(change).reshape(-1, 4, 3), np.abs(self.geometry.undeformed).max(axis=(0, 2))
-        size = float((vectors.max(axis=(0, 2)) / (sizes + np.finfo(float).tiny)).max())
+        positions_and_slopes = [np.abs(v.reshape(-1, 4, 3)[:, :3]).max(axis=(0, 2)) for v in (change, self.undeformed)]
+        size = float((positions_and_slopes[0] / positions_and_slopes[1]).max())
         step = SMALL / size if size > 0 else 1.0
         ahead, behind = (quantity(self.undeformed + sign * step * change) for sign in (1, -1))
         return np.asarray((ahead - behind) / (2 * step))

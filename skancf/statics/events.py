@@ -5,15 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.errors import SingularMatrix
 from skancf.solution import Solution
-from skancf.statics.newton import factored
-from skancf.statics.points import Follower, Point
+from skancf.statics.points import Follower, Point, interpolate
+from skancf.statics.soft import softest_mode
 
 LIMIT, BIFURCATION = "limit point", "bifurcation"
-REFINEMENTS = 6
-# Of the step in which an event was found.
-CLOSE = 1e-5
+REFINEMENTS = 8
+# Of the step in which an event was found: the error of the last, linear extrapolation is its square.
+CLOSE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -26,11 +25,11 @@ class Event:
         "limit point", where the load factor has a maximum or a minimum, or "bifurcation", where another branch crosses.
     load_factor : float
     solution : Solution
-        The equilibrium there, up to the accuracy of the search.
+        The equilibrium there; interpolated where ``refined`` is false.
     mode : (n_dofs,) array or None
         The motion without stiffness, of unit modal mass; None where it was not found.
     refined : bool
-        False where the search failed; then the place is interpolated between the ends of the step.
+        Whether the search found it, to a millionth of the step in which it lies.
     """
 
     kind: str
@@ -43,14 +42,14 @@ class Event:
 def events_between(follower: Follower, a: Point, b: Point, length: float) -> list[Event]:
     """Events in a step, in the order of the path.
 
-    At a limit point the rate of the load factor and one pivot change sign; pivots that change beyond that are bifurcations.
+    At a limit point the rate of the load factor changes its sign; pivots that change beyond that are bifurcations.
     """
     limit = a.rate * b.rate < 0
     found = []
     if limit:
         found.append(_search(follower, a, b, length, LIMIT, _limit_search(follower, a, b, length)))
     if abs(b.pivots - a.pivots) != limit:
-        found.append(_search(follower, a, b, length, BIFURCATION, _pivot_search(follower, a, b, length)))
+        found.append(_search(follower, a, b, length, BIFURCATION, _pivot_search(follower, a, b, length, limit)))
     return [event for _, event in sorted(found, key=lambda pair: pair[0])]
 
 
@@ -60,21 +59,32 @@ def _search(
 ) -> tuple[float, Event]:  # fmt: skip
     """Asks ``search`` for a place and tells it the point found there, until the places hardly move."""
     place, tell = search
-    at, point, refined = place(), None, False
+    nearest, at, refined = (0.0, a), place(), False
     for _ in range(REFINEMENTS):
         found = follower.between(a, b, length, at)
         if found is None:
             break
-        point = found
-        tell(point, at)
+        nearest = at, found
+        tell(found, at)
         last, at = at, place()
-        refined = abs(at - last) <= CLOSE * length
+        refined = bool(abs(at - last) <= CLOSE * length)
         if refined:
             break
-    if point is None:
-        point = a if at < length / 2 else b
-    solution = Solution(follower.system, point.q, load_factor=point.load_factor)
-    return at, Event(kind, point.load_factor, solution, softest_mode(follower, point)[1], refined)
+    solution = _extrapolated(follower, a, nearest, at) if refined else _interpolated(follower, a, b, length, at)
+    mode = softest_mode(follower.system, follower.solver, solution.q, solution.load_factor).shape
+    return at, Event(kind, solution.load_factor, solution, mode, refined)
+
+
+def _extrapolated(follower: Follower, a: Point, nearest: tuple[float, Point], at: float) -> Solution:
+    """Linearly from a point very near."""
+    way = (at - nearest[0]) * follower.slopes(a, nearest[1])
+    point = nearest[1]
+    return Solution(follower.system, point.q + way * point.direction, load_factor=point.load_factor + way * point.rate)
+
+
+def _interpolated(follower: Follower, a: Point, b: Point, length: float, at: float) -> Solution:
+    q, load_factor = interpolate(follower, a, b, length, at)
+    return Solution(follower.system, q, load_factor=load_factor)
 
 
 def _limit_search(
@@ -101,10 +111,19 @@ def _limit_search(
 
 
 def _pivot_search(
-    follower: Follower, a: Point, b: Point, length: float
+    follower: Follower, a: Point, b: Point, length: float, limit: bool
 ) -> tuple[Callable[[], float], Callable[[Point, float], None]]:
-    """The zero of the eigenvalue nearest to zero in a bracket of the place where the number of pivots changes."""
-    left, right = (0.0, softest_mode(follower, a)[0]), (length, softest_mode(follower, b)[0])
+    """The zero of the eigenvalue nearest to zero in a bracket of the place where the number of pivots changes.
+
+    With a limit point in the same step, motions on which the load does work are left out.
+    """
+
+    def soft(point: Point) -> tuple[float, int]:
+        mode = softest_mode(follower.system, follower.solver, point.q, point.load_factor, without_work=limit)
+        return mode.eigenvalue, mode.negative
+
+    value, before = soft(a)
+    left, right = (0.0, value), (length, soft(b)[0])
 
     def place() -> float:
         (s0, y0), (s1, y1) = left, right
@@ -113,21 +132,7 @@ def _pivot_search(
 
     def tell(point: Point, at: float) -> None:
         nonlocal left, right
-        news = (at, softest_mode(follower, point)[0])
-        left, right = (news, right) if point.pivots == a.pivots else (left, news)
+        value, negative = soft(point)
+        left, right = ((at, value), right) if negative == before else (left, (at, value))
 
     return place, tell
-
-
-def softest_mode(follower: Follower, point: Point) -> tuple[float, np.ndarray | None]:
-    """Eigenvalue of the tangent nearest to zero, against the mass, and its mode, by inverse iteration."""
-    system = follower.system
-    try:
-        tangent = factored(system, point.q, point.load_factor, follower.solver)
-    except SingularMatrix:
-        return 0.0, None
-    x = system.constraints.free_part(np.random.default_rng(0).standard_normal(point.q.size))
-    for _ in range(12):
-        x = follower.solver.solve(system.mass @ x)
-        x /= np.sqrt(x @ (system.mass @ x))
-    return float(x @ (tangent.matrix @ x)), x

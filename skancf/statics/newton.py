@@ -48,6 +48,7 @@ class Status(Enum):
     SINGULAR = "tangent is singular"
     STEP_TOO_SMALL = "load step became too small"
     LIMIT_POINT = "limit point"
+    BIFURCATION = "bifurcation"
     MECHANISM = "a mechanism is free"
     FOLDED = "an element folded"
     TURNED_BACK = "the path turned back"
@@ -59,8 +60,7 @@ class Status(Enum):
 class NewtonResult:
     """Outcome of one solve.
 
-    ``residual_norms`` are energy norms of the residual, sqrt(R . K^-1 R), relative to the largest one met. ``along`` is the
-    derivative of q with respect to the load factor, where a constraint made that one an unknown.
+    ``residual_norms`` are energy norms of the residual, sqrt(R . K^-1 R), relative to the largest one met. ``along`` is the derivative of q with respect to the load factor, where a constraint made that one an unknown.
     """
 
     q: np.ndarray
@@ -149,8 +149,9 @@ def newton(
 
     A step whose energy, the residual's work on it, is less than ``rtol**2`` of the largest one is the last one; that
     measure feels no rounding of the membrane forces in very thin plates. Where a constraint makes the load factor an
-    unknown, the tangent may be nearly singular and that energy tell little: then the last correction must also be less
-    than ``sqrt(rtol)`` of the distance from the constraint's origin, in the norm of the tangent's absolute diagonal.
+    unknown, the tangent may be nearly singular: then the energy is that of the correction that meets both equations,
+    compared with that of the way from the constraint's origin too; and because a motion without stiffness has none, the
+    correction must also be less than ``sqrt(rtol)`` of that way in the norm of the tangent's absolute diagonal.
 
     Parameters
     ----------
@@ -188,21 +189,22 @@ def newton(
             along = along_load(system, q, tangent) if constraint else None
         except SingularMatrix as singular:
             return result(Status.SINGULAR, str(singular))
-        energies.append(work(free, rhs))
-        if watch:
-            watch(step, float(np.sqrt(energies[-1] / max(energies))) if energies[-1] else 0.0)
-        change, more = free + moved, 0.0
+        change, more, sizes = free + moved, 0.0, np.abs(tangent.matrix.diagonal())
         if constraint and along is not None:
             more = constraint.correction(q + change, load_factor, along)
             change = change + more * along if np.isfinite(more) else np.full_like(q, np.inf)
-        if not (np.isfinite(energies[-1]) and np.isfinite(change).all()):
+        energies.append(work(change, tangent.multiply(change)) if constraint else work(free, rhs))
+        if watch:
+            watch(step, float(np.sqrt(energies[-1] / max(energies))) if energies[-1] else 0.0)
+        if not np.isfinite(energies[-1]):
             energies.pop()
             return result(Status.NOT_FINITE, _where(system, change))
-        sizes = np.abs(tangent.matrix.diagonal())
         floor = ROUNDING**2 * float(sizes @ (q * q))
         small = energies[-1] <= rtol**2 * max(energies) + floor and (step > 0 or energies[-1] <= floor)
         if constraint:
-            small = small and sizes @ change**2 <= rtol * float(sizes @ (q + change - constraint.origin) ** 2) + floor
+            way = q + change - constraint.origin
+            small = energies[-1] <= rtol**2 * max(max(energies), work(way, tangent.multiply(way))) + floor
+            small = small and sizes @ change**2 <= rtol * float(sizes @ way**2) + floor
         if small:
             q, load_factor = q + change, load_factor + more
             return result(Status.CONVERGED)

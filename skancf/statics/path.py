@@ -9,7 +9,7 @@ from skancf.errors import DidNotConverge, InputError, SingularMatrix, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
-from skancf.statics.causes import hold_rigid_motions
+from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.events import Event, events_between
 from skancf.statics.newton import NewtonResult, Status
@@ -114,7 +114,7 @@ def trace(
     positive("steps", steps)
     if start is not None:
         require_same_mesh(system, start)
-    hold_rigid_motions(system)
+    require_support(system)
     at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
     control = control or ArcLength()
     if not (system.external_force(at.q).any() or system.prescribed().any()):

@@ -10,7 +10,9 @@ from skancf.statics.controls import Measure
 from skancf.statics.newton import Constraint, NewtonResult, along_load, factored, newton
 
 # Cosine between an increment and the tangents at its ends, below which it is not trusted to lie on one smooth branch.
-SHARP = 0.3
+SHARP = 0.8
+# Distance from the interpolated state, relative to the step, beyond which a point between two belongs to another branch.
+STRAY = 0.1
 
 
 @dataclass(frozen=True)
@@ -55,18 +57,18 @@ class Follower:
             return result, None, False
         b = self._point(result, a)
         increment = b.q - a.q
-        mass = self.system.mass
-        row = mass @ increment
-        size = float(np.sqrt(row @ increment))
-        cosines = [float(row @ v) / (size * float(np.sqrt(v @ (mass @ v)))) for v in (a.direction, b.direction)]
-        sharp = min(cosines) < SHARP
+        row = self.system.mass @ increment
+        cosines = [row @ v / (self._size(increment) * self._size(v)) for v in (a.direction, b.direction)]
+        sharp = bool(min(cosines) < SHARP)
         return result, None if sharp else b, sharp
 
     def between(self, a: Point, b: Point, length: float, at: float) -> Point | None:
         """The point of the path at a distance from ``a``, on the way to ``b`` at ``length``; None if it fails."""
         q, load_factor = interpolate(self, a, b, length, at)
         result = self._solve(a, q, load_factor, self._constraint(a, at))
-        return self._point(result, a) if result.converged else None
+        if not result.converged or self._size(result.q - q) > STRAY * self._size(b.q - a.q):
+            return None  # it may be on a branch that crosses
+        return self._point(result, a)
 
     def at_condition(self, a: Point, b: Point, end: Constraint, share: float) -> tuple[Point, float] | None:
         """The point between ``a`` and ``b`` that meets an equation, and its distance from ``a``; None if it fails."""
@@ -85,6 +87,9 @@ class Follower:
     def slopes(self, a: Point, b: Point) -> float:
         """Factor that turns the tangent at ``b`` into derivatives with respect to the distance from ``a``."""
         return 1.0 / float(self.measure.row(a.direction) @ b.direction)
+
+    def _size(self, change: np.ndarray) -> float:
+        return float(np.sqrt(change @ (self.system.mass @ change)))
 
     def _constraint(self, a: Point, length: float) -> Constraint:
         row = self.measure.row(a.direction)

@@ -8,7 +8,22 @@ from skancf.loads import DiskForce, EdgeLoad, EdgeMoment, Gravity, PointForce, S
 from skancf.materials import Anisotropic, Isotropic, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
-from skancf.statics import HalveAndGrow, StaticResult, solve, solve_linear
+from skancf.statics import (
+    ArcLength,
+    BucklingResult,
+    DisplacementControl,
+    DisplacementReached,
+    HalveAndGrow,
+    Modes,
+    PathResult,
+    StaticResult,
+    StepLength,
+    buckling,
+    modes,
+    solve,
+    solve_linear,
+    trace,
+)
 from skancf.supports import Clamp, Pin, Prescribed, Roller, SimpleSupport, Symmetry
 from skancf.surfaces import AnnulusSector, Plane, Rectangle
 from skancf.theories import Full
@@ -17,9 +32,13 @@ from skancf.version import __version__
 __all__ = [
     "Anisotropic",
     "AnnulusSector",
+    "ArcLength",
+    "BucklingResult",
     "Clamp",
     "DidNotConverge",
     "DiskForce",
+    "DisplacementControl",
+    "DisplacementReached",
     "EdgeLoad",
     "EdgeMoment",
     "ElementQuadANCF",
@@ -31,8 +50,10 @@ __all__ = [
     "InputError",
     "Isotropic",
     "LocalError",
+    "Modes",
     "Motion",
     "Orthotropic",
+    "PathResult",
     "Pin",
     "Plane",
     "PointForce",
@@ -45,14 +66,18 @@ __all__ = [
     "SkancfError",
     "Solution",
     "StaticResult",
+    "StepLength",
     "SurfaceLoad",
     "Symmetry",
     "__version__",
     "adapt",
+    "buckling",
     "meshes",
+    "modes",
     "output",
     "simulate",
     "solve",
     "solve_linear",
     "through_thickness",
+    "trace",
 ]  # fmt: skip

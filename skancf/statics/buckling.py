@@ -3,17 +3,18 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigsh
+from scipy.linalg import eigh
+from scipy.sparse.linalg import LinearOperator
 
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution
 from skancf.statics.causes import require_support
-from skancf.statics.modes import checked_count, free_directions, moved_along
+from skancf.statics.modes import checked_count, free_directions, lanczos, moved_along
 
-# A load factor that is so many times the smallest one of either sign is the rounding of an infinite one.
-NEVER = 1e9
+# A load factor that is so many times the smallest one of either sign counts as infinite.
+NEVER = 1e4
 
 
 @dataclass(frozen=True)
@@ -48,9 +49,9 @@ def buckling(
 ) -> BucklingResult:
     r"""Load factors :math:`\lambda` with :math:`(K_0 + \lambda K_\sigma)\,\phi = 0`.
 
-    :math:`K_0` is the tangent of the undeformed state, and :math:`K_\sigma` the change of it by the stresses, and by the loads'
-    own stiffness, of the linear answer to the whole load. It is exact where the structure hardly moves before it buckles;
-    :func:`trace` finds the load in general. Solved as :math:`-K_\sigma \phi = \lambda^{-1} K_0 \phi` by Lanczos' method.
+    :math:`K_0` is the tangent of the undeformed state, and :math:`K_\sigma` the change of it by the stresses of the linear
+    answer to the whole load, and by the loads' own stiffness. It is exact where the structure hardly moves before it
+    buckles; :func:`trace` finds the load in general. Solved as :math:`-K_\sigma \phi = \lambda^{-1} K_0 \phi` by Lanczos' method.
 
     Parameters
     ----------
@@ -82,53 +83,55 @@ def buckling(
         answer = solver.solve(system.external_force(start) - stiffness @ moved, refinements=2) + moved
         stressed = system.tangent(start, system.stresses(start, answer), factor=1.0)
         geometric = stressed + (-1.0) * stiffness
-        inverse, shapes = _pencil(solver, stiffness, geometric, constraints, n, signs, tolerance)
-    largest = np.abs(inverse).max(initial=0.0)
-    keep = np.abs(inverse) * NEVER > largest
-    keep &= (inverse > 0) if signs == "positive" else True
-    order = np.argsort(-np.abs(inverse[keep]))[:n]
-    message = "" if keep.any() else "no load factor of that sign buckles this structure; the load only stiffens it"
-    return BucklingResult(
-        1.0 / inverse[keep][order], shapes[keep][order], Solution(system, start + answer, linear=True), message
-    )
+        pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
+        inverse, shapes = pencil.positive(n) if signs == "positive" else pencil.largest(n)
+    order = np.argsort(-np.abs(inverse))[:n]
+    message = "" if order.size else "no positive load factor buckles this structure; the load only stiffens it"
+    return BucklingResult(1.0 / inverse[order], shapes[order], Solution(system, start + answer, linear=True), message)
 
 
-def _pencil(
-    solver: DirectSolver, stiffness: BlockMatrix, geometric: BlockMatrix, constraints: Constraints, n: int, signs: str,
-    tolerance: float,
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Inverse load factors, largest of the wanted sign and the largest in size, with their shapes (m, n_dofs)."""
+class _Pencil:
+    """Inverse load factors and their shapes: eigenpairs of minus the geometric stiffness against the elastic one."""
 
-    def projected(matrix: BlockMatrix, sign: float) -> LinearOperator:
-        return LinearOperator(
-            matrix.shape, matvec=lambda v: sign * constraints.free_part(matrix @ constraints.free_part(v)), dtype=np.float64
-        )
+    def __init__(
+        self, solver: DirectSolver, stiffness: BlockMatrix, geometric: BlockMatrix, constraints: Constraints,
+        tolerance: float,
+    ) -> None:  # fmt: skip
+        self.solver, self.stiffness, self.geometric = solver, stiffness, geometric
+        self.constraints, self.tolerance = constraints, tolerance
 
-    load, elastic = projected(geometric, -1.0), projected(stiffness, 1.0)
-    if 2 * (n + 1) >= constraints.n_free:
-        return _dense(stiffness, geometric, constraints)
-    start = solver.solve(np.random.default_rng(0).standard_normal(stiffness.shape[0]))
-    found = []
-    for which, k in (("LM", n if signs == "both" else 1), ("LA", n)):
-        if which == "LA" and signs == "both":
-            break
-        values, vectors = eigsh(
-            load, k=k, M=elastic, Minv=LinearOperator(load.shape, matvec=solver.solve, dtype=np.float64), which=which,
-            v0=start, tol=tolerance, ncv=min(constraints.n_free, max(2 * k + 1, 30)),
+    def largest(self, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """The n largest in size."""
+        return self._lanczos(n, "LM")
+
+    def positive(self, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """The n largest, or as many as are positive."""
+        reference = 1.0 / np.abs(self.largest(1)[0][0])
+        # Sylvester: each load factor between 0 and this one makes one eigenvalue of the sum negative.
+        self.solver.factor(self.stiffness + (NEVER * float(reference)) * self.geometric)
+        exist = self.solver.negative_pivots
+        self.solver.factor(self.stiffness)
+        if not exist:
+            return np.zeros(0), np.zeros((0, self.stiffness.shape[0]))
+        return self._lanczos(min(n, exist), "LA")
+
+    def _lanczos(self, n: int, which: str) -> tuple[np.ndarray, np.ndarray]:
+        if 2 * n >= self.constraints.n_free:
+            values, shapes = _dense(self.stiffness, self.geometric, self.constraints)
+            best = np.argsort(-values if which == "LA" else -np.abs(values))[:n]
+            return values[best], shapes[best]
+        shape = self.stiffness.shape
+        start = self.solver.solve(np.random.default_rng(0).standard_normal(shape[0]))
+        values, vectors = lanczos(
+            self._projected(self.geometric, -1.0), k=n, M=self._projected(self.stiffness, 1.0), which=which, v0=start,
+            Minv=LinearOperator(shape, matvec=self.solver.solve, dtype=np.float64), tol=self.tolerance,
+            ncv=min(self.constraints.n_free, max(2 * n + 1, 30)),
         )  # fmt: skip
-        found.append((values, constraints_free(constraints, vectors.T)))
-    if len(found) == 1:
-        return found[0]
-    (reference, shape), (values, shapes) = found
-    # The largest of the other sign is kept for comparison only.
-    if reference[0] < 0:
-        return np.append(values, reference), np.vstack([shapes, shape])
-    return values, shapes
+        return values, np.array([self.constraints.free_part(v) for v in vectors])
 
-
-def constraints_free(constraints: Constraints, vectors: np.ndarray) -> np.ndarray:
-    """Each row of ``vectors`` on the free coordinates."""
-    return np.array([constraints.free_part(v) for v in vectors])
+    def _projected(self, matrix: BlockMatrix, sign: float) -> LinearOperator:
+        keep = self.constraints.free_part
+        return LinearOperator(matrix.shape, matvec=lambda v: sign * keep(matrix @ keep(v)), dtype=np.float64)
 
 
 def _dense(
@@ -137,6 +140,5 @@ def _dense(
     """For so few coordinates that Lanczos' method has no room: the same, with full matrices."""
     free = free_directions(constraints)
     elastic, load = (free @ matrix.to_scipy() @ free.T for matrix in (stiffness, geometric))
-    root = np.linalg.cholesky(elastic)
-    values, vectors = np.linalg.eigh(-np.linalg.solve(root, np.linalg.solve(root, load).T))
-    return values, np.linalg.solve(root.T, vectors).T @ free
+    values, vectors = eigh(-load, elastic)
+    return values, vectors.T @ free

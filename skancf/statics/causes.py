@@ -37,7 +37,8 @@ def cause(
         f"statics stopped at load factor {path[-1].load_factor:.6g}: {failed.status.value} on the way to {wanted:.6g}"
         f"{', ' + failed.message if failed.message else ''}; last residuals {tail or 'none'}. "
     )
-    status, reason = _folded(system, failed.q) or _mechanism(system, solver) or _singular(system, solver, path, wanted, failed)
+    found = _folded(system, failed.q) or _mechanism(system, solver)
+    status, reason = found or _singular(system, solver, path, wanted, failed)
     return status, f"{begin}{reason} The last equilibrium is kept."
 
 
@@ -74,7 +75,7 @@ def _singular(
             f"The load has a limit point near {limit:.4g}, where the structure gives way: follow the path beyond it with "
             "trace(system, ArcLength())."
         )
-    if failed.status is Status.SINGULAR and len(path) > 1 or now.shape is None:
+    if (failed.status is Status.SINGULAR and len(path) > 1) or now.shape is None:
         return Status.BIFURCATION, (
             "The tangent gets singular in a motion on which the load does no work, so branches cross here: a small "
             "disturbing load leads onto the branch that the structure takes, trace(system, ArcLength()) follows the path."

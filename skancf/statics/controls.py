@@ -68,8 +68,8 @@ class StepLength:
 class ArcLength:
     r"""Steps of given length in the displacements; the load factor follows.
 
-    The length of an increment is :math:`\sqrt{\Delta q^T M \Delta q}` with the mass matrix, the root mean square displacement
-    of the body up to a factor. It adds positions and slopes in right units, does not depend on the mesh, and is the same in
+    The length of an increment is :math:`\sqrt{\Delta q^T M \Delta q}` with the mass matrix, the root mean square
+    displacement of the body up to a factor. It adds positions and slopes in right units, does not depend on the mesh, and is the same in
     every frame. The load factor does not enter (a cylinder, not a sphere): it has another unit, and where a structure is
     soft it would make steps long. A step prescribes the length's projection on the tangent of the path (Riks, 1979).
 

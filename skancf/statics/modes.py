@@ -1,19 +1,22 @@
 """Small free vibrations about an equilibrium."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigsh
+from scipy.linalg import eigh
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from skancf.assembly.system import System
-from skancf.errors import InputError, SingularMatrix, positive
+from skancf.errors import DidNotConverge, InputError, SingularMatrix, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution, require_same_mesh
 
 # The shift that makes a free structure regular, relative to the smallest ratio of stiffness to mass on the diagonal: far
 # above rounding, and no larger than the lowest frequency on meshes of up to a hundred elements along a side.
 SHIFT = 1e-6
+# Two eigenvalues that differ less than this, relatively, are not told apart when they are counted.
+SEPARATION = 1e-6
 # An eigenvalue that is no larger than so many roundings of the terms of which it is the sum is zero.
 ROUNDING = 64 * np.finfo(float).eps
 
@@ -25,13 +28,13 @@ class Modes:
     Attributes
     ----------
     eigenvalues : (n,) array
-        :math:`\omega^2` (1/s2). Negative where the equilibrium is not stable, zero for ``n_rigid`` motions without stiffness.
+        :math:`\omega^2` (1/s2). Negative where the equilibrium is not stable, zero for motions without stiffness.
     shapes : (n, n_dofs) array
         Of unit modal mass, :math:`\phi^T M \phi = 1`, zero along prescribed coordinates.
     n_rigid : int
         Motions of which the stiffness is zero to rounding: rigid motions of a free structure, or a mechanism.
     n_unstable : int
-        Negative eigenvalues.
+        Negative eigenvalues, all of them even if more than n.
     state : Solution
         The equilibrium.
     """
@@ -60,9 +63,10 @@ class Modes:
 def modes(
     system: System, n: int = 6, *, state: Solution | None = None, tolerance: float = 1e-10, backend: str = "auto"
 ) -> Modes:
-    r"""The lowest eigenfrequencies, :math:`K \phi = \omega^2 M \phi` with the tangent K of the undeformed state or of ``state``.
+    r"""The lowest eigenfrequencies, :math:`K \phi = \omega^2 M \phi`, with the tangent K of the undeformed state or ``state``.
 
-    Lanczos' method on :math:`(K - \sigma M)^{-1} M`, with :math:`\sigma = 0`, or a small negative number where K is singular.
+    Lanczos' method on :math:`(K - \sigma M)^{-1} M`, with :math:`\sigma = 0`, or a small negative number where K is
+    singular; Sylvester's law of inertia shows that no eigenvalue is missing.
 
     Parameters
     ----------
@@ -82,74 +86,101 @@ def modes(
         require_same_mesh(system, state)
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
     n = checked_count(n, system.constraints)
-    stiffness, mass = system.tangent(state.q, factor=state.load_factor), system.mass
+    stiffness = system.tangent(state.q, factor=state.load_factor)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        shift, unstable = _factor(solver, stiffness, mass)
-        wanted = n
-        while True:
-            wanted = min(max(wanted, n, unstable), system.constraints.n_free)
-            values, shapes = _lanczos(solver, mass, system.constraints, wanted, shift, tolerance)
-            if np.count_nonzero(values < 0) >= unstable or wanted == system.constraints.n_free:
-                break
-            wanted *= 2  # those nearest to zero came first: some of the unstable ones are farther
-    values = np.array([phi @ (stiffness @ phi) for phi in shapes])
-    size = BlockMatrix(stiffness.pattern, np.abs(stiffness.values))
-    noise = ROUNDING * np.array([np.abs(phi) @ (size @ np.abs(phi)) for phi in shapes])
-    rigid = np.abs(values) <= noise
-    values[rigid] = 0.0
+        values, shapes = _Spectrum(solver, stiffness, system.mass, system.constraints, tolerance).lowest(n)
     order = np.argsort(values, kind="stable")[:n]
-    return Modes(
-        values[order], shapes[order], int(np.count_nonzero(rigid)), int(np.count_nonzero(values < 0)), state
-    )
+    return Modes(values[order], shapes[order], int((values == 0).sum()), int((values < 0).sum()), state)
 
 
-def _factor(solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatrix) -> tuple[float, int]:
-    """Factor K, or K - shift M where K is singular: the shift and the number of eigenvalues below it."""
+class _Spectrum:
+    """Eigenpairs of K against M."""
+
+    def __init__(
+        self, solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatrix, constraints: Constraints, tolerance: float
+    ) -> None:
+        self.solver, self.stiffness, self.mass, self.constraints = solver, stiffness, mass, constraints
+        self.tolerance = tolerance
+
+    def lowest(self, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """At least the n lowest; values (m,) and shapes (m, n_dofs) in no order.
+
+        Lanczos' method may pass over one of several equal eigenvalues, or a negative one far from the shift. By Sylvester's
+        law the pivots of K - s M count those below s, and what is missing is looked for beside what was found.
+        """
+        if 2 * (n + 1) >= self.constraints.n_free:
+            return self._clean(self._dense())
+        shift, shapes = self._factor(), np.zeros((0, self.mass.shape[0]))
+        missing = n
+        while missing:
+            shapes = np.vstack([shapes, self._lanczos(missing + 1, shift, shapes)])
+            values, shapes = self._clean(shapes)
+            top = values.max() - SEPARATION * abs(values.max())
+            missing = 0
+            if values.max() != 0:
+                self.solver.factor(self.stiffness + (-float(top)) * self.mass)
+                missing = max(0, self.solver.negative_pivots - int((values < top).sum()))
+            if missing:
+                self.solver.factor(self.stiffness + (-shift) * self.mass)
+        return values, shapes
+
+    def _factor(self) -> float:
+        """Factor K, or K - shift M where K is singular; the shift."""
+        try:
+            self.solver.factor(self.stiffness)
+            return 0.0
+        except SingularMatrix:
+            k, m = np.abs(self.stiffness.diagonal()), self.mass.diagonal()
+            shift = -SHIFT * float((k[k > 0] / m[k > 0]).min())
+            self.solver.factor(self.stiffness + (-shift) * self.mass)
+            return shift
+
+    def _lanczos(self, n: int, shift: float, known: np.ndarray) -> np.ndarray:
+        """Shapes (n, n_dofs) of the eigenvalues nearest to the shift, beside the known ones."""
+
+        def apart(v: np.ndarray) -> np.ndarray:
+            return v - known.T @ (known @ self.with_mass(v))
+
+        start = self.with_mass(np.random.default_rng(len(known)).standard_normal(self.mass.shape[0]))
+        weight = LinearOperator(self.mass.shape, matvec=self.with_mass, dtype=np.float64)
+        # In shift-and-invert mode the first operator is not used.
+        return lanczos(
+            weight, k=n, M=weight, sigma=shift, v0=apart(self.solver.solve(start)), tol=self.tolerance,
+            OPinv=LinearOperator(self.mass.shape, matvec=lambda v: apart(self.solver.solve(v)), dtype=np.float64),
+            ncv=min(self.constraints.n_free, max(2 * n + 1, 20)),
+        )[1]  # fmt: skip
+
+    def _dense(self) -> np.ndarray:
+        """All, for so many modes of so few coordinates that Lanczos' method has no room."""
+        free = free_directions(self.constraints)
+        stiffness, mass = (free @ matrix.to_scipy() @ free.T for matrix in (self.stiffness, self.mass))
+        return eigh(stiffness, mass)[1].T @ free
+
+    def _clean(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values, zero where they are rounding, and shapes of unit modal mass on the free coordinates."""
+        shapes = np.array([self._normalised(self.constraints.free_part(v)) for v in shapes])
+        sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values))
+        values = np.array([v @ (self.stiffness @ v) for v in shapes])
+        noise = ROUNDING * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
+        return np.where(np.abs(values) <= noise, 0.0, values), shapes
+
+    def _normalised(self, v: np.ndarray) -> np.ndarray:
+        return v / np.sqrt(v @ self.with_mass(v)) * np.sign(v[np.argmax(np.abs(v))])
+
+    def with_mass(self, v: np.ndarray) -> np.ndarray:
+        return self.constraints.free_part(self.mass @ self.constraints.free_part(v))
+
+
+def lanczos(matrix: LinearOperator, **options: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues (k,) and eigenvectors (k, n) by scipy's ``eigsh``, or :class:`~skancf.DidNotConverge`."""
     try:
-        solver.factor(stiffness)
-        shift = 0.0
-    except SingularMatrix:
-        k, m = np.abs(stiffness.diagonal()), mass.diagonal()
-        shift = -SHIFT * float((k[k > 0] / m[k > 0]).min())
-        solver.factor(stiffness + (-shift) * mass)
-    return shift, solver.negative_pivots
-
-
-def _lanczos(
-    solver: DirectSolver, mass: BlockMatrix, constraints: Constraints, n: int, shift: float, tolerance: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues nearest to the shift and their shapes (n, n_dofs), of unit modal mass."""
-
-    def with_mass(v: np.ndarray) -> np.ndarray:
-        return constraints.free_part(mass @ constraints.free_part(v))
-
-    shape = mass.shape
-    if 2 * n >= constraints.n_free:
-        return _dense(solver.solve, with_mass, constraints, n, shift)
-    start = solver.solve(with_mass(np.random.default_rng(0).standard_normal(shape[0])))
-    inverse = LinearOperator(shape, matvec=solver.solve, dtype=np.float64)
-    weight = LinearOperator(shape, matvec=with_mass, dtype=np.float64)
-    # In shift-and-invert mode the first operator is not used.
-    values, vectors = eigsh(
-        weight, k=n, M=weight, sigma=shift, OPinv=inverse, v0=start, tol=tolerance,
-        ncv=min(constraints.n_free, max(2 * n + 1, 20)),
-    )  # fmt: skip
-    return values, np.array([normalised(constraints.free_part(v), with_mass) for v in vectors.T])
-
-
-def _dense(
-    solve: Callable[[np.ndarray], np.ndarray], with_mass: Callable[[np.ndarray], np.ndarray], constraints: Constraints,
-    n: int, shift: float,
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """For so many modes of so few coordinates that Lanczos' method has no room: the same, with full matrices."""
-    free = free_directions(constraints)
-    mass = np.array([free @ with_mass(v) for v in free])
-    root = np.linalg.cholesky((mass + mass.T) / 2)
-    flexibility = np.array([free @ solve(v) for v in free])
-    inverse, vectors = np.linalg.eigh(root.T @ (flexibility + flexibility.T) / 2 @ root)
-    near = np.argsort(-np.abs(inverse))[:n]
-    shapes = np.linalg.solve(root.T, vectors[:, near]).T @ free
-    return shift + 1.0 / inverse[near], np.array([normalised(v, with_mass) for v in shapes])
+        values, vectors = eigsh(matrix, **options)
+    except ArpackNoConvergence as none:
+        raise DidNotConverge(
+            f"Lanczos' method found {len(none.eigenvalues)} of {options['k']} eigenvalues; ask for fewer, or allow a larger "
+            f"tolerance than {options['tol']}"
+        ) from none
+    return values, vectors.T
 
 
 def checked_count(n: int, constraints: Constraints) -> int:
@@ -164,11 +195,6 @@ def free_directions(constraints: Constraints) -> np.ndarray:
     """Unit vectors along the free coordinates, (n_free, n_dofs)."""
     numbers = np.flatnonzero(~constraints.fixed.ravel())
     return np.array([constraints.from_frame(e) for e in np.eye(constraints.fixed.size)[numbers]])
-
-
-def normalised(v: np.ndarray, with_mass: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """v of unit modal mass, its largest entry positive."""
-    return v / np.sqrt(v @ with_mass(v)) * np.sign(v[np.argmax(np.abs(v))])
 
 
 def moved_along(state: Solution, mode: np.ndarray, size: float | None) -> Solution:

@@ -60,7 +60,9 @@ class Status(Enum):
 class NewtonResult:
     """Outcome of one solve.
 
-    ``residual_norms`` are energy norms of the residual, sqrt(R . K^-1 R), relative to the largest one met. ``along`` is the derivative of q with respect to the load factor, where a constraint made that one an unknown.
+    ``residual_norms`` are energy norms of the residual, sqrt(R . K^-1 R), relative to the largest one met; with a
+    constraint they belong to the correction that meets both equations. ``along`` is then the derivative of q with respect
+    to the load factor.
     """
 
     q: np.ndarray

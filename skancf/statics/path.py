@@ -149,7 +149,8 @@ class _Run:
             status, message = Status.FAILED, f"what was computed is kept: {error!r}"
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
         if status is not Status.CONVERGED:
-            message = f"the path stopped at load factor {points[-1].load_factor:.6g} after {len(points) - 1} steps: {message}"
+            reached = f"load factor {points[-1].load_factor:.6g} after {len(points) - 1} steps"
+            message = f"the path stopped at {reached}: {message}"
         return PathResult(
             tuple(Solution(self.system, point.q, load_factor=point.load_factor) for point in points),
             np.array([point.pivots for point in points]), tuple(self.events), status, tuple(self.follower.attempts), message,
@@ -203,7 +204,9 @@ class _Run:
                 f"residuals {tail or 'none'}. Allow a smaller step (StepLength), or look for a mechanism or a folded element"
             )
         if isinstance(self.control, DisplacementControl):
-            return Status.TURNED_BACK, "the controlled displacement has its turning point here; follow the path by ArcLength()"
+            return Status.TURNED_BACK, (
+                "the controlled displacement has its turning point here; follow the path by ArcLength()"
+            )
         return Status.TURNED_BACK, (
             "even the smallest step leaves the path in another direction than it came; start from a point before it with a "
             "smaller first step, or add a small disturbing load where branches cross"

@@ -51,7 +51,8 @@ def buckling(
 
     :math:`K_0` is the tangent of the undeformed state, and :math:`K_\sigma` the change of it by the stresses of the linear
     answer to the whole load, and by the loads' own stiffness. It is exact where the structure hardly moves before it
-    buckles; :func:`trace` finds the load in general. Solved as :math:`-K_\sigma \phi = \lambda^{-1} K_0 \phi` by Lanczos' method.
+    buckles; :func:`trace` finds the load in general. Lanczos' method solves
+    :math:`-K_\sigma \phi = \lambda^{-1} K_0 \phi`.
 
     Parameters
     ----------

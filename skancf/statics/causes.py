@@ -75,7 +75,7 @@ def _singular(
             f"The load has a limit point near {limit:.4g}, where the structure gives way: follow the path beyond it with "
             "trace(system, ArcLength())."
         )
-    if (failed.status is Status.SINGULAR and len(path) > 1) or now.shape is None:
+    if failed.status is Status.SINGULAR and len(path) > 1:
         return Status.BIFURCATION, (
             "The tangent gets singular in a motion on which the load does no work, so branches cross here: a small "
             "disturbing load leads onto the branch that the structure takes, trace(system, ArcLength()) follows the path."

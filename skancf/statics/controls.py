@@ -69,9 +69,10 @@ class ArcLength:
     r"""Steps of given length in the displacements; the load factor follows.
 
     The length of an increment is :math:`\sqrt{\Delta q^T M \Delta q}` with the mass matrix, the root mean square
-    displacement of the body up to a factor. It adds positions and slopes in right units, does not depend on the mesh, and is the same in
-    every frame. The load factor does not enter (a cylinder, not a sphere): it has another unit, and where a structure is
-    soft it would make steps long. A step prescribes the length's projection on the tangent of the path (Riks, 1979).
+    displacement of the body up to a factor. It adds positions and slopes in right units, does not depend on the mesh, and
+    is the same in every frame. The load factor does not enter (a cylinder, not a sphere): it has another unit, and where a
+    structure is soft it would make steps long. A step prescribes the length's projection on the tangent of the path
+    (Riks, 1979).
 
     Parameters
     ----------
@@ -93,7 +94,7 @@ class ArcLength:
             raise InputError("first = 0: give the load factor of the first step")
 
     def on(self, system: Any, q: np.ndarray) -> Measure:
-        return _Arc(system.mass, np.sign(self.first))
+        return _Arc(system.mass, float(np.sign(self.first)))
 
     def first_length(self, measure: Measure, along: np.ndarray, q: np.ndarray) -> float:
         """Length of the first step, ``along`` being the displacement for a unit of the load factor."""
@@ -138,7 +139,8 @@ class DisplacementControl:
         way = self.to - float(row @ (q - system.undeformed))
         if way == 0:
             raise InputError(f"to = {self.to}: the point is there already; give another displacement")
-        return _Displacement(row * np.sign(way), float(row @ system.undeformed + self.to) * np.sign(way))
+        sign = float(np.sign(way))
+        return _Displacement(sign * row, sign * float(row @ system.undeformed + self.to))
 
     def first_length(self, measure: Measure, along: np.ndarray, q: np.ndarray) -> float:
         return self.first * measure.left(q)

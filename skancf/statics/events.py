@@ -26,8 +26,8 @@ class Event:
     load_factor : float
     solution : Solution
         The equilibrium there; interpolated where ``refined`` is false.
-    mode : (n_dofs,) array or None
-        The motion without stiffness, of unit modal mass; None where it was not found.
+    mode : (n_dofs,) array
+        The motion without stiffness, of unit modal mass.
     refined : bool
         Whether the search found it, to a millionth of the step in which it lies.
     """
@@ -35,7 +35,7 @@ class Event:
     kind: str
     load_factor: float
     solution: Solution
-    mode: np.ndarray | None
+    mode: np.ndarray
     refined: bool
 
 

@@ -8,13 +8,11 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, InputError, SingularMatrix, positive
+from skancf.errors import DidNotConverge, InputError, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution, require_same_mesh
+from skancf.statics.soft import factor_shifted
 
-# The shift that makes a free structure regular, relative to the smallest ratio of stiffness to mass on the diagonal: far
-# above rounding, and no larger than the lowest frequency on meshes of up to a hundred elements along a side.
-SHIFT = 1e-6
 # Two eigenvalues that differ less than this, relatively, are not told apart when they are counted.
 SEPARATION = 1e-6
 # An eigenvalue that is no larger than so many roundings of the terms of which it is the sum is zero.
@@ -63,7 +61,7 @@ class Modes:
 def modes(
     system: System, n: int = 6, *, state: Solution | None = None, tolerance: float = 1e-10, backend: str = "auto"
 ) -> Modes:
-    r"""The lowest eigenfrequencies, :math:`K \phi = \omega^2 M \phi`, with the tangent K of the undeformed state or ``state``.
+    r"""Lowest frequencies, :math:`K \phi = \omega^2 M \phi`, K being the tangent of the undeformed state or ``state``.
 
     Lanczos' method on :math:`(K - \sigma M)^{-1} M`, with :math:`\sigma = 0`, or a small negative number where K is
     singular; Sylvester's law of inertia shows that no eigenvalue is missing.
@@ -110,7 +108,8 @@ class _Spectrum:
         """
         if 2 * (n + 1) >= self.constraints.n_free:
             return self._clean(self._dense())
-        shift, shapes = self._factor(), np.zeros((0, self.mass.shape[0]))
+        shift = factor_shifted(self.solver, self.stiffness, self.mass)
+        shapes = np.zeros((0, self.mass.shape[0]))
         missing = n
         while missing:
             shapes = np.vstack([shapes, self._lanczos(missing + 1, shift, shapes)])
@@ -123,17 +122,6 @@ class _Spectrum:
             if missing:
                 self.solver.factor(self.stiffness + (-shift) * self.mass)
         return values, shapes
-
-    def _factor(self) -> float:
-        """Factor K, or K - shift M where K is singular; the shift."""
-        try:
-            self.solver.factor(self.stiffness)
-            return 0.0
-        except SingularMatrix:
-            k, m = np.abs(self.stiffness.diagonal()), self.mass.diagonal()
-            shift = -SHIFT * float((k[k > 0] / m[k > 0]).min())
-            self.solver.factor(self.stiffness + (-shift) * self.mass)
-            return shift
 
     def _lanczos(self, n: int, shift: float, known: np.ndarray) -> np.ndarray:
         """Shapes (n, n_dofs) of the eigenvalues nearest to the shift, beside the known ones."""

@@ -5,10 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from skancf.errors import SingularMatrix
-from skancf.linear import DirectSolver, SkewSolver
-from skancf.statics.newton import System, factored
+from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
+from skancf.statics.newton import System
 
 INVERSE_ITERATIONS = 12
+# The shift that makes a singular tangent regular, relative to the smallest ratio of stiffness to mass on the diagonal: far
+# above rounding, and no larger than the lowest eigenvalue on meshes of up to a hundred elements along a side.
+SHIFT = 1e-6
 
 
 class Mode(NamedTuple):
@@ -18,7 +21,7 @@ class Mode(NamedTuple):
     """
 
     eigenvalue: float
-    shape: np.ndarray | None
+    shape: np.ndarray
     negative: int
     compliance: float = np.inf
     share: float = 1.0
@@ -32,12 +35,30 @@ def softest_mode(
     ``without_work`` keeps to motions x with x . F = 0: their tangent is regular at a limit point. With K u = F they are the
     K-projection :math:`x - (x \cdot F / u \cdot F)\,u`, and have one negative eigenvalue less where u . F < 0.
     """
-    try:
-        tangent = factored(system, q, load_factor, solver)
-    except SingularMatrix:
-        return Mode(0.0, None, 0)
+    tangent = SkewSolver(system.tangent(q, factor=load_factor), None, solver)
+    factor_shifted(solver, tangent.matrix, system.mass)
     with np.errstate(over="ignore", invalid="ignore"):
         return _inverse_iteration(system, solver, q, tangent, without_work)
+
+
+def factor_shifted(solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatrix) -> float:
+    """Factor K, or K + s M where K is singular; the shift -s.
+
+    Raises
+    ------
+    SingularMatrix
+        Where some motion has no stiffness and no mass.
+    """
+    try:
+        solver.factor(stiffness)
+        return 0.0
+    except SingularMatrix:
+        k, m = np.abs(stiffness.diagonal()), mass.diagonal()
+        if not k.any():
+            raise
+        shift = SHIFT * float((k[k > 0] / m[k > 0]).min())
+        solver.factor(stiffness + shift * mass)
+        return -shift
 
 
 def _inverse_iteration(

@@ -10,7 +10,7 @@ from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
 from skancf.statics.newton import NewtonResult, Status, System, factored
-from skancf.statics.soft import Mode, softest_mode
+from skancf.statics.soft import Mode, softest_mode, turning_estimate
 
 # Stiffness against the load relative to that at the start (Bergan's current stiffness parameter) that counts as soft.
 SOFT = 0.3
@@ -87,9 +87,10 @@ def _singular(
 
 
 def _limit_estimate(system: System, solver: DirectSolver, path: Sequence[Solution], now: Mode) -> float:
-    """Load factor at which the stiffness against the load, squared, falls to zero linearly; infinite where it rises."""
-    if len(path) < 2:
+    """Load factor of the limit point, by the stiffness against the load at the last two equilibria."""
+    if len(path) < 2 or not np.isfinite(now.compliance):
         return np.inf
     before = softest_mode(system, solver, path[-2].q, path[-2].load_factor)
-    fall = (now.compliance / before.compliance) ** 2 - 1 if before.compliance else 0.0
-    return path[-1].load_factor + (path[-1].load_factor - path[-2].load_factor) / fall if fall > 0 else np.inf
+    return turning_estimate(
+        (path[-2].load_factor, path[-1].load_factor), (1.0 / before.compliance, 1.0 / now.compliance)
+    )

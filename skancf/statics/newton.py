@@ -105,6 +105,8 @@ class Constraint:
 
 
 ROUNDING = 1e-15
+# Largest change of a slope, r_x or r_y, in one iteration, relative to its length.
+TURN = 1.0
 
 
 def work(change: np.ndarray, force: np.ndarray) -> float:
@@ -212,9 +214,22 @@ def newton(
             return result(Status.CONVERGED)
         if step > 3 and energies[-1] > 1e8 * energies[0] + floor:
             return result(Status.DIVERGED)
+        change, more = _limited(system, change, more)
         stresses = system.stresses(q, change) if mixed else None
         q, load_factor = q + change, load_factor + more
     return result(Status.STEPS_SPENT)
+
+
+def _limited(system: System, change: np.ndarray, more: float) -> tuple[np.ndarray, float]:
+    """A step shortened until no slope changes by more than ``TURN``.
+
+    Where a linear answer would turn a strip by more than a radian, its stretch is that of nothing near a solution.
+    """
+    if system.pattern.block != 12:
+        return change, more
+    slopes, changes = (v.reshape(-1, 4, 3)[:, 1:3] for v in (system.undeformed, change))
+    turn = float(np.sqrt((changes**2).sum(axis=2).max() / (slopes**2).sum(axis=2).max()))
+    return (change, more) if turn <= TURN else (change * (TURN / turn), more * (TURN / turn))
 
 
 def _where(system: System, values: np.ndarray) -> str:

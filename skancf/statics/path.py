@@ -9,11 +9,12 @@ from skancf.errors import DidNotConverge, InputError, SingularMatrix, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
-from skancf.statics.causes import require_support
+from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.events import Event, events_between
 from skancf.statics.newton import NewtonResult, Status
 from skancf.statics.points import Follower, Point
+from skancf.statics.soft import turning_estimate
 
 
 @dataclass(frozen=True)
@@ -172,7 +173,7 @@ class _Run:
             if following is None:
                 step = length / first / lengths.cut
                 if step < lengths.smallest:
-                    return self._stuck(result, sharp)
+                    return self._stuck(result, sharp, length)
                 continue
             end = self._crossing(point, following)
             if end is not None:
@@ -196,18 +197,27 @@ class _Run:
             return None
         return self.follower.at_condition(a, b, self.end, values[0] / (values[0] - values[1]))
 
-    def _stuck(self, result: NewtonResult, sharp: bool) -> tuple[Status, str]:
+    def _stuck(self, result: NewtonResult, sharp: bool, length: float) -> tuple[Status, str]:
+        if isinstance(self.control, DisplacementControl) and (sharp or self._turning(length)):
+            return Status.TURNED_BACK, (
+                "the controlled displacement has its turning point here; follow the path by ArcLength()"
+            )
         if not sharp:
             tail = ", ".join(f"{r:.1e}" for r in result.residual_norms[-3:])
             return Status.STEP_TOO_SMALL, (
                 f"the smallest step failed, {result.status.value}{', ' + result.message if result.message else ''}; last "
                 f"residuals {tail or 'none'}. Allow a smaller step (StepLength), or look for a mechanism or a folded element"
             )
-        if isinstance(self.control, DisplacementControl):
-            return Status.TURNED_BACK, (
-                "the controlled displacement has its turning point here; follow the path by ArcLength()"
-            )
         return Status.TURNED_BACK, (
             "even the smallest step leaves the path in another direction than it came; start from a point before it with a "
             "smaller first step, or add a small disturbing load where branches cross"
         )
+
+    def _turning(self, length: float) -> bool:
+        """Does the controlled displacement turn back about a step ahead, by its rate along the path?"""
+        if len(self.points) < 2:
+            return False
+        before, last = self.points[-2:]
+        rates = 1.0 / self.follower.size(before.direction), 1.0 / self.follower.size(last.direction)
+        way = self.follower.distance(before, last)
+        return turning_estimate((0.0, way), rates) - way <= NEAR * length

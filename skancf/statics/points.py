@@ -58,7 +58,7 @@ class Follower:
         b = self._point(result, a)
         increment = b.q - a.q
         row = self.system.mass @ increment
-        cosines = [row @ v / (self._size(increment) * self._size(v)) for v in (a.direction, b.direction)]
+        cosines = [row @ v / (self.size(increment) * self.size(v)) for v in (a.direction, b.direction)]
         sharp = bool(min(cosines) < SHARP)
         return result, None if sharp else b, sharp
 
@@ -66,7 +66,7 @@ class Follower:
         """The point of the path at a distance from ``a``, on the way to ``b`` at ``length``; None if it fails."""
         q, load_factor = interpolate(self, a, b, length, at)
         result = self._solve(a, q, load_factor, self._constraint(a, at))
-        if not result.converged or self._size(result.q - q) > STRAY * self._size(b.q - a.q):
+        if not result.converged or self.size(result.q - q) > STRAY * self.size(b.q - a.q):
             return None  # it may be on a branch that crosses
         return self._point(result, a)
 
@@ -88,7 +88,8 @@ class Follower:
         """Factor that turns the tangent at ``b`` into derivatives with respect to the distance from ``a``."""
         return 1.0 / float(self.measure.row(a.direction) @ b.direction)
 
-    def _size(self, change: np.ndarray) -> float:
+    def size(self, change: np.ndarray) -> float:
+        """Root mean square displacement of the body, up to a factor."""
         return float(np.sqrt(change @ (self.system.mass @ change)))
 
     def _constraint(self, a: Point, length: float) -> Constraint:

@@ -41,6 +41,17 @@ def softest_mode(
         return _inverse_iteration(system, solver, q, tangent, without_work)
 
 
+def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) -> float:
+    """Where a quantity turns back, of which two values and their rates of change along the path are known.
+
+    Near its extremum the square of the rate falls linearly with the value. Infinite where it does not fall.
+    """
+    if not rates[1]:
+        return values[1]
+    fall = (rates[0] / rates[1]) ** 2 - 1
+    return values[1] + (values[1] - values[0]) / fall if fall > 0 else np.inf
+
+
 def factor_shifted(solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatrix) -> float:
     """Factor K, or K + s M where K is singular; the shift -s.
 

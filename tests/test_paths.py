@@ -314,6 +314,61 @@ def test_the_path_is_that_of_load_steps():
         assert on.load_factors[0] == half.load_factor
 
 
+@dataclass(frozen=True)
+class Roof:
+    """A cylindrical panel over (axis, angle), of which the half from its middle to a curved edge is meshed."""
+
+    radius: float = 2540.0
+    half_length: float = 254.0
+    half_angle: float = 0.1
+    sides = ("middle", "edge", "left", "right")
+
+    @property
+    def bounds(self):
+        return (0.0, self.half_length), (-self.half_angle, self.half_angle)
+
+    def position(self, x, y):
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        return np.stack([x, self.radius * np.sin(y), self.radius * np.cos(y)])
+
+    def derivatives(self, x, y):
+        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        zero = np.zeros(x.shape)
+        return (np.stack([zero + 1, zero, zero]), np.stack([zero, self.radius * np.cos(y), -self.radius * np.sin(y)]))
+
+
+def hinged_roof(thickness, n):
+    """The hinged roof of Sze, Liu and Lo (2004), Finite Elements in Analysis and Design 40: 3000 at its centre."""
+    problem = sk.Problem(Roof(), thickness, sk.Isotropic(3102.75, 0.3, 1e-6),
+                         [sk.Pin(["left", "right"]), sk.Symmetry("middle")],
+                         [sk.PointForce((0.0, 0.0), (0, 0, -1500.0))])  # fmt: skip
+    return problem.on(sk.meshes.uniform(problem.surface, n, 2 * n))
+
+
+def test_hinged_roof_snaps_through():
+    """Their limit point is at 0.742 of the load, the minimum after it at 0.173, and 28.9 is the displacement at the end."""
+    path = sk.trace(hinged_roof(12.7, 6), until=1.0).unwrap()
+    assert [event.kind for event in path.events] == ["limit point"] * 2 and all(event.refined for event in path.events)
+    # A mesh of 6 x 12 is within 1.5 %; its displacement at the flat top is not, but the load there is.
+    assert [event.load_factor for event in path.events] == pytest.approx([0.7421, 0.1729], rel=1.5e-2)
+    assert -path.displacement((0, 0))[-1, 2] == pytest.approx(28.88, rel=1.5e-2)
+    assert len(path.solutions) < 30, "long steps"
+
+
+def test_thin_hinged_roof_snaps_back():
+    """At half the thickness load and displacement of the centre both turn back; displacement control cannot follow."""
+    system = hinged_roof(6.35, 4)
+    path = sk.trace(system, until=1.0).unwrap()
+    centre = -path.displacement((0, 0))[:, 2]
+    assert (np.diff(centre) < 0).any() and (path.load_factors < -0.05).any()
+    limits = [event.load_factor for event in path.events if event.kind == "limit point"]
+    assert len(limits) == 2 and limits[0] > 0 > limits[1]
+    controlled = sk.trace(system, sk.DisplacementControl((0, 0), DOWN, 30.0))
+    turn = np.flatnonzero(np.diff(centre) < 0)[0]
+    assert controlled.status is Status.TURNED_BACK and "turning point" in controlled.message
+    assert -controlled.displacement((0, 0))[-1, 2] == pytest.approx(centre[turn], rel=2e-2)
+
+
 # --- causes that load steps name -------------------------------------------------------------------------------------
 
 

@@ -111,7 +111,7 @@ class _Spectrum:
         shift = factor_shifted(self.solver, self.stiffness, self.mass)
         shapes = np.zeros((0, self.mass.shape[0]))
         missing = n
-        while missing:
+        while missing and len(shapes) + missing < self.constraints.n_free:
             shapes = np.vstack([shapes, self._lanczos(missing + 1, shift, shapes)])
             values, shapes = self._clean(shapes)
             top = values.max() - SEPARATION * abs(values.max())

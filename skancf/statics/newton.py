@@ -105,8 +105,6 @@ class Constraint:
 
 
 ROUNDING = 1e-15
-# Largest change of a slope, r_x or r_y, in one iteration, relative to its length.
-TURN = 1.0
 
 
 def work(change: np.ndarray, force: np.ndarray) -> float:
@@ -193,7 +191,7 @@ def newton(
             along = along_load(system, q, tangent) if constraint else None
         except SingularMatrix as singular:
             return result(Status.SINGULAR, str(singular))
-        change, more, sizes = free + moved, 0.0, np.abs(tangent.matrix.diagonal())
+        change, more = free + moved, 0.0
         if constraint and along is not None:
             more = constraint.correction(q + change, load_factor, along)
             change = change + more * along if np.isfinite(more) else np.full_like(q, np.inf)
@@ -203,33 +201,31 @@ def newton(
         if not np.isfinite(energies[-1]):
             energies.pop()
             return result(Status.NOT_FINITE, _where(system, change))
-        floor = ROUNDING**2 * float(sizes @ (q * q))
-        small = energies[-1] <= rtol**2 * max(energies) + floor and (step > 0 or energies[-1] <= floor)
-        if constraint:
-            way = q + change - constraint.origin
-            small = energies[-1] <= rtol**2 * max(max(energies), work(way, tangent.multiply(way))) + floor
-            small = small and sizes @ change**2 <= rtol * float(sizes @ way**2) + floor
-        if small:
+        last, floor = _is_last(tangent, energies, q, change, rtol, constraint)
+        if last:
             q, load_factor = q + change, load_factor + more
             return result(Status.CONVERGED)
         if step > 3 and energies[-1] > 1e8 * energies[0] + floor:
             return result(Status.DIVERGED)
-        change, more = _limited(system, change, more)
         stresses = system.stresses(q, change) if mixed else None
         q, load_factor = q + change, load_factor + more
     return result(Status.STEPS_SPENT)
 
 
-def _limited(system: System, change: np.ndarray, more: float) -> tuple[np.ndarray, float]:
-    """A step shortened until no slope changes by more than ``TURN``.
-
-    Where a linear answer would turn a strip by more than a radian, its stretch is that of nothing near a solution.
-    """
-    if system.pattern.block != 12:
-        return change, more
-    slopes, changes = (v.reshape(-1, 4, 3)[:, 1:3] for v in (system.undeformed, change))
-    turn = float(np.sqrt((changes**2).sum(axis=2).max() / (slopes**2).sum(axis=2).max()))
-    return (change, more) if turn <= TURN else (change * (TURN / turn), more * (TURN / turn))
+def _is_last(
+    tangent: SkewSolver, energies: list[float], q: np.ndarray, change: np.ndarray, rtol: float,
+    constraint: Constraint | None,
+) -> tuple[bool, float]:  # fmt: skip
+    """Whether a correction is the last one, and the energy that is rounding of the coordinates."""
+    sizes = np.abs(tangent.matrix.diagonal())
+    floor = ROUNDING**2 * float(sizes @ (q * q))
+    energy, largest = energies[-1], max(energies)
+    if constraint is None:
+        return energy <= rtol**2 * largest + floor and (len(energies) > 1 or energy <= floor), floor
+    way = q + change - constraint.origin
+    largest = max(largest, work(way, tangent.multiply(way)))
+    near = float(sizes @ change**2) <= rtol * float(sizes @ way**2) + floor
+    return energy <= rtol**2 * largest + floor and near, floor
 
 
 def _where(system: System, values: np.ndarray) -> str:

@@ -109,8 +109,9 @@ def test_the_other_way_and_on_from_a_point():
 
 def test_the_number_of_steps_ends_a_path():
     path = sk.trace(Truss(), until=1.0, steps=3)
-    assert path.status is Status.CONVERGED and len(path.solutions) == 4 and "all 3 steps are done" in path.message
-    assert sk.trace(Truss(), steps=3).message == ""
+    assert path.status is Status.NOT_REACHED and len(path.solutions) == 4 and "these were all the steps" in path.message
+    free = sk.trace(Truss(), steps=3)
+    assert free.status is Status.CONVERGED and len(free.solutions) == 4 and free.message == ""
 
 
 def test_a_path_that_fails_keeps_what_it_has():

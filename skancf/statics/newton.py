@@ -51,6 +51,7 @@ class Status(Enum):
     BIFURCATION = "bifurcation"
     MECHANISM = "a mechanism is free"
     FOLDED = "an element folded"
+    NOT_REACHED = "the asked end was not reached"
     TURNED_BACK = "the path turned back"
     INTERRUPTED = "interrupted"
     FAILED = "an error"

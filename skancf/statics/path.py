@@ -26,11 +26,12 @@ class PathResult:
     solutions : tuple of Solution
         Equilibria in the order of the path, each with its ``load_factor``.
     negative_pivots : (n,) int array
-        Number of negative eigenvalues of each one's tangent: the directions in which it is not stable.
+        Number of negative eigenvalues of each one's tangent, of its symmetric part where loads follow the surface: the
+        directions in which it is not stable.
     events : tuple of Event
         Limit points and bifurcation points, in the order of the path.
     status : Status
-        Converged where the asked end or number of steps was reached.
+        Converged where the asked end was reached, or all steps were done and no end was asked.
     attempts : tuple of NewtonResult
         Every solve of a step, failed ones too, with its residual history.
     message : str
@@ -185,8 +186,9 @@ class _Run:
             if end is not None or measure.left(point.q) <= 1e-9 * first:
                 return Status.CONVERGED, ""
             step = lengths.after(length / first if np.isinf(measure.left(point.q)) else step, len(result.residual_norms))
-        missed = self.end is not None or np.isfinite(measure.left(point.q))
-        return Status.CONVERGED, f"all {steps} steps are done, the asked end was not met" if missed else ""
+        if self.end is not None or np.isfinite(measure.left(point.q)):
+            return Status.NOT_REACHED, "these were all the steps; ask for more, or go on from there with start=solution"
+        return Status.CONVERGED, ""
 
     def _crossing(self, a: Point, b: Point) -> tuple[Point, float] | None:
         """The point between two where the path ends, and its distance from the first."""

@@ -73,7 +73,8 @@ def _singular(
     if near and first.compliance < SOFT * abs(now.compliance) and now.share > 0.5:
         return Status.LIMIT_POINT, (
             f"The load has a limit point near {limit:.4g}, where the structure gives way: follow the path beyond it with "
-            "trace(system, ArcLength())."
+            "trace(system, ArcLength()). A mesh too coarse for its bending has limit points of its own: where none is "
+            "expected, take a finer mesh."
         )
     if failed.status is Status.SINGULAR and len(path) > 1:
         return Status.BIFURCATION, (

@@ -203,6 +203,29 @@ def test_tension_never_buckles_and_says_so():
     assert np.allclose(other.load_factors, -pressed.load_factors, rtol=1e-8) and other.message == ""
 
 
+def test_stiffness_of_the_loads_buckles_too():
+    """Loads alone, without stress: (2 - lambda) (2 - lambda / 2) = 0."""
+
+    class Springs:
+        pattern = BlockPattern.from_cells(np.zeros((1, 1), int), 1, 2, np.zeros((2, 1)))
+        constraints = Constraints(np.zeros((1, 2), bool))
+        undeformed = np.zeros(2)
+
+        def prescribed(self, time=None):
+            return np.zeros(2)
+
+        def external_force(self, q, time=None):
+            return np.ones(2)
+
+        def stresses(self, q, change=None):
+            return np.zeros(0)
+
+        def tangent(self, q, stresses=None, time=None, factor=1.0):
+            return BlockMatrix(self.pattern, (2 * np.eye(2) - factor * np.diag([1.0, 0.5]))[None])
+
+    assert sk.buckling(Springs(), 2).load_factors == pytest.approx([2.0, 4.0], rel=1e-12)
+
+
 def test_a_pressing_support_buckles_as_a_force_does():
     """The shortening of the same force, given as a displacement of the end: Euler's column with the end guided."""
     shortening = EULER * LENGTH / (YOUNG * THICKNESS)

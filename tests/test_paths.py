@@ -9,7 +9,8 @@ import scipy.sparse as sp
 import skancf as sk
 from skancf.errors import DidNotConverge, InputError, SingularMatrix
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
-from skancf.statics import Status, StepLength
+from skancf.statics import Status, StepLength, newton
+from skancf.statics.newton import Constraint
 
 # --- structures of one and two coordinates ---------------------------------------------------------------------------
 
@@ -97,6 +98,62 @@ def test_snap_back_behind_a_soft_spring(c):
     assert (np.diff(v) < 0).any() == (c < 1), "the turning point of the displacement"
     assert [event.load_factor for event in path.events] == pytest.approx([LIMIT, -LIMIT], abs=1e-5)
     assert all(event.kind == "limit point" for event in path.events)
+
+
+class Buckling(Springs):
+    """The truss with a sideways motion w, of which the stiffness c (u - u0) changes its sign at u0; c of either sign."""
+
+    def __init__(self, u0, c):
+        super().__init__(2)
+        self.u0, self.c = u0, c
+
+    def internal_force(self, q):
+        w, u = q
+        return np.array([self.c * (u - self.u0) * w, u**3 - 3 * u**2 + 2 * u + self.c * w**2 / 2])
+
+    def stiffness(self, q):
+        w, u = q
+        return np.array([[self.c * (u - self.u0), self.c * w], [self.c * w, 3 * u**2 - 6 * u + 2]])
+
+
+@pytest.mark.parametrize("u0", [0.40, 0.45])
+@pytest.mark.parametrize("c", [-1.0, 1.0])
+def test_a_bifurcation_and_a_limit_point_in_one_step(u0, c):
+    """They are told apart though pivots change by two, or by none: one is lost and one won."""
+    path = sk.trace(Buckling(u0, c), sk.ArcLength(0.14), steps=6).unwrap()
+    u = np.array([solution.q[1] for solution in path.solutions])
+    between = (u > 0.40) & (u < 0.45)
+    assert not between.any(), "a point between them, so that they were found in two steps"
+    expected = [("limit point", LIMIT), ("bifurcation", u0**3 - 3 * u0**2 + 2 * u0)]
+    found = [(event.kind, event.load_factor) for event in path.events[:2]]
+    for (kind, load_factor), (expected_kind, value) in zip(found, expected if u0 > 0.42 else expected[::-1], strict=True):
+        assert kind == expected_kind and load_factor == pytest.approx(value, abs=1e-5)
+    sideways = [np.abs(event.mode[0]) for event in path.events[:2] if event.kind == "bifurcation"]
+    assert sideways == pytest.approx([1.0], abs=1e-6) and all(event.refined for event in path.events[:2])
+
+
+def test_a_motion_without_stiffness_is_not_taken_for_converged():
+    """A mode a million times softer is far from its place, though that costs hardly any energy."""
+    turn = np.sqrt(0.5) * np.array([[1.0, 1.0], [1.0, -1.0]])
+
+    class Soft(Springs):
+        def internal_force(self, q):
+            stiff, soft = turn @ q
+            return turn.T @ np.array([stiff, 1e-6 * (soft - 1.0) ** 3])
+
+        def external_force(self, q, time=None):
+            return turn.T @ np.array([1.0, 0.0])
+
+        def stiffness(self, q):
+            return turn.T @ np.diag([1.0, 3e-6 * (turn @ q - 1.0)[1] ** 2]) @ turn
+
+    system = Soft(2)
+    at_load = Constraint(np.zeros(2), 1.0, 1.0, np.zeros(2))
+    with DirectSolver(system.pattern, system.constraints) as solver:
+        result = newton(system, np.zeros(2), solver, load_factor=0.0, constraint=at_load, rtol=1e-3)
+    assert result.converged and result.load_factor == pytest.approx(1.0, abs=1e-12)
+    # Corrections of this cubic fall by a third each time: the last, sqrt(rtol) of a way of sqrt(2), leaves twice its size.
+    assert turn @ result.q == pytest.approx([1.0, 1.0], abs=0.1)
 
 
 def test_the_other_way_and_on_from_a_point():

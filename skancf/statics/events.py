@@ -13,6 +13,8 @@ LIMIT, BIFURCATION = "limit point", "bifurcation"
 REFINEMENTS = 8
 # Of the step in which an event was found: the error of the last, linear extrapolation is its square.
 CLOSE = 1e-3
+# An eigenvalue so much smaller than that at the other end of a bracket is zero.
+ZERO = 1e-9
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,9 @@ def _search(
     nearest, at, refined = (0.0, a), place(), False
     for _ in range(REFINEMENTS):
         found = follower.between(a, b, length, at)
+        if found is None:  # the tangent may be exactly singular there
+            at += CLOSE / 2 * length * (1 if at < length / 2 else -1)
+            found = follower.between(a, b, length, at)
         if found is None:
             break
         nearest = at, found
@@ -127,8 +132,10 @@ def _pivot_search(
 
     def place() -> float:
         (s0, y0), (s1, y1) = left, right
-        share = y0 / (y0 - y1) if y0 * y1 < 0 else 0.5
-        return s0 + (s1 - s0) * float(np.clip(share, 1e-3, 1 - 1e-3))
+        # Of one sign: two modes, so halve the bracket; or one end is the zero up to rounding, so take that.
+        zero = min(abs(y0), abs(y1)) <= ZERO * max(abs(y0), abs(y1))
+        share = abs(y0) / (abs(y0) + abs(y1) or 1.0) if y0 * y1 < 0 or zero else 0.5
+        return s0 + (s1 - s0) * share
 
     def tell(point: Point, at: float) -> None:
         nonlocal left, right

@@ -507,7 +507,7 @@ def test_skew_part_is_solved_for(rng, skewness):
     free = np.array([constraints.from_frame(e) for e in np.eye(matrix.shape[0])[numbers]])
     dense = matrix.to_scipy().toarray() + skew.toarray()
     expected = free.T @ np.linalg.solve(free @ dense @ free.T, free @ rhs)
-    assert np.abs(x - expected).max() < 1e-8 * np.abs(expected).max()  # GMRES stops at 1e-10
+    assert np.abs(x - expected).max() < 1e-7 * np.abs(expected).max()  # GMRES stops at 1e-9
     assert np.allclose(exact.multiply(x), dense @ x)
     assert (np.abs(without - expected).max() > 1e-3 * np.abs(expected).max()) == (skewness > 0), "the skew part matters"
 

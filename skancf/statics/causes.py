@@ -77,7 +77,8 @@ def _singular(
             "trace(system, ArcLength()). A mesh too coarse for its bending has limit points of its own: where none is "
             "expected, take a finer mesh."
         )
-    if failed.status is Status.SINGULAR and len(path) > 1:
+    softened = abs(now.eigenvalue) < SOFT * abs(first.eigenvalue)
+    if failed.status is Status.SINGULAR and softened and len(path) > 1:
         return Status.BIFURCATION, (
             "The tangent gets singular in a motion on which the load does no work, so branches cross here: a small "
             "disturbing load leads onto the branch that the structure takes, trace(system, ArcLength()) follows the path."

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, InputError, SingularMatrix, positive
+from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
@@ -223,3 +223,16 @@ class _Run:
         rates = 1.0 / self.follower.size(before.direction), 1.0 / self.follower.size(last.direction)
         way = self.follower.distance(before, last)
         return turning_estimate((0.0, way), rates) - way <= NEAR * length
+
+
+def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -> float | None:
+    """Load factor of a limit point that a few steps along the path from a state find, or None.
+
+    ``first`` is the first step as a load factor, with its sign.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = trace(system, ArcLength(first=first), start=start, steps=steps)
+    except SkancfError:
+        return None
+    return next((event.load_factor for event in found.events if event.kind == "limit point"), None)

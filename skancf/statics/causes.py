@@ -42,7 +42,8 @@ def cause(
     )
     found = _folded(system, failed.q) or _mechanism(system, solver)
     status, reason = found or _singular(system, solver, path, wanted, failed)
-    if status is Status.STEP_TOO_SMALL and (limit := ahead()) is not None:
+    lost = failed.status is Status.NOT_FINITE
+    if status is Status.STEP_TOO_SMALL and not lost and (limit := ahead()) is not None:
         status, reason = Status.LIMIT_POINT, limit_point(limit)
     return status, f"{begin}{reason} The last equilibrium is kept."
 

@@ -167,6 +167,8 @@ class _Run:
             return Status.MECHANISM, f"the state at the start has no stiffness against some motion: {singular}"
         self.points.append(point)
         first = self.control.first_length(measure, point.direction / (point.rate or 1.0), point.q)
+        if not (np.isfinite(first) and first):
+            return Status.NOT_FINITE, f"the load moves the structure by {first} at the start; look at its size"
         step = 1.0
         while len(self.points) <= steps:
             length = min(step * first, measure.left(point.q))

@@ -154,7 +154,7 @@ class Solution:
         system = self.system
         if self.linear:
             start = system.undeformed
-            residual = system.tangent(start) @ (self.q - start) - system.external_force(start)
+            residual = system.stiffness() @ (self.q - start) - system.external_force(start)
         else:
             residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
         forces = system.constraints.fixed_part(residual).reshape(-1, 4, 3)[:, 0]

@@ -181,7 +181,7 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     """
     require_support(system)
     start: Any = system.undeformed
-    matrix = system.tangent(start)
+    matrix = system.stiffness()
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         solver.factor(matrix)
         moved = system.prescribed()

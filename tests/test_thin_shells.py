@@ -5,6 +5,8 @@ from math import pi, radians
 
 import numpy as np
 import pytest
+from problems import PULLED, PUSHED
+from problems import hemisphere as hemisphere_problem
 from reference import cylinder
 
 import skancf as sk
@@ -41,13 +43,11 @@ def pinched(n: int, assumed: bool = True) -> float:
 
 @cache
 def hemisphere(n: int, thickness: float = 0.04, force: float = 1.0, assumed: bool = True) -> np.ndarray:
-    """Quarter with a hole of 18 degrees pulled along x and pushed along y: displacements along the two forces."""
-    surface = sk.SphereSector(10.0, (radians(18), pi / 2), pi / 2)
-    pulled, pushed = (pi / 2, 0.0), (pi / 2, pi / 2)
-    supports = [sk.Symmetry("start"), sk.Symmetry("end"), sk.Roller(pulled)]
-    loads = [sk.PointForce(pulled, (force, 0, 0)), sk.PointForce(pushed, (0, -force, 0))]
-    solution = solved(surface, thickness, sk.Isotropic(6.825e7, 0.3, 1.0), supports, loads, (n, n), assumed)
-    return np.array([solution.displacement(pulled)[0], -solution.displacement(pushed)[1]])
+    """Displacements along the two forces."""
+    problem = hemisphere_problem(thickness, force)
+    mesh = sk.meshes.uniform(problem.surface, n, n)
+    solution = sk.solve_linear(problem.on(mesh, sk.Kirchhoff(assumed=assumed)))
+    return np.array([solution.displacement(PULLED)[0], -solution.displacement(PUSHED)[1]])
 
 
 @cache

@@ -144,16 +144,18 @@ def test_flat_plates_do_not_know_their_thickness(edges):
 
 # --- twisted beam ----------------------------------------------------------------------------------------------------
 
-
-# Thickness, force: tip displacement along y and z: Zupan and Saje (2004) with shear (thick) and the thin beam's.
-TWISTED = {(0.32, 1.0): (0.001753248, 0.005424535), (0.0032, 1e-6): (0.001294, 0.005256)}
+# Thickness, force: tip displacements along y and z, and what the thin shell may lack of them. Zupan and Saje (2004), Finite
+# Elements in Analysis and Design 40, 1445-1451, with shear; the thin one: Simo, Fox and Rifai (1989), Computer Methods in
+# Applied Mechanics and Engineering 73, 53-92.
+TWISTED = {(0.32, 1.0): ((0.001753248, 0.005424535), 0.005), (0.0032, 1e-6): ((0.001294, 0.005256), 0.0015)}
 
 
 @pytest.mark.parametrize("axis", [1, 2])
 @pytest.mark.parametrize("case", TWISTED, ids=str)
 def test_twisted_beam(case, axis):
+    published, allowed = TWISTED[case]
     found = [twisted(n, *case, axis) for n in (8, 16, 32)]
-    # The beam is no beam at its clamped end and no thin plate where t / width = 0.3: measured 0.07 to 0.5 % below.
-    assert 0 < 1 - found[-1] / TWISTED[case][axis - 1] < 0.006
-    # Measured on 8 x 2 within 0.6 %, on 16 x 4 within 0.1 % of 48 x 8.
+    # Measured 0.13 and 0.48 % (t / width = 0.3: no thin plate), 0.07 and 0.14 % (four digits) below.
+    assert 0 < 1 - found[-1] / published[axis - 1] < allowed
+    # Measured on 8 x 2 within 0.5 %, on 16 x 4 within 0.09 % of 32 x 8.
     assert np.allclose(found[:2], found[2], rtol=6e-3) and np.isclose(found[1], found[2], rtol=1e-3)

@@ -164,12 +164,12 @@ class Solution:
         """Strain energy (J)."""
         if self.linear:
             change = self.q - self.system.undeformed
-            return 0.5 * float(change @ (self.system.tangent(self.system.undeformed) @ change))
+            return 0.5 * float(change @ (self.system.stiffness() @ change))
         return self.system.strain_energy(self.q)
 
     @property
     def work(self) -> float:
-        """Work of the loads on the displacements (J): as large as they are now all the way; of a small-deflection answer half."""
+        """Work of the loads on the displacements (J), as if they were as large all the way; half of it for a linear answer."""
         system, change = self.system, self.q - self.system.undeformed
         if self.linear:
             return 0.5 * float(system.external_force(system.undeformed) @ change)
@@ -195,7 +195,7 @@ class Solution:
         system = self.system
         if self.linear:
             start = system.undeformed
-            residual = system.tangent(start) @ (self.q - start) - system.external_force(start)
+            residual = system.stiffness() @ (self.q - start) - system.external_force(start)
         else:
             residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
         forces = system.constraints.fixed_part(residual).reshape(-1, 4, 3)[:, 0]

@@ -17,8 +17,8 @@ def warn_if_thick(solution: Solution) -> Solution:
     share = solution.shear_share
     if share > THICK:
         warnings.warn(
-            f"theory 'kirchhoff' leaves out transverse shear, which would change the strain energy by {100 * share:.2g} % here "
-            f"(over {100 * THICK:.0f} %): take theory 'full', or let theory='auto' choose",
+            f"theory 'kirchhoff' leaves out transverse shear, which would change the strain energy by {100 * share:.2g} % "
+            f"here (over {100 * THICK:.0f} %): take theory 'full', or let theory='auto' choose",
             OutOfDepth,
             stacklevel=3,
         )

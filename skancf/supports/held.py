@@ -54,6 +54,19 @@ class Clamp(Support):
 
 
 @dataclass(frozen=True)
+class NoRotation(Support):
+    """The normal (director) does not turn about the edge, at single points not at all; positions are free.
+
+    With :class:`Roller` a clamped edge that is free to slide in the surface.
+    """
+
+    where: Any
+
+    def rows(self, geometry: Geometry) -> list[Row]:
+        return no_turn_about(geometry, self.where)
+
+
+@dataclass(frozen=True)
 class SimpleSupport(Support):
     """A hinged edge: positions held, rotation about the edge free.
 

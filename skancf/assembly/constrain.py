@@ -9,7 +9,7 @@ import numpy as np
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError
 from skancf.history import amplitude
-from skancf.linear import Constraints
+from skancf.linear import BlockMatrix, Constraints
 
 PARALLEL = 1e-9
 
@@ -112,13 +112,18 @@ def rigid_motions(undeformed: np.ndarray, size: float) -> np.ndarray:
     return modes.reshape(6, -1)
 
 
-def free_rigid_motions(undeformed: np.ndarray, constraints: Constraints) -> list[str]:
-    """The rigid motions that the constraints leave free, in words."""
+def free_rigid_motions(
+    undeformed: np.ndarray, constraints: Constraints, foundation: BlockMatrix | None = None
+) -> list[str]:
+    """The rigid motions that neither constraints nor springs and foundations resist, in words."""
     nodal = undeformed.reshape(-1, 4, 3)
     centre = nodal[:, 0].mean(axis=0)
     size = float(np.abs(nodal[:, 0] - centre).max())
     modes = rigid_motions(nodal, size)
     held = np.array([constraints.to_frame(mode)[constraints.fixed.ravel()] for mode in modes])
+    if foundation is not None:
+        pushed = np.array([foundation @ mode for mode in modes])
+        held = np.hstack([held, pushed / np.abs(pushed).max()])
     vectors, sizes, _ = np.linalg.svd(held, full_matrices=True) if held.size else (np.eye(6), np.zeros(0), None)
     sizes = np.concatenate([sizes, np.zeros(6 - len(sizes))])
     free = vectors[:, sizes < 1e-9 * max(1.0, sizes[0])].T

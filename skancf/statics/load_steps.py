@@ -166,7 +166,7 @@ def _why(reached: float, wanted: float, result: NewtonResult) -> str:
 
 def require_support(system: System) -> None:
     """InputError where a rigid motion is free."""
-    free = free_rigid_motions(system.undeformed, system.constraints)
+    free = free_rigid_motions(system.undeformed, system.constraints, system.foundation)
     if free:
         raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
 

@@ -103,8 +103,8 @@ def volume(system, q, n=6):
 def test_pressure_in_a_closed_body_does_the_work_of_its_volume(theory, rng):
     ball = sk.SphereSector(2.0, (0.0, pi), 2 * pi, closed=True)
     system = system_on(ball, theory, [sk.FollowerPressure(5.0)], n=4)
-    # Arcs of cubics: of order four, and three per cent on this mesh.
-    assert np.isclose(volume(system, system.undeformed), 4 / 3 * pi * 8, rtol=0.05)
+    # Arcs of cubics on a coarse mesh: 0.5 % off in the thin theory, 1.3 % in the other.
+    assert np.isclose(volume(system, system.undeformed), 4 / 3 * pi * 8, rtol=0.02)
     q, eps = disturbed(system, rng), 1e-5
     steps = eps * np.eye(system.n_dofs)
     numeric = 5.0 * np.array([volume(system, q + e) - volume(system, q - e) for e in steps]) / (2 * eps)
@@ -140,5 +140,5 @@ def test_moment_rolls_a_strip_up(theory):
     mesh = sk.meshes.uniform(strip, 16, 1)
     system = sk.Problem(strip, 0.01, stiff, [sk.Clamp("left")], [load]).on(mesh, theory)
     tip = sk.solve(system).unwrap().position((1.0, 0.05))
-    # Strains of 1 % in the faces; the elements of theory full are of order two.
-    assert np.allclose(tip, [2 / pi, 0.05, 2 / pi], rtol=0, atol=1e-3 if theory == "kirchhoff" else 5e-3)
+    # Found 4e-5; the element of theory full is of order two: 2e-3.
+    assert np.allclose(tip, [2 / pi, 0.05, 2 / pi], rtol=0, atol=1e-4 if theory == "kirchhoff" else 3e-3)

@@ -104,8 +104,8 @@ def test_a_bimetal_plate(theory):
     system = system_on(theory, PLATE, JUST_HELD, sk.Temperature(change), (6, 4), sk.Laminate(layers), None)
     solution = sk.solve(system, rtol=1e-12).unwrap()
     kappa = bimetal_curvature(change, young, expansion, thickness)
-    # The sphere's membrane strains are (w / t)^2 = 1e-3 of the bending; up is convex, with the larger expansion on top.
-    close = 1e-3
+    # The sphere's membrane strains take (w / t)^2 / 20 = 1e-4 of it, as found; convex on top, which expands more.
+    close = 2e-4
     for along, length in (([(0, 0.3), (0.5, 0.3), (1, 0.3)], 0.5), ([(0.5, 0), (0.5, 0.3), (0.5, 0.6)], 0.3)):
         w = solution.displacement(along)[:, 2]
         assert np.isclose((2 * w[1] - w[0] - w[2]) / length**2, kappa, rtol=close)

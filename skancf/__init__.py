@@ -18,7 +18,22 @@ from skancf.loads import (
 from skancf.materials import Anisotropic, Isotropic, Laminate, Layer, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
-from skancf.statics import HalveAndGrow, StaticResult, solve, solve_linear
+from skancf.statics import (
+    ArcLength,
+    BucklingResult,
+    DisplacementControl,
+    DisplacementReached,
+    HalveAndGrow,
+    Modes,
+    PathResult,
+    StaticResult,
+    StepLength,
+    buckling,
+    modes,
+    solve,
+    solve_linear,
+    trace,
+)
 from skancf.supports import Clamp, Foundation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry
 from skancf.surfaces import (
     AnnulusSector,
@@ -37,11 +52,15 @@ from skancf.version import __version__
 __all__ = [
     "Anisotropic",
     "AnnulusSector",
+    "ArcLength",
+    "BucklingResult",
     "Clamp",
     "Cone",
     "CylinderSector",
     "DidNotConverge",
     "DiskForce",
+    "DisplacementControl",
+    "DisplacementReached",
     "EdgeLoad",
     "EdgeMoment",
     "ElementQuadANCF",
@@ -62,9 +81,11 @@ __all__ = [
     "LineLoad",
     "LocalError",
     "MappedSurface",
+    "Modes",
     "Motion",
     "Orthotropic",
     "Parallelogram",
+    "PathResult",
     "Pin",
     "Plane",
     "PointForce",
@@ -79,15 +100,19 @@ __all__ = [
     "SphereSector",
     "Spring",
     "StaticResult",
+    "StepLength",
     "SurfaceLoad",
     "Symmetry",
     "Temperature",
     "__version__",
     "adapt",
+    "buckling",
     "meshes",
+    "modes",
     "output",
     "simulate",
     "solve",
     "solve_linear",
     "through_thickness",
+    "trace",
 ]  # fmt: skip

@@ -11,12 +11,14 @@ import skfem
 from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System, assemble
-from skancf.errors import InputError
+from skancf.elements.nodal import require_aligned
+from skancf.errors import InputError, positive
 from skancf.loads import Load
 from skancf.materials import Laminate, Law, Section, section_of
 from skancf.supports import Support
 from skancf.surfaces import Surface
-from skancf.theories import Theory, theory_named
+from skancf.theories import Full, Kirchhoff, Theory, theory_named
+from skancf.thinness import Choice, choose
 
 
 @dataclass(frozen=True)
@@ -74,10 +76,37 @@ class Problem:
         """The layers through the thickness, one for a plate of one material."""
         return section_of(self.material, self.thickness)
 
-    def on(self, mesh: skfem.MeshQuad, theory: str | Theory = "full") -> System:
-        """The problem on a mesh of the parameter plane, with a theory (a name, or an object such as ``Full()``)."""
+    def on(self, mesh: skfem.MeshQuad, theory: str | Theory = "full", *, tolerance: float = 0.01) -> System:
+        """The problem on a mesh of the parameter plane, with a theory.
+
+        Parameters
+        ----------
+        mesh
+        theory
+            A name, ``"full"`` or ``"kirchhoff"``; an object such as ``Full()``; or ``"auto"``: the cheapest theory whose
+            modelling error is below ``tolerance``. What was taken and why is the system's ``choice``.
+        tolerance : float
+            For ``"auto"``: the largest part of the strain energy that leaving out transverse shear may change.
+        """
         self._check_bounds(mesh)
-        assembly = assemble(Geometry(mesh, self.surface, theory_named(theory)), self.section)
+        if theory == "auto":
+            return self._on_chosen(mesh, positive("tolerance", tolerance))
+        return self._on(mesh, theory_named(theory))
+
+    def _on_chosen(self, mesh: skfem.MeshQuad, tolerance: float) -> System:
+        try:
+            require_aligned(mesh)
+        except InputError as askew:
+            choice = Choice("full", float("nan"), f"theory 'full': {askew}")
+        else:
+            thin = self._on(mesh, Kirchhoff())
+            choice = choose(thin, tolerance)
+        system = thin if choice.theory == "kirchhoff" else self._on(mesh, Full())
+        system.choice = choice
+        return system
+
+    def _on(self, mesh: skfem.MeshQuad, theory: Theory) -> System:
+        assembly = assemble(Geometry(mesh, self.surface, theory), self.section)
         constraints, prescription = constrain(assembly.geometry, self.supports)
         loads = [load.on(assembly) for load in self.loads]
         elastic = [part for support in self.supports for part in support.springs(assembly)]

@@ -1,5 +1,6 @@
 """Fields, stresses, energies and reactions of one state of a system."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,8 +8,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.assembly.system import System
+from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number
+from skancf.thinness import shear_energy, shear_forces
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 
@@ -78,8 +81,8 @@ class Solution:
         law) is the one that leaves no stress.
         """
         free = self._free_strains(points, self._depth(z))
-        geometry = self.system.geometry
-        return self.system.assembly.strains(self.q.reshape(-1, 4, 3), geometry.inside(points), z, free)
+        assembly, inside = self.system.assembly, self.system.geometry.inside(points)
+        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, z, free), offset=free)
 
     def stresses(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
@@ -108,11 +111,38 @@ class Solution:
         """
         geometry = self.system.geometry
         points = CORNERS.T if points is None else points
-        forces = self.system.assembly.section_forces(self.q.reshape(-1, 4, 3), geometry.inside(points))
+        inside = geometry.inside(points)
+        forces = self._of_state(lambda q: self.system.assembly.section_forces(q.reshape(-1, 4, 3), inside))
         for load in self.system.loads:
             if hasattr(load, "resultants"):
                 forces = forces - self.load_factor * load.resultants(points, self.time)
         return forces
+
+    def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray], offset: Any = 0.0) -> np.ndarray:
+        """A quantity of the nodal coordinates; of a small-deflection answer its linear part, beside an offset."""
+        if not self.linear:
+            return quantity(self.q)
+        return self.system.linear_part(quantity, self.q - self.system.undeformed) + offset
+
+    def shear_forces(self, points: np.ndarray | None = None) -> np.ndarray:
+        """Transverse shear forces Q1, Q2 per length that balance the moments, theory `kirchhoff`: (n_elements, 2, n) (N/m).
+
+        Parameters
+        ----------
+        points : (2, n) array, optional
+            In the reference square. Default: the middle, where they are most accurate; see
+            :func:`skancf.thinness.shear_forces`.
+        """
+        inside = self.system.geometry.inside(np.array([[0.5], [0.5]]) if points is None else points)
+        return self._of_state(lambda q: shear_forces(self.system, q, inside))
+
+    @property
+    def shear_share(self) -> float:
+        """How much theory `kirchhoff` leaves out: energy of the shear forces over the strain energy; zero in `full`."""
+        if not self.system.geometry.theory.twist or not self.strain_energy > 0:
+            return 0.0
+        points, weights = square_quadrature(2)
+        return shear_energy(self.system, self.shear_forces(points), weights, points) / self.strain_energy
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes, averaged over the elements that meet there: (n_nodes, 6)."""
@@ -132,6 +162,9 @@ class Solution:
     @property
     def strain_energy(self) -> float:
         """Strain energy (J)."""
+        if self.linear:
+            change = self.q - self.system.undeformed
+            return 0.5 * float(change @ (self.system.tangent(self.system.undeformed) @ change))
         return self.system.strain_energy(self.q)
 
     @property

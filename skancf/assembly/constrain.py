@@ -115,15 +115,15 @@ def rigid_motions(undeformed: np.ndarray, size: float) -> np.ndarray:
 def free_rigid_motions(
     undeformed: np.ndarray, constraints: Constraints, foundation: BlockMatrix | None = None
 ) -> list[str]:
-    """The rigid motions that neither constraints nor springs and foundations resist, in words."""
+    """The rigid motions that the constraints, and springs if there are any, leave free, in words."""
     nodal = undeformed.reshape(-1, 4, 3)
     centre = nodal[:, 0].mean(axis=0)
     size = float(np.abs(nodal[:, 0] - centre).max())
     modes = rigid_motions(nodal, size)
     held = np.array([constraints.to_frame(mode)[constraints.fixed.ravel()] for mode in modes])
     if foundation is not None:
-        pushed = np.array([foundation @ mode for mode in modes])
-        held = np.hstack([held, pushed / np.abs(pushed).max()])
+        resisting = np.array([foundation @ mode for mode in modes])
+        held = np.hstack([held, resisting / np.abs(resisting).max()])
     vectors, sizes, _ = np.linalg.svd(held, full_matrices=True) if held.size else (np.eye(6), np.zeros(0), None)
     sizes = np.concatenate([sizes, np.zeros(6 - len(sizes))])
     free = vectors[:, sizes < 1e-9 * max(1.0, sizes[0])].T

@@ -1,6 +1,6 @@
 """A problem on a mesh with a theory: what solvers know."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -13,7 +13,7 @@ from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.thin.assembly import ThinAssembly
 from skancf.errors import InputError
-from skancf.linear import BlockMatrix, BlockPattern, Constraints
+from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.materials import Section
 
 ASSEMBLIES: dict[str, type] = {"full": FullAssembly, "kirchhoff": ThinAssembly}
@@ -25,6 +25,7 @@ class Assembly(Protocol):
     geometry: Geometry
     section: Section
     sections: Any
+    schedule: Schedule
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         """Derivative of the strain energy."""
@@ -92,7 +93,11 @@ class System:
     geometry : Geometry
     undeformed : (n_dofs,) array
     constraints : Constraints
+    choice
+        With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
     """
+
+    choice: Any = None
 
     def __init__(
         self,
@@ -185,6 +190,26 @@ class System:
             energy += 0.5 * float(change @ (self.foundation @ change))
         return energy
 
+    def linear_part(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
+        """First-order change of a quantity of the nodal coordinates along a change from the undeformed state.
+
+        A central difference over a part of the change that is so small that its cubic term is below rounding.
+        """
+        positions_and_slopes = [np.abs(v.reshape(-1, 4, 3)[:, :3]).max(axis=(0, 2)) for v in (change, self.undeformed)]
+        size = float((positions_and_slopes[0] / positions_and_slopes[1]).max())
+        step = SMALL / size if size > 0 else 1.0
+        ahead, behind = (quantity(self.undeformed + sign * step * change) for sign in (1, -1))
+        return np.asarray((ahead - behind) / (2 * step))
+
+    def linear_change(self, backend: str = "auto") -> np.ndarray:
+        """Small-deflection answer, (n_dofs,): one solve with the tangent of the undeformed state."""
+        start = self.undeformed
+        matrix = self.tangent(start)
+        with DirectSolver(self.pattern, self.constraints, backend) as solver:
+            solver.factor(matrix)
+            moved = self.prescribed()
+            return solver.solve(self.external_force(start) - matrix @ moved, refinements=2) + moved
+
     @cached_property
     def mass(self) -> BlockMatrix:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""
@@ -230,6 +255,8 @@ class System:
         return np.ascontiguousarray(q, dtype=float).reshape(-1, 4, 3)
 
 
+SMALL = 1e-5
+"""Relative change of the nodal coordinates over which small changes are differenced."""
 FOLDED = 1e-6
 """An area less than this times the undeformed one is none."""
 

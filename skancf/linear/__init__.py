@@ -7,6 +7,7 @@ together with the coordinates that are prescribed.
 from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.pattern import BlockPattern
+from skancf.linear.skew import SkewSolver
 from skancf.linear.solver import BACKENDS, DirectSolver, available_backends
 
-__all__ = ["BACKENDS", "BlockMatrix", "BlockPattern", "Constraints", "DirectSolver", "available_backends"]
+__all__ = ["BACKENDS", "BlockMatrix", "BlockPattern", "Constraints", "DirectSolver", "SkewSolver", "available_backends"]

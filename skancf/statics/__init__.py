@@ -1,6 +1,30 @@
-"""Equilibrium: Newton's method, load steps, linear answers."""
+"""Equilibrium: Newton's method, load steps, paths, linear answers; buckling and vibration about it."""
 
+from skancf.statics.buckling import BucklingResult, buckling
+from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, StepLength
+from skancf.statics.events import Event
 from skancf.statics.load_steps import HalveAndGrow, StaticResult, solve, solve_linear
+from skancf.statics.modes import Modes, modes
 from skancf.statics.newton import NewtonResult, Status, newton
+from skancf.statics.path import PathResult, trace
 
-__all__ = ["HalveAndGrow", "NewtonResult", "StaticResult", "Status", "newton", "solve", "solve_linear"]
+__all__ = [
+    "ArcLength",
+    "BucklingResult",
+    "DisplacementControl",
+    "DisplacementReached",
+    "Event",
+    "HalveAndGrow",
+    "Modes",
+    "NewtonResult",
+    "PathResult",
+    "StaticResult",
+    "Status",
+    "StepLength",
+    "buckling",
+    "modes",
+    "newton",
+    "solve",
+    "solve_linear",
+    "trace",
+]  # fmt: skip

@@ -1,21 +1,22 @@
 """Statics under growing load: steps that are halved where Newton's method fails and grow where it is easy."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from skancf.assembly.constrain import free_rigid_motions
 from skancf.assembly.system import System
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
+from skancf.statics.causes import cause, require_support
 from skancf.statics.newton import NewtonResult, Status, newton
 
 UNSTABLE = (
-    "the equilibrium is not stable: its tangent has {} negative eigenvalue(s). The structure would buckle before it; "
-    "a small disturbing load shows the way"
+    "the equilibrium is not stable: its tangent has {} negative eigenvalue(s), and the first one came between load factor "
+    "{:.4g} and {:.4g}. The structure would buckle there; a small disturbing load shows the way, and trace(system, "
+    "ArcLength()) the place"
 )
 
 
@@ -127,48 +128,57 @@ def solve(
     if start is not None:
         require_same_mesh(system, start)
     require_support(system)
-    control = control or HalveAndGrow()
     solver = DirectSolver(system.pattern, system.constraints, backend)
-    at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
-    path, attempts, step = [at], [], min(1.0, control.first)
-    begin, span = at.load_factor, load_factor - at.load_factor
-    done, previous = 0.0, None
     with Progress("statics", 1.0, shown=progress) as bar, solver:
+        run = _Run(system, solver, start or Solution(system, system.undeformed.copy(), load_factor=0.0))
+        try:
+            return run.go(load_factor, control or HalveAndGrow(), bar, rtol=rtol, max_steps=max_iterations, mixed=mixed)
+        except KeyboardInterrupt:
+            at = run.path[-1]
+            return run.result(Status.INTERRUPTED, f"interrupted from the keyboard at load factor {at.load_factor:.6g}")
+
+
+class _Run:
+    """State of one run; everything it keeps is usable whenever it stops."""
+
+    def __init__(self, system: System, solver: DirectSolver, start: Solution) -> None:
+        self.system, self.solver = system, solver
+        self.path = [start]
+        self.attempts: list[tuple[float, NewtonResult]] = []
+
+    def result(self, status: Status, message: str = "") -> StaticResult:
+        return StaticResult(self.path[-1], status, tuple(self.path), tuple(self.attempts), message)
+
+    def go(self, load_factor: float, control: HalveAndGrow, bar: Progress, **options: Any) -> StaticResult:
+        at = self.path[0]
+        begin, span = at.load_factor, load_factor - at.load_factor
+        step, done, previous = min(1.0, control.first), 0.0, None
         while done < 1.0:
             aim = min(1.0, done + step)
             factor = begin + aim * span
             guess = at.q if previous is None else at.q + (aim - done) / (done - previous[0]) * (at.q - previous[1])
-            result = newton(system, guess, solver, load_factor=factor, rtol=rtol, max_steps=max_iterations, mixed=mixed)
-            attempts.append((factor, result))
+            result = newton(self.system, guess, self.solver, load_factor=factor, **options)
+            self.attempts.append((factor, result))
             if result.converged:
                 previous, done = (done, at.q), aim
-                at = Solution(system, result.q, load_factor=factor)
-                path.append(at)
+                at = Solution(self.system, result.q, load_factor=factor)
+                self.path.append(at)
             elif previous is not None:
                 previous = None  # the extrapolated guess may be what failed
             step = control.next_step(step, result)
             bar.at(done, f"load factor {at.load_factor:.4g}, {len(result.residual_norms)} iterations")
-            if step < control.smallest:
-                message = _why(at.load_factor, factor, result)
-                return StaticResult(at, Status.STEP_TOO_SMALL, tuple(path), tuple(attempts), message)
-    outcome = StaticResult(at, Status.CONVERGED, tuple(path), tuple(attempts))
-    return replace(outcome, message=UNSTABLE.format(outcome.negative_pivots)) if outcome.negative_pivots else outcome
+            if step < control.smallest and done < 1.0:
+                return self.result(*cause(self.system, self.solver, self.path, factor, result))
+        return self.result(Status.CONVERGED, self._unstable())
 
-
-def _why(reached: float, wanted: float, result: NewtonResult) -> str:
-    tail = ", ".join(f"{r:.1e}" for r in result.residual_norms[-3:])
-    return (
-        f"statics stopped at load factor {reached:.6g}: {result.status.value} on the way to {wanted:.6g}"
-        f"{', ' + result.message if result.message else ''}; last residuals {tail or 'none'}. "
-        "The load may be near a limit point, or the mesh too coarse for the bending; the last equilibrium is kept."
-    )
-
-
-def require_support(system: System) -> None:
-    """InputError where a rigid motion is free."""
-    free = free_rigid_motions(system.undeformed, system.constraints, system.foundation)
-    if free:
-        raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
+    def _unstable(self) -> str:
+        """That the last equilibrium is not stable, and since when; nothing where it is."""
+        reached = [(factor, result.negative_pivots) for factor, result in self.attempts if result.converged]
+        if not (reached and reached[-1][1]):
+            return ""
+        stable = [k for k, (_, pivots) in enumerate(reached) if not pivots]
+        first = stable[-1] + 1 if stable else 0
+        return UNSTABLE.format(reached[-1][1], self.path[first].load_factor, reached[first][0])
 
 
 def solve_linear(system: System, *, backend: str = "auto") -> Solution:
@@ -180,12 +190,7 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
         When a rigid motion is free.
     """
     require_support(system)
-    start: Any = system.undeformed
-    matrix = system.tangent(start)
-    with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        solver.factor(matrix)
-        moved = system.prescribed()
-        change = solver.solve(system.external_force(start) - matrix @ moved, refinements=2) + moved
+    change = system.linear_change(backend)
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
-    return Solution(system, start + change, linear=True)
+    return Solution(system, system.undeformed + change, linear=True)

@@ -2,26 +2,33 @@ r"""Newton's method with the mixed-integration-point tangent.
 
 The tangent is taken with the stresses extrapolated linearly along the last step,
 :math:`\sigma_{j+1} = C(\varepsilon(q_j) + B(q_j)\,\delta q_j)`, instead of those of the present state; the residual is the
-exact one (Magisano, Leonetti and Garcea, 2017).
+exact one (Magisano, Leonetti and Garcea, 2017). With a :class:`Constraint` the load factor is an unknown too.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from skancf.errors import DidNotConverge, SingularMatrix
-from skancf.linear import BlockMatrix, Constraints, DirectSolver
+from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
 
 
 class System(Protocol):
-    """All that Newton's method knows of a model."""
+    """All that statics knows of a model.
+
+    A model may also have ``skew(q, time, factor)``, the skew-symmetric part of its tangent as a sparse matrix or None, and
+    ``folded(q)``, the number and the place of an element that is turned inside out or None.
+    """
 
     constraints: Constraints
     undeformed: np.ndarray
+    pattern: BlockPattern
 
+    @property
+    def mass(self) -> BlockMatrix: ...
     def internal_force(self, q: np.ndarray) -> np.ndarray: ...
     def external_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray: ...
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray: ...
@@ -40,13 +47,23 @@ class Status(Enum):
     NOT_FINITE = "residual is not finite"
     SINGULAR = "tangent is singular"
     STEP_TOO_SMALL = "load step became too small"
+    LIMIT_POINT = "limit point"
+    BIFURCATION = "bifurcation"
+    MECHANISM = "a mechanism is free"
+    FOLDED = "an element folded"
+    NOT_REACHED = "the asked end was not reached"
+    TURNED_BACK = "the path turned back"
+    INTERRUPTED = "interrupted"
+    FAILED = "an error"
 
 
 @dataclass(frozen=True)
 class NewtonResult:
     """Outcome of one solve.
 
-    ``residual_norms`` are energy norms of the residual, sqrt(R . K^-1 R), relative to the largest one met.
+    ``residual_norms`` are energy norms of the residual, sqrt(R . K^-1 R), relative to the largest one met; with a
+    constraint they belong to the correction that meets both equations. ``along`` is then the derivative of q with respect
+    to the load factor.
     """
 
     q: np.ndarray
@@ -54,6 +71,8 @@ class NewtonResult:
     residual_norms: tuple[float, ...]
     negative_pivots: int = 0
     message: str = ""
+    load_factor: float = 1.0
+    along: np.ndarray | None = None
 
     @property
     def converged(self) -> bool:
@@ -67,6 +86,25 @@ class NewtonResult:
         return self.q
 
 
+@dataclass(frozen=True)
+class Constraint:
+    """The equation row . q + factor * load_factor = value, which makes the load factor an unknown.
+
+    Corrections are measured against the distance from ``origin``, the state from which the step started.
+    """
+
+    row: np.ndarray
+    factor: float
+    value: float
+    origin: np.ndarray
+
+    def correction(self, q: np.ndarray, load_factor: float, along: np.ndarray) -> float:
+        """Change of the load factor that meets the equation, q moving by ``along`` with it; infinite where none does."""
+        gap = self.value - float(self.row @ q) - self.factor * load_factor
+        slope = float(self.row @ along) + self.factor
+        return gap / slope if slope else np.inf
+
+
 ROUNDING = 1e-15
 
 
@@ -74,6 +112,27 @@ def work(change: np.ndarray, force: np.ndarray) -> float:
     """|change . force|; infinite or NaN where it does not fit a float, without a warning."""
     with np.errstate(over="ignore", invalid="ignore"):
         return abs(float(change @ force))
+
+
+def factored(
+    system: System, q: np.ndarray, load_factor: float, solver: DirectSolver, stresses: np.ndarray | None = None
+) -> SkewSolver:
+    """The tangent at (q, load factor), with ``stresses`` if given, and its solver.
+
+    Raises
+    ------
+    SingularMatrix
+    """
+    matrix = system.tangent(q, stresses, factor=load_factor)
+    solver.factor(matrix)
+    skew: Any = getattr(system, "skew", None)
+    return SkewSolver(matrix, skew(q, None, load_factor) if skew else None, solver)
+
+
+def along_load(system: System, q: np.ndarray, tangent: SkewSolver) -> np.ndarray:
+    """Derivative of q with respect to the load factor."""
+    force, moved = system.external_force(q), system.prescribed()
+    return tangent.solve(force - tangent.multiply(moved) if moved.any() else force) + moved
 
 
 def newton(
@@ -86,62 +145,91 @@ def newton(
     max_steps: int = 30,
     mixed: bool = True,
     watch: Callable[[int, float], None] | None = None,
+    constraint: Constraint | None = None,
+    stresses: np.ndarray | None = None,
 ) -> NewtonResult:
     """Equilibrium under ``load_factor`` times the loads and prescribed displacements, from a first guess.
 
     A step whose energy, the residual's work on it, is less than ``rtol**2`` of the largest one is the last one; that
-    measure feels no rounding of the membrane forces in very thin plates.
+    measure feels no rounding of the membrane forces in very thin plates. Where a constraint makes the load factor an
+    unknown, the tangent may be nearly singular: then the energy is that of the correction that meets both equations,
+    compared with that of the way from the constraint's origin too; and because a motion without stiffness has none, the
+    correction must also be less than ``sqrt(rtol)`` of that way in the norm of the tangent's absolute diagonal.
 
     Parameters
     ----------
     q : (n_dofs,) array
         First guess.
+    load_factor : float
+        With a constraint, the first guess of it.
     mixed : bool
         Mixed-integration-point tangent; False is the plain method.
     watch : callable, optional
         Called with the step's number and the relative norm.
+    constraint : Constraint, optional
+    stresses : array, optional
+        Those of the first tangent, extrapolated to the guess from an equilibrium; otherwise those of the guess.
     """
-    target = system.undeformed + load_factor * system.prescribed()
-    stresses = None
+    prescribed = system.prescribed()
     energies: list[float] = []
+    along: np.ndarray | None = None
 
     def result(status: Status, message: str = "") -> NewtonResult:
         largest = max(energies, default=1.0) or 1.0
         norms = tuple(float(np.sqrt(e / largest)) for e in energies)
         pivots = solver.negative_pivots if energies and status is not Status.SINGULAR else 0
-        return NewtonResult(q, status, norms, pivots, message)
+        return NewtonResult(q, status, norms, pivots, message, load_factor, along)
 
     for step in range(max_steps):
         residual = system.internal_force(q) - load_factor * system.external_force(q)
         if not np.isfinite(residual).all():
             return result(Status.NOT_FINITE, _where(system, residual))
-        matrix = system.tangent(q, stresses, factor=load_factor)
-        moved = system.constraints.fixed_part(target - q)
         try:
-            solver.factor(matrix)
+            tangent = factored(system, q, load_factor, solver, stresses)
+            moved = system.constraints.fixed_part(system.undeformed + load_factor * prescribed - q)
+            rhs = -(residual + tangent.multiply(moved)) if moved.any() else -residual
+            free = tangent.solve(rhs)
+            along = along_load(system, q, tangent) if constraint else None
         except SingularMatrix as singular:
             return result(Status.SINGULAR, str(singular))
-        rhs = -(residual + matrix @ moved) if moved.any() else -residual
-        free = solver.solve(rhs)
-        energies.append(work(free, rhs))
+        change, more = free + moved, 0.0
+        if constraint and along is not None:
+            more = constraint.correction(q + change, load_factor, along)
+            change = change + more * along if np.isfinite(more) else np.full_like(q, np.inf)
+        energies.append(work(change, tangent.multiply(change)) if constraint else work(free, rhs))
         if watch:
             watch(step, float(np.sqrt(energies[-1] / max(energies))) if energies[-1] else 0.0)
         if not np.isfinite(energies[-1]):
             energies.pop()
-            return result(Status.NOT_FINITE, _where(system, free))
-        change = free + moved
-        floor = ROUNDING**2 * float(np.abs(matrix.diagonal()) @ (q * q))
-        if energies[-1] <= rtol**2 * max(energies) + floor and (step > 0 or energies[-1] <= floor):
-            q = q + change
+            return result(Status.NOT_FINITE, _where(system, change))
+        last, floor = _is_last(tangent, energies, q, change, rtol, constraint)
+        if last:
+            q, load_factor = q + change, load_factor + more
             return result(Status.CONVERGED)
         if step > 3 and energies[-1] > 1e8 * energies[0] + floor:
             return result(Status.DIVERGED)
         stresses = system.stresses(q, change) if mixed else None
-        q = q + change
+        q, load_factor = q + change, load_factor + more
     return result(Status.STEPS_SPENT)
 
 
+def _is_last(
+    tangent: SkewSolver, energies: list[float], q: np.ndarray, change: np.ndarray, rtol: float,
+    constraint: Constraint | None,
+) -> tuple[bool, float]:  # fmt: skip
+    """Whether a correction is the last one, and the energy that is rounding of the coordinates."""
+    sizes = np.abs(tangent.matrix.diagonal())
+    floor = ROUNDING**2 * float(sizes @ (q * q))
+    energy, largest = energies[-1], max(energies)
+    if constraint is None:
+        return energy <= rtol**2 * largest + floor and (len(energies) > 1 or energy <= floor), floor
+    way = q + change - constraint.origin
+    largest = max(largest, work(way, tangent.multiply(way)))
+    near = float(sizes @ change**2) <= rtol * float(sizes @ way**2) + floor
+    return energy <= rtol**2 * largest + floor and near, floor
+
+
 def _where(system: System, values: np.ndarray) -> str:
-    node = int(np.argmax(np.nan_to_num(np.abs(values), nan=np.inf))) // 12
-    x, y, z = system.undeformed.reshape(-1, 12)[node, :3]
-    return f"first at the node that was at ({x:.4g}, {y:.4g}, {z:.4g})"
+    node = int(np.argmax(np.nan_to_num(np.abs(values), nan=np.inf))) // system.pattern.block
+    place = ", ".join(f"{x:.4g}" for x in system.pattern.coordinates[:, node])
+    return f"first at the node that was at ({place})"

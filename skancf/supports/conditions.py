@@ -47,7 +47,8 @@ def condition(kinds: dict[int, Any], direction: np.ndarray) -> np.ndarray:
 def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
     """For each mesh node of a place the directions, in the parameter plane, of its boundary edges there."""
     nodes, facets = geometry.points_and_facets(where)
-    node_of, out = geometry.ties.node_of, {int(n): [] for n in geometry.mesh.facets[:, facets].ravel()}
+    node_of = geometry.ties.node_of
+    out: dict[int, list[np.ndarray]] = {int(n): [] for n in geometry.mesh.facets[:, facets].ravel()}
     for facet, along in zip(facets, geometry.facet_directions(facets).T, strict=True):
         for node in geometry.mesh.facets[:, facet]:
             if all(abs(np.cross([*along, 0], [*known, 0])[2]) > 1e-8 for known in out[int(node)]):

@@ -1,6 +1,7 @@
 """Theory `full` on a mesh: forces, stresses, tangents, and strains at any point."""
 
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from skancf.assembly.full.sections import Sections, build_sections
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
 from skancf.materials import Section
-from skancf.theories.full import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, TERMS, D, covariant_to_local, jet_table
+from skancf.theories.full import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, TERMS, D, Full, covariant_to_local, jet_table
 
 
 class FullAssembly:
@@ -18,8 +19,9 @@ class FullAssembly:
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         self.geometry, self.section, self.schedule = geometry, section, schedule
+        self.theory = cast(Full, geometry.theory)
         self.sections = build_sections(geometry, section)
-        self._rule = _rule(geometry, self.sections)
+        self._rule = _rule(self.theory, self.sections)
         parts = self.sections
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
 
@@ -29,10 +31,10 @@ class FullAssembly:
         return out
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        theory, local = self.geometry.theory, self.geometry.local(q)
-        interpolation, _ = theory.sampling()  # type: ignore[attr-defined]
+        theory, local = self.theory, self.geometry.local(q)
+        interpolation, _ = theory.sampling()
         force = np.zeros_like(local)
-        inside, sampled = theory.quadrature[0], theory.samples  # type: ignore[attr-defined]
+        inside, sampled = theory.quadrature[0], theory.samples
         for points, first, last in ((inside, 0, N_IN_PLANE), (sampled, N_IN_PLANE, N_STRAINS)):
             jets, on_jets = theory.jets(local, points), np.zeros((5, 3, len(local), points.shape[1]))
             for k, a, b in TERMS[(TERMS[:, 0] >= first) & (TERMS[:, 0] < last)]:
@@ -71,7 +73,7 @@ class FullAssembly:
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         geometry, section, (points, weights) = self.geometry, self.section, self.geometry.theory.quadrature
         jets = geometry.theory.jets(geometry.undeformed_local, points)
-        z, thicknesses, layer = section.points(geometry.theory.n_thickness)  # type: ignore[attr-defined]
+        z, thicknesses, layer = section.points(self.theory.n_thickness)
         to_local, volume = covariant_to_local(jets, geometry.tangents(points), z)
         temperature = (middle + np.multiply.outer(z, gradient)) * volume * weights * thicknesses[:, None, None]
         free = np.einsum("zpq,zq->zp", section.stiffness[layer], section.expansion[layer])
@@ -92,8 +94,7 @@ class FullAssembly:
         return np.einsum("vken,ekn->env", to_local[0], change, optimize=True)
 
 
-def _rule(geometry: Geometry, sections: Sections) -> kernels.Rule:
-    theory = geometry.theory
+def _rule(theory: Full, sections: Sections) -> kernels.Rule:
     inside, sampled = jet_table(theory.quadrature[0]), jet_table(theory.samples)
     interpolation, rows = theory.sampling()
     position = np.ascontiguousarray(inside[[R1, R2], :12].swapaxes(0, 1))

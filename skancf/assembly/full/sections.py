@@ -1,13 +1,14 @@
 """Undeformed elements sorted into classes of equal shape, with what each class needs: strains, law, mass."""
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
 from skancf.assembly.classes import classes, rounding_of
 from skancf.assembly.geometry import Geometry
 from skancf.materials import Section
-from skancf.theories.full import N_IN_PLANE, R1, R2, TERMS, local_frame, section_stiffness
+from skancf.theories.full import N_IN_PLANE, R1, R2, TERMS, Full, local_frame, section_stiffness
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Sections:
 
 def build_sections(geometry: Geometry, section: Section) -> Sections:
     """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
-    theory = geometry.theory
+    theory = cast(Full, geometry.theory)
     points, weights = theory.quadrature
     representative, shape = classes(*_shape_key(geometry))
     local = geometry.undeformed_local[representative]
@@ -57,16 +58,16 @@ def build_sections(geometry: Geometry, section: Section) -> Sections:
         reference=np.ascontiguousarray(theory.strains(local, points)),
         pairs=np.stack([k, l], axis=1),
         law=np.ascontiguousarray(np.moveaxis(full[:, :, k, l], 1, 2)),
-        sampled=_sampled_law(geometry, full),
+        sampled=_sampled_law(theory, full),
         moments=np.moveaxis(moments * weights, 0, 1),
         areas=np.sqrt((np.cross(jets[0], jets[1], axis=0) ** 2).sum(axis=0)) * weights,
     )
 
 
-def _sampled_law(geometry: Geometry, full: np.ndarray) -> np.ndarray:
-    if not geometry.theory.assumed:
+def _sampled_law(theory: Full, full: np.ndarray) -> np.ndarray:
+    if not theory.assumed:
         return np.empty((0, 0, 0))  # the plain element's law stays with its points
-    interpolation, rows = geometry.theory.sampling()
+    interpolation, rows = theory.sampling()
     strains, samples = rows.T
     weights = interpolation[strains, samples]
     laws = full[:, :, N_IN_PLANE + strains[:, None], N_IN_PLANE + strains]

@@ -1,6 +1,7 @@
 """Theory `kirchhoff` on a mesh: forces, stresses, tangents, and strains at any point."""
 
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from skancf.assembly.thin import kernels
 from skancf.assembly.thin.sections import build_thin_sections
 from skancf.materials import Section
 from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
-from skancf.theories.kirchhoff import covariant_to_local, jet_table
+from skancf.theories.kirchhoff import Kirchhoff, covariant_to_local, jet_table
 
 
 class ThinAssembly:
@@ -19,7 +20,8 @@ class ThinAssembly:
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         self.geometry, self.section, self.schedule = geometry, section, schedule
         self.sections = build_thin_sections(geometry, section)
-        theory, points = geometry.theory, geometry.theory.quadrature[0]
+        theory = cast(Kirchhoff, geometry.theory)
+        points = theory.quadrature[0]
         table = jet_table(points)
         projection = theory.interpolation(points) if theory.assumed else np.stack([np.eye(points.shape[1])] * 3)
         self._rule = kernels.Rule(

@@ -1,0 +1,168 @@
+"""Which membrane strains a thin curved element should have: the tables of decision 0004 and of the theory page.
+
+    python docs/measure/membrane.py
+"""
+
+import csv
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import pi, radians
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+import skancf as sk
+from skancf.assembly.thin import sections
+from skancf.elements.quad_ancf import square_quadrature
+from skancf.theories import kirchhoff
+from skancf.theories.kirchhoff_point import gradient
+
+HERE = Path(__file__).resolve().parent.parent
+PLAIN = sk.Kirchhoff(assumed=False)
+CHOSEN = kirchhoff.KEPT
+
+VARIANTS = {
+    "as they are": (PLAIN, CHOSEN, None),
+    "P1 x P3, P3 x P1, P1 x P1; rest t2/h2": (sk.Kirchhoff(), CHOSEN, None),
+    "the same, rest 0.02": (sk.Kirchhoff(), CHOSEN, 0.02),
+    "the same, no rest": (sk.Kirchhoff(), CHOSEN, 0.0),
+    "P1 x P2, P2 x P1, P1 x P1; rest t2/h2": (sk.Kirchhoff(), ((2, 3), (3, 2), (2, 2)), None),
+    "P1 x P1 for all; rest t2/h2": (sk.Kirchhoff(), ((2, 2), (2, 2), (2, 2)), None),
+    "P2 x P3, P3 x P2, P2 x P2; rest t2/h2": (sk.Kirchhoff(), ((3, 4), (4, 3), (3, 3)), None),
+}
+
+
+@contextmanager
+def variant(kept: tuple, rest: float | None) -> Iterator[None]:
+    """The library with other polynomials in the assumed strains, or with a constant factor of their rest."""
+    before = kirchhoff.KEPT, sections.rest_factors
+    kirchhoff.KEPT = kept
+    if rest is not None:
+        sections.rest_factors = lambda jets, t: np.full((jets.shape[2], 3), np.sqrt(rest))
+    try:
+        yield
+    finally:
+        kirchhoff.KEPT, sections.rest_factors = before
+
+
+def zero_modes(theory: sk.Kirchhoff, surface: sk.surfaces.BoundedSurface, n: int) -> int:
+    """Eigenvalues of a free patch that are rounding, its matrix scaled to a unit diagonal."""
+    free = sk.Problem(surface, 0.05, sk.Isotropic(1.0, 0.3, 1.0))
+    system = free.on(sk.meshes.uniform(surface, n, n), theory)
+    K = system.tangent(system.undeformed).to_scipy().toarray()
+    scale = 1 / np.sqrt(K.diagonal())
+    return int((np.abs(np.linalg.eigvalsh(K * scale * scale[:, None])) < 1e-13).sum())
+
+
+def zero_modes_of_three_points() -> int:
+    """Of one flat element with 3 x 3 points and membrane strains as they are."""
+    points, weights = square_quadrature(3)
+    table = kirchhoff.jet_table(points)
+    flat = np.zeros((5, 3, points.shape[1]))
+    flat[0, 0] = flat[1, 1] = 1.0
+    B = np.einsum("kjip,jap->kpai", gradient(flat), table).reshape(6, len(weights), 48)
+    law = np.diag([1, 1, 0.4, 1e-3, 1e-3, 4e-4])
+    K = np.einsum("kpa,kl,lpb,p->ab", B, law, B, weights)
+    scale = 1 / np.sqrt(K.diagonal())
+    return int((np.abs(np.linalg.eigvalsh(K * scale * scale[:, None])) < 1e-13).sum())
+
+
+def hemisphere(theory: sk.Kirchhoff, n: int, thickness: float = 0.04) -> tuple[float, int]:
+    """Displacement under the outward force of the pinched hemisphere with a hole, and iterations.
+
+    The force is scaled with the cube of the thickness, so that thin hemispheres bend as much.
+    """
+    surface = sk.SphereSector(10.0, (radians(18), pi / 2), pi / 2)
+    force = 200.0 * (thickness / 0.04) ** 3
+    shell = sk.Problem(
+        surface, thickness, sk.Isotropic(6.825e7, 0.3, 1.0),
+        supports=[sk.Symmetry("start"), sk.Symmetry("end"), sk.Prescribed((pi / 2, 0.0), (None, None, 0.0))],
+        loads=[sk.PointForce((pi / 2, 0.0), (force, 0, 0)), sk.PointForce((pi / 2, pi / 2), (0, -force, 0))],
+    )  # fmt: skip
+    system = shell.on(sk.meshes.uniform(surface, n, n), theory)
+    result = sk.solve(system, control=sk.HalveAndGrow(first=0.25))
+    return float(result.unwrap().displacement((pi / 2, 0.0))[0]), result.iterations
+
+
+def ring(theory: sk.Kirchhoff, nr: int, na: int) -> float:
+    """Lift of the slit annulus (Sze, Liu and Lo 2004, 3.3) at the outer end of the pulled edge."""
+    surface = sk.AnnulusSector(6.0, 10.0, 2 * pi)
+    shell = sk.Problem(surface, 0.03, sk.Isotropic(21e6, 0.0, 1.0), supports=[sk.Clamp("end")],
+                       loads=[sk.EdgeLoad("start", (0, 0, 0.8))])  # fmt: skip
+    system = shell.on(sk.meshes.uniform(surface, nr, na), theory)
+    return float(sk.solve(system, control=sk.HalveAndGrow(first=0.25)).unwrap().displacement((10.0, 0.0))[2])
+
+
+def strip(theory: sk.Kirchhoff, n: int) -> float:
+    """End deflection of a cantilever under an end force (Sze, Liu and Lo 2004, 3.1)."""
+    surface = sk.Rectangle(10.0, 1.0)
+    plate = sk.Problem(surface, 0.1, sk.Isotropic(1.2e6, 0.0, 1.0), supports=[sk.Clamp("left")],
+                       loads=[sk.EdgeLoad("right", (0, 0, 4.0))])  # fmt: skip
+    return float(sk.solve(plate.on(sk.meshes.uniform(surface, n, 1), theory)).unwrap().displacement((10.0, 0.5))[2])
+
+
+def or_none(compute: object, *arguments: object) -> float:
+    try:
+        value = compute(*arguments)  # type: ignore[operator]
+    except sk.SkancfError:
+        return float("nan")
+    return value[0] if isinstance(value, tuple) else value
+
+
+def write(name: str, rows: list[dict[str, object]]) -> None:
+    with open(HERE / name, "w", newline="") as file:
+        table = csv.DictWriter(file, list(rows[0]))
+        table.writeheader()
+        table.writerows(rows)
+    print(f"-- {name}")
+    for row in rows:
+        print(" | ".join(f"{value}" for value in row.values()))
+
+
+def percent(value: float, reference: float) -> str:
+    return "fails" if np.isnan(value) else f"{100 * (value / reference - 1):+.2f}"
+
+
+def variants() -> None:
+    best = {"hemisphere": hemisphere(PLAIN, 64)[0], "thin": hemisphere(sk.Kirchhoff(), 64, 1e-3)[0],
+            "ring": ring(PLAIN, 12, 96), "strip": strip(PLAIN, 128)}  # fmt: skip
+    rows = []
+    for name, (theory, kept, rest) in VARIANTS.items():
+        with variant(kept, rest):
+            start = perf_counter()
+            row = {
+                "membrane strains": name,
+                "zero modes: flat": zero_modes(theory, sk.Rectangle(1.0, 1.0), 1),
+                "sphere": zero_modes(theory, sk.SphereSector(1.0, (0.5, 1.0), 0.5), 1),
+                "flat 3 x 3": zero_modes(theory, sk.Rectangle(1.0, 1.0), 3),
+                "hemisphere R/t = 250, 8 x 8 (%)": percent(or_none(hemisphere, theory, 8), best["hemisphere"]),
+                "R/t = 10000, 16 x 16 (%)": percent(or_none(hemisphere, theory, 16, 1e-3), best["thin"]),
+                "slit annulus 2 x 12 (%)": percent(or_none(ring, theory, 2, 12), best["ring"]),
+                "strip 8 x 1 (%)": percent(or_none(strip, theory, 8), best["strip"]),
+                "seconds": f"{perf_counter() - start:.1f}",
+            }
+        rows.append(row)
+        print(row, flush=True)
+    write("decisions/membrane_variants.csv", rows)
+    print("zero modes of one flat element with 3 x 3 points:", zero_modes_of_three_points())
+    print({name: f"{value:.5f}" for name, value in best.items()})
+
+
+def sweep() -> None:
+    """Error of the pinched hemisphere on fixed meshes against its slenderness."""
+    rows = []
+    for thickness in (0.4, 0.1, 0.04, 0.01, 0.004, 0.001):
+        exact = hemisphere(sk.Kirchhoff(), 64, thickness)[0]
+        row: dict[str, object] = {"R/t": round(10 / thickness), "u (64 x 64)": f"{exact:.4f}"}
+        for n in (8, 16, 32):
+            for label, theory in (("assumed", sk.Kirchhoff()), ("as they are", PLAIN)):
+                row[f"{n} x {n} {label} (%)"] = percent(or_none(hemisphere, theory, n, thickness), exact)
+        rows.append(row)
+        print(row, flush=True)
+    write("theory/locking_membrane.csv", rows)
+
+
+if __name__ == "__main__":
+    variants()
+    sweep()

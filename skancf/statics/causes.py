@@ -1,0 +1,99 @@
+"""Why an equilibrium was not reached, and the way out."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.constrain import free_rigid_motions
+from skancf.errors import InputError, SingularMatrix
+from skancf.linear import DirectSolver
+from skancf.solution import Solution
+from skancf.statics.newton import NewtonResult, Status, System, factored
+from skancf.statics.soft import Mode, softest_mode, turning_estimate
+
+# Stiffness against the load relative to that at the start (Bergan's current stiffness parameter) that counts as soft.
+SOFT = 0.3
+# A limit point that is predicted this much farther than the failed step reached, in units of that step, is the cause.
+NEAR = 10.0
+
+
+def require_support(system: System) -> None:
+    """InputError where a rigid motion is free; only nodes of four vectors tell what a rigid motion is."""
+    springs: Any = getattr(system, "foundation", None)
+    free = free_rigid_motions(system.undeformed, system.constraints, springs) if system.pattern.block == 12 else []
+    if free:
+        raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
+
+
+def cause(
+    system: System, solver: DirectSolver, path: Sequence[Solution], wanted: float, failed: NewtonResult
+) -> tuple[Status, str]:
+    """Status and message for load steps that ended: the equilibria so far, and the last solve that failed.
+
+    ``wanted`` is the load factor that the failed solve was to reach.
+    """
+    tail = ", ".join(f"{r:.1e}" for r in failed.residual_norms[-3:])
+    begin = (
+        f"statics stopped at load factor {path[-1].load_factor:.6g}: {failed.status.value} on the way to {wanted:.6g}"
+        f"{', ' + failed.message if failed.message else ''}; last residuals {tail or 'none'}. "
+    )
+    found = _folded(system, failed.q) or _mechanism(system, solver)
+    status, reason = found or _singular(system, solver, path, wanted, failed)
+    return status, f"{begin}{reason} The last equilibrium is kept."
+
+
+def _folded(system: System, q: np.ndarray) -> tuple[Status, str] | None:
+    hook: Any = getattr(system, "folded", None)
+    found = hook(q) if hook and np.isfinite(q).all() else None
+    if found is None:
+        return None
+    element, place = found
+    where = ", ".join(f"{x:.4g}" for x in np.ravel(place))
+    return Status.FOLDED, (
+        f"Element {element} at ({where}) folded in that solve: take a shorter step, or a finer mesh there."
+    )
+
+
+def _mechanism(system: System, solver: DirectSolver) -> tuple[Status, str] | None:
+    try:
+        factored(system, system.undeformed, 0.0, solver)
+    except SingularMatrix as singular:
+        return Status.MECHANISM, f"Even the undeformed structure is a mechanism: {singular}."
+    return None
+
+
+def _singular(
+    system: System, solver: DirectSolver, path: Sequence[Solution], wanted: float, failed: NewtonResult
+) -> tuple[Status, str]:
+    """A limit point or a bifurcation by the softest mode of the last equilibrium, or neither."""
+    last = path[-1]
+    first, now = (softest_mode(system, solver, state.q, state.load_factor) for state in (path[0], last))
+    limit = _limit_estimate(system, solver, path, now)
+    near = abs(limit - last.load_factor) <= NEAR * abs(wanted - last.load_factor)
+    if near and first.compliance < SOFT * abs(now.compliance) and now.share > 0.5:
+        return Status.LIMIT_POINT, (
+            f"The load has a limit point near {limit:.4g}, where the structure gives way: follow the path beyond it with "
+            "trace(system, ArcLength()). A mesh too coarse for its bending has limit points of its own: where none is "
+            "expected, take a finer mesh."
+        )
+    softened = abs(now.eigenvalue) < SOFT * abs(first.eigenvalue)
+    if failed.status is Status.SINGULAR and softened and len(path) > 1:
+        return Status.BIFURCATION, (
+            "The tangent gets singular in a motion on which the load does no work, so branches cross here: a small "
+            "disturbing load leads onto the branch that the structure takes, trace(system, ArcLength()) follows the path."
+        )
+    return Status.STEP_TOO_SMALL, (
+        "The structure is not near a limit point: allow smaller steps or more iterations, or take a finer mesh where it "
+        "bends most."
+    )
+
+
+def _limit_estimate(system: System, solver: DirectSolver, path: Sequence[Solution], now: Mode) -> float:
+    """Load factor of the limit point, by the stiffness against the load at the last two equilibria."""
+    if len(path) < 2 or not np.isfinite(now.compliance):
+        return np.inf
+    before = softest_mode(system, solver, path[-2].q, path[-2].load_factor)
+    return turning_estimate(
+        (path[-2].load_factor, path[-1].load_factor), (1.0 / before.compliance, 1.0 / now.compliance)
+    )

@@ -1,0 +1,225 @@
+"""The equilibrium path, with the load factor as an unknown: through limit points, snap-through and snap-back."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.errors import DidNotConverge, InputError, SingularMatrix, positive
+from skancf.linear import DirectSolver
+from skancf.progress import Progress
+from skancf.solution import Solution, require_same_mesh
+from skancf.statics.causes import NEAR, require_support
+from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
+from skancf.statics.events import Event, events_between
+from skancf.statics.newton import NewtonResult, Status
+from skancf.statics.points import Follower, Point
+from skancf.statics.soft import turning_estimate
+
+
+@dataclass(frozen=True)
+class PathResult:
+    """Outcome of :func:`trace`.
+
+    Attributes
+    ----------
+    solutions : tuple of Solution
+        Equilibria in the order of the path, each with its ``load_factor``.
+    negative_pivots : (n,) int array
+        Number of negative eigenvalues of each one's tangent, of its symmetric part where loads follow the surface: the
+        directions in which it is not stable.
+    events : tuple of Event
+        Limit points and bifurcation points, in the order of the path.
+    status : Status
+        Converged where the asked end was reached, or all steps were done and no end was asked.
+    attempts : tuple of NewtonResult
+        Every solve of a step, failed ones too, with its residual history.
+    message : str
+        Why it stopped.
+    """
+
+    solutions: tuple[Solution, ...]
+    negative_pivots: np.ndarray
+    events: tuple[Event, ...]
+    status: Status
+    attempts: tuple[NewtonResult, ...]
+    message: str = ""
+
+    @property
+    def load_factors(self) -> np.ndarray:
+        """(n,)"""
+        return np.array([solution.load_factor for solution in self.solutions])
+
+    @property
+    def solution(self) -> Solution:
+        """The last equilibrium."""
+        return self.solutions[-1]
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations of all attempts."""
+        return sum(len(result.residual_norms) for result in self.attempts)
+
+    def displacement(self, at: tuple[float, float]) -> np.ndarray:
+        """Displacement of a point of the parameter plane along the path, (n, 3)."""
+        return np.array([solution.displacement(at) for solution in self.solutions])
+
+    def unwrap(self) -> "PathResult":
+        """This path, or :class:`~skancf.DidNotConverge`."""
+        if self.status is not Status.CONVERGED:
+            raise DidNotConverge(self.message, self.attempts[-1].residual_norms if self.attempts else ())
+        return self
+
+
+def trace(
+    system: System,
+    control: ArcLength | DisplacementControl | None = None,
+    *,
+    until: float | DisplacementReached | None = None,
+    steps: int = 200,
+    start: Solution | None = None,
+    rtol: float = 1e-7,
+    max_iterations: int = 15,
+    mixed: bool = True,
+    backend: str = "auto",
+    progress: bool = False,
+) -> PathResult:
+    r"""Equilibrium path from the undeformed state or from ``start``.
+
+    Each step solves :math:`R(q, \lambda) = 0` together with one linear equation that the control gives, by two solves with
+    one factor. The first tangent of a step has the stresses of the last equilibrium, extrapolated along the path (Magisano,
+    Leonetti and Garcea, 2017), which lets thin structures take long steps.
+
+    Parameters
+    ----------
+    control
+        :class:`ArcLength` (default) or :class:`DisplacementControl`.
+    until : float or DisplacementReached, optional
+        The path ends where it reaches this load factor, or a displacement.
+    steps : int
+        Or after so many steps.
+    rtol, max_iterations, mixed, backend
+        As for :func:`solve`.
+
+    Returns
+    -------
+    PathResult
+        Also when it fails or is interrupted: then what was computed, and why it stopped.
+
+    Raises
+    ------
+    InputError
+        When a rigid motion is free, or nothing loads the structure.
+    """
+    positive("rtol", rtol)
+    positive("max_iterations", max_iterations)
+    positive("steps", steps)
+    if start is not None:
+        require_same_mesh(system, start)
+    require_support(system)
+    at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
+    control = control or ArcLength()
+    if not (system.external_force(at.q).any() or system.prescribed().any()):
+        raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
+    with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
+        follower = Follower(system, solver, rtol, int(max_iterations), mixed)
+        return _Run(system, control, follower, until).go(at, int(steps), bar)
+
+
+class _Run:
+    """State of one run; everything it keeps is usable whenever it stops."""
+
+    def __init__(
+        self, system: System, control: ArcLength | DisplacementControl, follower: Follower,
+        until: float | DisplacementReached | None,
+    ):  # fmt: skip
+        self.system, self.control, self.follower = system, control, follower
+        self.end = None if until is None else end_of_path(system, until, system.undeformed)
+        self.points: list[Point] = []
+        self.events: list[Event] = []
+
+    def go(self, start: Solution, steps: int, bar: Progress) -> PathResult:
+        try:
+            status, message = self._go(start, steps, bar)
+        except KeyboardInterrupt:
+            status, message = Status.INTERRUPTED, "interrupted from the keyboard"
+        except InputError:
+            raise
+        except Exception as error:  # whatever a load or the machine raises, what was computed is kept
+            if len(self.points) < 2:
+                raise
+            status, message = Status.FAILED, f"what was computed is kept: {error!r}"
+        points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
+        if status is not Status.CONVERGED:
+            reached = f"load factor {points[-1].load_factor:.6g} after {len(points) - 1} steps"
+            message = f"the path stopped at {reached}: {message}"
+        return PathResult(
+            tuple(Solution(self.system, point.q, load_factor=point.load_factor) for point in points),
+            np.array([point.pivots for point in points]), tuple(self.events), status, tuple(self.follower.attempts), message,
+        )  # fmt: skip
+
+    def _go(self, start: Solution, steps: int, bar: Progress) -> tuple[Status, str]:
+        follower, lengths = self.follower, self.control.steps
+        follower.measure = measure = self.control.on(self.system, start.q)
+        try:
+            point = follower.first_point(start.q, start.load_factor)
+        except SingularMatrix as singular:
+            return Status.MECHANISM, f"the state at the start has no stiffness against some motion: {singular}"
+        self.points.append(point)
+        first = self.control.first_length(measure, point.direction / (point.rate or 1.0), point.q)
+        step = 1.0
+        while len(self.points) <= steps:
+            length = min(step * first, measure.left(point.q))
+            result, following, sharp = follower.step(point, length, self.points[-2] if len(self.points) > 1 else None)
+            if following is None:
+                step = length / first / lengths.cut
+                if step < lengths.smallest:
+                    return self._stuck(result, sharp, length)
+                continue
+            end = self._crossing(point, following)
+            if end is not None:
+                following, length = end
+            self.events += events_between(follower, point, following, length)
+            self.points.append(following)
+            point = following
+            bar.at(len(self.points) - 1, f"load factor {point.load_factor:.4g}, {len(result.residual_norms)} iterations")
+            if end is not None or measure.left(point.q) <= 1e-9 * first:
+                return Status.CONVERGED, ""
+            step = lengths.after(length / first if np.isinf(measure.left(point.q)) else step, len(result.residual_norms))
+        if self.end is not None or np.isfinite(measure.left(point.q)):
+            return Status.NOT_REACHED, "these were all the steps; ask for more, or go on from there with start=solution"
+        return Status.CONVERGED, ""
+
+    def _crossing(self, a: Point, b: Point) -> tuple[Point, float] | None:
+        """The point between two where the path ends, and its distance from the first."""
+        if self.end is None:
+            return None
+        values = [float(self.end.row @ p.q) + self.end.factor * p.load_factor - self.end.value for p in (a, b)]
+        if values[0] == 0 or values[0] * values[1] > 0:
+            return None
+        return self.follower.at_condition(a, b, self.end, values[0] / (values[0] - values[1]))
+
+    def _stuck(self, result: NewtonResult, sharp: bool, length: float) -> tuple[Status, str]:
+        if isinstance(self.control, DisplacementControl) and (sharp or self._turning(length)):
+            return Status.TURNED_BACK, (
+                "the controlled displacement has its turning point here; follow the path by ArcLength()"
+            )
+        if not sharp:
+            tail = ", ".join(f"{r:.1e}" for r in result.residual_norms[-3:])
+            return Status.STEP_TOO_SMALL, (
+                f"the smallest step failed, {result.status.value}{', ' + result.message if result.message else ''}; last "
+                f"residuals {tail or 'none'}. Allow a smaller step (StepLength), or look for a mechanism or a folded element"
+            )
+        return Status.TURNED_BACK, (
+            "even the smallest step leaves the path in another direction than it came; start from a point before it with a "
+            "smaller first step, or add a small disturbing load where branches cross"
+        )
+
+    def _turning(self, length: float) -> bool:
+        """Does the controlled displacement turn back about a step ahead, by its rate along the path?"""
+        if len(self.points) < 2:
+            return False
+        before, last = self.points[-2:]
+        rates = 1.0 / self.follower.size(before.direction), 1.0 / self.follower.size(last.direction)
+        way = self.follower.distance(before, last)
+        return turning_estimate((0.0, way), rates) - way <= NEAR * length

@@ -1,0 +1,89 @@
+"""The softest motion of an equilibrium: what becomes singular at limit points and bifurcations."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from skancf.errors import SingularMatrix
+from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
+from skancf.statics.newton import System
+
+INVERSE_ITERATIONS = 12
+# The shift that makes a singular tangent regular, relative to the smallest ratio of stiffness to mass on the diagonal: far
+# above rounding, and no larger than the lowest eigenvalue on meshes of up to a hundred elements along a side.
+SHIFT = 1e-6
+
+
+class Mode(NamedTuple):
+    """The eigenvalue nearest to zero of a tangent against the mass, its mode, and the number of negative ones.
+
+    ``share`` is the part of the load's compliance F . K^-1 F that this mode has; it tells a limit point from a bifurcation.
+    """
+
+    eigenvalue: float
+    shape: np.ndarray
+    negative: int
+    compliance: float = np.inf
+    share: float = 1.0
+
+
+def softest_mode(
+    system: System, solver: DirectSolver, q: np.ndarray, load_factor: float, without_work: bool = False
+) -> Mode:
+    r"""Softest mode by inverse iteration.
+
+    ``without_work`` keeps to motions x with x . F = 0: their tangent is regular at a limit point. With K u = F they are the
+    K-projection :math:`x - (x \cdot F / u \cdot F)\,u`, and have one negative eigenvalue less where u . F < 0.
+    """
+    tangent = SkewSolver(system.tangent(q, factor=load_factor), None, solver)
+    factor_shifted(solver, tangent.matrix, system.mass)
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _inverse_iteration(system, solver, q, tangent, without_work)
+
+
+def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) -> float:
+    """Where a quantity turns back, of which two values and their rates of change along the path are known.
+
+    Near its extremum the square of the rate falls linearly with the value. Infinite where it does not fall.
+    """
+    if not rates[1]:
+        return values[1]
+    fall = (rates[0] / rates[1]) ** 2 - 1
+    return values[1] + (values[1] - values[0]) / fall if fall > 0 else np.inf
+
+
+def factor_shifted(solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatrix) -> float:
+    """Factor K, or K + s M where K is singular; the shift -s.
+
+    Raises
+    ------
+    SingularMatrix
+        Where some motion has no stiffness and no mass.
+    """
+    try:
+        solver.factor(stiffness)
+        return 0.0
+    except SingularMatrix:
+        k, m = np.abs(stiffness.diagonal()), mass.diagonal()
+        if not k.any():
+            raise
+        shift = SHIFT * float((k[k > 0] / m[k > 0]).min())
+        solver.factor(stiffness + shift * mass)
+        return -shift
+
+
+def _inverse_iteration(
+    system: System, solver: DirectSolver, q: np.ndarray, tangent: SkewSolver, without_work: bool
+) -> Mode:
+    load = system.external_force(q) - tangent.multiply(system.prescribed())
+    soft = solver.solve(load)
+    x = system.constraints.free_part(np.random.default_rng(0).standard_normal(q.size))
+    for _ in range(INVERSE_ITERATIONS):
+        x = solver.solve(system.mass @ x)
+        if without_work:
+            x = x - (x @ load) / (soft @ load) * soft
+        x /= np.sqrt(x @ (system.mass @ x))
+    eigenvalue, compliance = float(x @ (tangent.matrix @ x)), float(soft @ load)
+    share = float((x @ load) ** 2 / (eigenvalue * compliance)) if eigenvalue and compliance else 1.0
+    negative = solver.negative_pivots - (without_work and compliance < 0)
+    return Mode(eigenvalue, x, negative, compliance, share)

@@ -1,0 +1,119 @@
+r"""Is the thin theory enough? What it leaves out, measured by what it knows.
+
+A thin plate has no transverse shear strain, but its moments need transverse shear forces for equilibrium,
+:math:`Q^a = M^{ab}{}_{|b}`. The energy they would have in a plate that yields to them, over the strain energy, is the
+relative error of leaving shear out, known before any thick calculation.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.system import System
+from skancf.elements.nodal import nodal_jacobian
+from skancf.elements.quad_ancf import square_quadrature
+from skancf.errors import InputError, SingularMatrix
+from skancf.theories.kirchhoff import legendre, local_frame
+from skancf.theories.kirchhoff_point import dual
+
+
+def shear_forces(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+    r"""Transverse shear forces per length that balance the moments of a thin state: (n_elements, 2, n) (N/m).
+
+    .. math::
+        Q_1 = M_{11,1} + M_{12,2} + \omega_2 (M_{11} - M_{22}) - 2 \omega_1 M_{12}, \qquad
+        Q_2 = M_{12,1} + M_{22,2} + \omega_1 (M_{11} - M_{22}) + 2 \omega_2 M_{12}
+
+    in the local frame of the undeformed surface, which turns by :math:`\omega_a` per length along direction a. In each
+    element the moments are bilinear through the 2 x 2 Gauss points, where those of the bicubic element are most accurate;
+    the shear force is of second order in the middle of an element and of first order elsewhere.
+
+    Parameters
+    ----------
+    q : (n_dofs,) array
+    points : (2, n) array
+        Of the reference square.
+    """
+    geometry, theory = system.geometry, system.geometry.theory
+    if not theory.twist:
+        raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
+    places, weights = square_quadrature(2)
+    moments = system.assembly.section_forces(q.reshape(-1, 4, 3), places)[:, 3:]
+    fit = np.einsum("ekp,p,pf->ekf", moments, weights, legendre(places, (2, 2)))
+    values = legendre(points, (2, 2))
+    slopes = [legendre(points + d, (2, 2)) - values for d in (np.array([[1.0], [0.0]]), np.array([[0.0], [1.0]]))]
+    m11, m22, m12 = (fit @ values.T).swapaxes(0, 1)
+    by_parameter = np.stack([(fit @ slope.T).swapaxes(0, 1) for slope in slopes])  # bilinear: differences are exact
+    jets = theory.jets(geometry.undeformed_local, points)
+    e1, e2, _ = local_frame(jets, geometry.tangents(points), geometry.side)
+    along = np.einsum("fiep,giep->fgep", np.stack([e1, e2]), dual(jets))
+    d1, d2 = np.einsum("fgep,gkep->fkep", along, by_parameter)
+    w1, w2 = np.einsum("fgep,gep->fep", along, _frame_turn(geometry, points, e2))
+    turned = m11 - m22
+    return np.stack([d1[0] + d2[2] + w2 * turned - 2 * w1 * m12, d1[2] + d2[1] + w1 * turned + 2 * w2 * m12], axis=1)
+
+
+def _frame_turn(geometry: Geometry, points: np.ndarray, e2: np.ndarray) -> np.ndarray:
+    """e2 . e1,g for both directions of the reference square, (2, n_elements, n); e1 is along X_x."""
+    x, y = geometry.parameters(points)
+    first = geometry.surface.derivatives(x, y)[0]
+    xx, xy, _ = geometry.surface.second_derivatives(x, y)
+    jacobian = nodal_jacobian(geometry.mesh)[:, :, 0, :, None]
+    change = xx * jacobian[0][:, None] + xy * jacobian[1][:, None]
+    return np.asarray((change * e2).sum(axis=1) / np.sqrt((first * first).sum(axis=0)))
+
+
+def shear_energy(system: System, Q: np.ndarray, weights: np.ndarray, points: np.ndarray) -> float:
+    r"""Energy of shear forces (n_elements, 2, n) at points with weights (J).
+
+    .. math:: \int \tfrac12 Q \cdot (k G t)^{-1} Q \, dA
+    """
+    geometry = system.geometry
+    jets = geometry.theory.jets(geometry.undeformed_local, points)
+    areas = np.linalg.norm(np.cross(jets[0], jets[1], axis=0), axis=0) * weights
+    compliance = np.linalg.inv(system.problem.section.shear_stiffness())
+    return float(0.5 * np.einsum("eip,ij,ejp,ep->", Q, compliance, Q, areas))
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which theory was taken, and why.
+
+    Attributes
+    ----------
+    theory : str
+    share : float
+        Energy of the shear forces over the strain energy of the small-deflection thin answer; NaN where there is none.
+    reason : str
+    """
+
+    theory: str
+    share: float
+    reason: str
+
+
+def choose(system: System, tolerance: float) -> Choice:
+    """The cheapest theory whose modelling error is below a tolerance, from the small-deflection answer of the thin one.
+
+    Raises
+    ------
+    InputError
+        Where there is no such answer: a motion is free, or nothing strains the surface.
+    """
+    way_out = "name the theory, 'kirchhoff' or 'full'"
+    try:
+        change = system.linear_change()
+    except SingularMatrix as free:
+        raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
+    energy = 0.5 * float(change @ (system.tangent(system.undeformed) @ change))
+    if not energy > 0:
+        raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")
+    points, weights = square_quadrature(2)
+    inside = system.geometry.inside(points)
+    Q = system.linear_part(lambda q: shear_forces(system, q, inside), change)
+    share = shear_energy(system, Q, weights, points) / energy
+    name, than = ("kirchhoff", "no more than") if share <= tolerance else ("full", "more than")
+    reason = (f"theory '{name}': leaving transverse shear out changes the strain energy by {100 * share:.3g} %, "
+              f"{than} the {100 * tolerance:.3g} % asked")  # fmt: skip
+    return Choice(name, share, reason)

@@ -256,6 +256,24 @@ def test_a_sector_with_symmetry_is_the_disc(theory):
     assert not np.allclose(free, disc, rtol=0.1)
 
 
+@theories
+def test_a_disk_goes_across_the_seam_and_not_over_the_pole(theory):
+    force, radius = np.array([1.0, -2.0, 3.0]), 0.2
+    for at in ((0.6, 0.1), (0.6, 2 * pi - 0.1), (0.6, 2 * pi + 0.1)):
+        system = system_on(DISC, theory, loads=[sk.DiskForce(at, radius, tuple(force))])
+        nodal, q = (v.reshape(-1, 4, 3) for v in (system.external_force(system.undeformed), system.undeformed))
+        assert np.allclose(nodal[:, 0].sum(axis=0), force, atol=1e-12)
+        # The disk is one of the parameters, scaled at its centre: off by its angle squared, (0.2 / 0.6)^2 / 8.
+        centre = 0.6 * np.array([np.cos(at[1]), np.sin(at[1]), 0])
+        assert np.allclose(np.cross(q, nodal).sum(axis=(0, 1)), np.cross(centre, force), atol=0.03)
+    with pytest.raises(InputError, match=r"disk at \(0\.0, 0\.1\).*at a pole.*PointForce"):
+        system_on(DISC, theory, loads=[sk.DiskForce((0.0, 0.1), radius, tuple(force))])
+    with pytest.raises(InputError, match="reaches over the edge"):
+        system_on(DISC, theory, loads=[sk.DiskForce((0.1, 0.1), radius, tuple(force))])
+    with pytest.raises(InputError, match="outside the surface"):
+        sk.Solution(system, system.undeformed).position((1.1, 0.1))
+
+
 HALVES = {  # the whole or half of it, and a load
     "disc": (lambda turn: sk.AnnulusSector(0.0, 1.0, turn, 0.3, closed=turn > 4), 300.0),
     "cap": (lambda turn: sk.SphereSector(1.0, (0.0, 0.8), turn, 0.3, closed=turn > 4), 3000.0),

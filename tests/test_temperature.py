@@ -34,6 +34,19 @@ def test_a_free_plate_expands_without_stress(theory):
 
 
 @theories
+def test_a_free_ball_expands(theory):
+    """All of it, without stress but for bending by the change of its radius, (t / R)^2 / 12 of the expansion."""
+    ball = sk.SphereSector(1.0, (0.0, np.pi), 2 * np.pi, closed=True)
+    held = [((0.0, 0.0), (0.0, 0.0, None)), ((np.pi, 0.0), (0.0, 0.0, None)), ((np.pi / 2, 0.0), (None, 0.0, 0.0))]
+    system = system_on(theory, ball, [sk.Prescribed(at, u) for at, u in held], sk.Temperature(100.0), (6, 12),
+                       thickness=0.05)  # fmt: skip
+    at = np.stack(np.meshgrid([0.0, 0.5, 1.0, 3.0], [0.0, 1.0, 4.0]), axis=-1).reshape(-1, 2)
+    before, after = (np.linalg.norm(state.position(at), axis=1)
+                     for state in (sk.Solution(system, system.undeformed), sk.solve(system).unwrap()))  # fmt: skip
+    assert np.abs(after / before - np.sqrt(1 + 2 * ALPHA * 100)).max() < 5e-4 * ALPHA * 100
+
+
+@theories
 def test_a_free_plate_expands_by_another_law_in_each_direction(theory):
     """The frame of an orthotropic law turned by a right angle."""
     wood = sk.Orthotropic(young=(1e6, 5e5, 5e5), poisson=(0.2, 0.1, 0.3), shear=(2e5, 2e5, 2e5), density=500.0,

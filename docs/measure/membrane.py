@@ -24,10 +24,10 @@ CHOSEN = kirchhoff.KEPT
 
 VARIANTS = {
     "as they are": (PLAIN, CHOSEN, None),
-    "P1 x P3, P3 x P1, P1 x P1; rest t2/h2": (sk.Kirchhoff(), CHOSEN, None),
+    "P1 x P2, P2 x P1, P1 x P1; rest t2/h2": (sk.Kirchhoff(), CHOSEN, None),
     "the same, rest 0.02": (sk.Kirchhoff(), CHOSEN, 0.02),
     "the same, no rest": (sk.Kirchhoff(), CHOSEN, 0.0),
-    "P1 x P2, P2 x P1, P1 x P1; rest t2/h2": (sk.Kirchhoff(), ((2, 3), (3, 2), (2, 2)), None),
+    "P1 x P3, P3 x P1, P1 x P1; rest t2/h2": (sk.Kirchhoff(), ((2, 4), (4, 2), (2, 2)), None),
     "P1 x P1 for all; rest t2/h2": (sk.Kirchhoff(), ((2, 2), (2, 2), (2, 2)), None),
     "P2 x P3, P3 x P2, P2 x P2; rest t2/h2": (sk.Kirchhoff(), ((3, 4), (4, 3), (3, 3)), None),
 }

@@ -1,6 +1,6 @@
 """Why an equilibrium was not reached, and the way out."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,11 +27,13 @@ def require_support(system: System) -> None:
 
 
 def cause(
-    system: System, solver: DirectSolver, path: Sequence[Solution], wanted: float, failed: NewtonResult
-) -> tuple[Status, str]:
+    system: System, solver: DirectSolver, path: Sequence[Solution], wanted: float, failed: NewtonResult,
+    ahead: Callable[[], float | None],
+) -> tuple[Status, str]:  # fmt: skip
     """Status and message for load steps that ended: the equilibria so far, and the last solve that failed.
 
-    ``wanted`` is the load factor that the failed solve was to reach.
+    ``wanted`` is the load factor that the failed solve was to reach; ``ahead`` looks for a limit point of the load by
+    following the path a little.
     """
     tail = ", ".join(f"{r:.1e}" for r in failed.residual_norms[-3:])
     begin = (
@@ -40,6 +42,9 @@ def cause(
     )
     found = _folded(system, failed.q) or _mechanism(system, solver)
     status, reason = found or _singular(system, solver, path, wanted, failed)
+    lost = failed.status is Status.NOT_FINITE
+    if status is Status.STEP_TOO_SMALL and not lost and (limit := ahead()) is not None:
+        status, reason = Status.LIMIT_POINT, limit_point(limit)
     return status, f"{begin}{reason} The last equilibrium is kept."
 
 
@@ -72,11 +77,7 @@ def _singular(
     limit = _limit_estimate(system, solver, path, now)
     near = abs(limit - last.load_factor) <= NEAR * abs(wanted - last.load_factor)
     if near and first.compliance < SOFT * abs(now.compliance) and now.share > 0.5:
-        return Status.LIMIT_POINT, (
-            f"The load has a limit point near {limit:.4g}, where the structure gives way: follow the path beyond it with "
-            "trace(system, ArcLength()). A mesh too coarse for its bending has limit points of its own: where none is "
-            "expected, take a finer mesh."
-        )
+        return Status.LIMIT_POINT, limit_point(limit)
     softened = abs(now.eigenvalue) < SOFT * abs(first.eigenvalue)
     if failed.status is Status.SINGULAR and softened and len(path) > 1:
         return Status.BIFURCATION, (
@@ -86,6 +87,15 @@ def _singular(
     return Status.STEP_TOO_SMALL, (
         "The structure is not near a limit point: allow smaller steps or more iterations, or take a finer mesh where it "
         "bends most."
+    )
+
+
+def limit_point(load_factor: float) -> str:
+    """What a limit point means, and the way out."""
+    return (
+        f"The load has a limit point near {load_factor:.6g}, where the structure gives way: follow the path beyond it with "
+        "trace(system, ArcLength()). A mesh too coarse for its bending has limit points of its own: where none is "
+        "expected, take a finer mesh."
     )
 
 

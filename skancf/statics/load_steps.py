@@ -12,6 +12,7 @@ from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.causes import cause, require_support
 from skancf.statics.newton import NewtonResult, Status, newton
+from skancf.statics.path import limit_ahead
 
 UNSTABLE = (
     "the equilibrium is not stable: its tangent has {} negative eigenvalue(s), and the first one came between load factor "
@@ -28,8 +29,8 @@ class HalveAndGrow:
     first: float = 1.0
     smallest: float = 1e-4
     cut: float = 2.0
-    growth: float = 1.5
-    easy: int = 12
+    growth: float = 2.0
+    easy: int = 5
 
     def __post_init__(self) -> None:
         for name in ("first", "smallest", "cut", "growth", "easy"):
@@ -152,23 +153,23 @@ class _Run:
     def go(self, load_factor: float, control: HalveAndGrow, bar: Progress, **options: Any) -> StaticResult:
         at = self.path[0]
         begin, span = at.load_factor, load_factor - at.load_factor
-        step, done, previous = min(1.0, control.first), 0.0, None
+        step, done = min(1.0, control.first), 0.0
         while done < 1.0:
             aim = min(1.0, done + step)
             factor = begin + aim * span
-            guess = at.q if previous is None else at.q + (aim - done) / (done - previous[0]) * (at.q - previous[1])
-            result = newton(self.system, guess, self.solver, load_factor=factor, **options)
+            result = newton(self.system, at.q, self.solver, load_factor=factor, **options)
             self.attempts.append((factor, result))
             if result.converged:
-                previous, done = (done, at.q), aim
+                done = aim
                 at = Solution(self.system, result.q, load_factor=factor)
                 self.path.append(at)
-            elif previous is not None:
-                previous = None  # the extrapolated guess may be what failed
             step = control.next_step(step, result)
             bar.at(done, f"load factor {at.load_factor:.4g}, {len(result.residual_norms)} iterations")
             if step < control.smallest and done < 1.0:
-                return self.result(*cause(self.system, self.solver, self.path, factor, result))
+                def ahead(at: Solution = at) -> float | None:
+                    return limit_ahead(self.system, at, control.smallest * span)
+
+                return self.result(*cause(self.system, self.solver, self.path, factor, result, ahead))
         return self.result(Status.CONVERGED, self._unstable())
 
     def _unstable(self) -> str:

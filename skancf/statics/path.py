@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, InputError, SingularMatrix, positive
+from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
@@ -167,6 +167,8 @@ class _Run:
             return Status.MECHANISM, f"the state at the start has no stiffness against some motion: {singular}"
         self.points.append(point)
         first = self.control.first_length(measure, point.direction / (point.rate or 1.0), point.q)
+        if not (np.isfinite(first) and first):
+            return Status.NOT_FINITE, f"the load moves the structure by {first} at the start; look at its size"
         step = 1.0
         while len(self.points) <= steps:
             length = min(step * first, measure.left(point.q))
@@ -223,3 +225,16 @@ class _Run:
         rates = 1.0 / self.follower.size(before.direction), 1.0 / self.follower.size(last.direction)
         way = self.follower.distance(before, last)
         return turning_estimate((0.0, way), rates) - way <= NEAR * length
+
+
+def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -> float | None:
+    """Load factor of a limit point that a few steps along the path from a state find, or None.
+
+    ``first`` is the first step as a load factor, with its sign.
+    """
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = trace(system, ArcLength(first=first), start=start, steps=steps)
+    except SkancfError:
+        return None
+    return next((event.load_factor for event in found.events if event.kind == "limit point"), None)

@@ -6,7 +6,7 @@ The strain at the depth z is :math:`\varepsilon + z \kappa`, membrane strain and
 A curved thin element whose membrane strains are taken as they are locks: bending without stretching asks for membrane
 strains that cubics cannot make zero everywhere. The assumed membrane strain is the part that they can,
 
-.. math:: \hat\varepsilon_{11} \in P_1(\xi) \otimes P_3(\eta), \quad \hat\varepsilon_{22} \in P_3(\xi) \otimes P_1(\eta),
+.. math:: \hat\varepsilon_{11} \in P_1(\xi) \otimes P_2(\eta), \quad \hat\varepsilon_{22} \in P_2(\xi) \otimes P_1(\eta),
     \quad \hat\varepsilon_{12} \in P_1(\xi) \otimes P_1(\eta),
 
 the projection in the metric of the 4 x 4 Gauss points. The rest :math:`\varepsilon - \hat\varepsilon` counts with the
@@ -25,7 +25,7 @@ from skancf.elements.reference import hermite_functions
 from skancf.surfaces import Surface
 from skancf.theories.kirchhoff_point import dot, dual, strain, unit_normal
 
-KEPT = ((2, 4), (4, 2), (2, 2))
+KEPT = ((2, 3), (3, 2), (2, 2))
 """Legendre polynomials in xi and in eta that the assumed strains 11, 22, 12 are made of."""
 
 

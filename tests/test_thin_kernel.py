@@ -265,14 +265,14 @@ def eigenvalues(surface, n, thickness, rest=1.0):
 @pytest.mark.parametrize("n", [1, 2, 3])
 @pytest.mark.parametrize("name", SURFACES)
 def test_free_patches_have_six_zero_eigenvalues(name, n, thickness):
-    """The softest deformation goes with thickness squared: 8e-8 for one element of thickness 1e-3.
+    """The softest deformation goes with thickness squared: 4e-8 for one element of thickness 1e-3.
 
     Rounding of the membrane stress of a flat plate, 1e-16, against bending makes zeros of up to 1e-18 over thickness
     squared: four digits lie between the two at worst.
     """
     values = eigenvalues(SURFACES[name], n, thickness)
     assert values[5] < 1e-16 * (100 + 0.1 / thickness**2)
-    assert values[6] > 0.05 * thickness**2
+    assert values[6] > 0.03 * thickness**2
     assert values[6] > 1e4 * values[5]
 
 

@@ -20,7 +20,7 @@ CORNERS = [(0, 0), (1, 0), (1, 1), (0, 1)]
 CUBIC = [[Polynomial([1, 0, -3, 2]), Polynomial([0, 1, -2, 1])], [Polynomial([0, 0, 3, -2]), Polynomial([0, 0, -1, 1])]]
 DERIVATIVES = [(1, 0), (0, 1), (2, 0), (0, 2), (1, 1)]
 SYMMETRIC = [(0, 0), (1, 1), (0, 1)]
-DEGREES = [(1, 3), (3, 1), (1, 1)]
+DEGREES = [(1, 2), (2, 1), (1, 1)]
 """Degrees in xi and eta of the assumed strains 11, 22, 12."""
 
 

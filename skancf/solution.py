@@ -168,6 +168,14 @@ class Solution:
         return self.system.strain_energy(self.q)
 
     @property
+    def work(self) -> float:
+        """Work of the loads on the displacements (J): as large as they are now all the way; of a small-deflection answer half."""
+        system, change = self.system, self.q - self.system.undeformed
+        if self.linear:
+            return 0.5 * float(system.external_force(system.undeformed) @ change)
+        return self.load_factor * float(system.external_force(self.q, self.time) @ change)
+
+    @property
     def kinetic_energy(self) -> float:
         """Kinetic energy (J); zero in statics."""
         if self.velocity is None:

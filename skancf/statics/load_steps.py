@@ -11,6 +11,7 @@ from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.causes import cause, require_support
+from skancf.statics.depth import warn_if_thick
 from skancf.statics.newton import NewtonResult, Status, newton
 from skancf.statics.path import limit_ahead
 
@@ -133,7 +134,9 @@ def solve(
     with Progress("statics", 1.0, shown=progress) as bar, solver:
         run = _Run(system, solver, start or Solution(system, system.undeformed.copy(), load_factor=0.0))
         try:
-            return run.go(load_factor, control or HalveAndGrow(), bar, rtol=rtol, max_steps=max_iterations, mixed=mixed)
+            result = run.go(load_factor, control or HalveAndGrow(), bar, rtol=rtol, max_steps=max_iterations, mixed=mixed)
+            warn_if_thick(result.solution)
+            return result
         except KeyboardInterrupt:
             at = run.path[-1]
             return run.result(Status.INTERRUPTED, f"interrupted from the keyboard at load factor {at.load_factor:.6g}")
@@ -194,4 +197,4 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     change = system.linear_change(backend)
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
-    return Solution(system, system.undeformed + change, linear=True)
+    return warn_if_thick(Solution(system, system.undeformed + change, linear=True))

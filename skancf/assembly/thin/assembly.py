@@ -63,12 +63,27 @@ class ThinAssembly:
         return np.einsum("ap,bp,sp->sab", table, table, self.sections.moments[:, 0])
 
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        sections = self.sections
-        turn = sections.turn[sections.shape] * sections.areas[sections.shape][:, None, None]
         resultants = self.section.thermal_resultants(middle, gradient)
-        stress = np.einsum("eikp,iep->ekp", turn, resultants)
-        # Membrane stresses do work on the assumed strains.
-        stress[:, :3] = np.einsum("csp,ecp->ecs", self._rule.projection, stress[:, :3])
+        free = np.tensordot(np.linalg.inv(self.section.abd()), resultants, 1)
+        turn = np.moveaxis(self.sections.turn[self.sections.shape], 3, 1)
+        covariant = np.linalg.solve(turn, np.moveaxis(free, 0, 2)[..., None])[..., 0]
+        return self._held_back(np.moveaxis(covariant, 1, 2))
+
+    def _held_back(self, strains: np.ndarray) -> np.ndarray:
+        """Stresses (n_elements, 6, n_points) of covariant strains, assumed as those of a motion are.
+
+        So that a free expansion, whose strains no polynomial may hold, is free of stress.
+        """
+        sections, projection = self.sections, self._rule.projection
+        k, l = sections.pairs.T
+        law = np.zeros((len(sections.law), 6, 6, strains.shape[2]))
+        law[:, k, l] = law[:, l, k] = sections.law
+        law, rest = law[sections.shape], sections.rest[sections.shape]
+        hat = strains.copy()
+        hat[:, :3] = np.einsum("csp,ecs->ecp", projection, strains[:, :3])
+        stress = np.einsum("eklp,elp->ekp", law, hat)
+        extra = np.einsum("ek,eklp,el,elp->ekp", rest, law[:, :3, :3], rest, (strains - hat)[:, :3], optimize=True)
+        stress[:, :3] = extra + np.einsum("csp,ecp->ecs", projection, stress[:, :3] - extra)
         return np.ascontiguousarray(stress)
 
     def section_strains(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -169,7 +169,7 @@ class Solution:
 
     @property
     def work(self) -> float:
-        """Work of the loads on the displacements (J), as if they were as large all the way; half of it for a linear answer."""
+        """Work of the loads on the displacements (J), as if they were as large all the way; half of it when linear."""
         system, change = self.system, self.q - self.system.undeformed
         if self.linear:
             return 0.5 * float(system.external_force(system.undeformed) @ change)

@@ -5,6 +5,8 @@ from math import pi
 import numpy as np
 import pytest
 
+from reference import follower_strip
+
 import skancf as sk
 
 SOFT = sk.Isotropic(1e3, 0.3, 1.0)
@@ -142,3 +144,40 @@ def test_moment_rolls_a_strip_up(theory):
     tip = sk.solve(system).unwrap().position((1.0, 0.05))
     # Found 4e-5; the element of theory full is of order two: 2e-3.
     assert np.allclose(tip, [2 / pi, 0.05, 2 / pi], rtol=0, atol=1e-4 if theory == "kirchhoff" else 3e-3)
+
+
+# --- a cantilever that the pressure rolls up -------------------------------------------------------------------------
+
+
+def cantilever(load, n, t=0.003):
+    """E I per width is 1."""
+    strip = sk.Rectangle(1.0, 0.1)
+    problem = sk.Problem(strip, t, sk.Isotropic(12 / t**3, 0.0, 1.0), [sk.Clamp("left")], [load])
+    return problem.on(sk.meshes.uniform(strip, n, 1), "kirchhoff")
+
+
+@pytest.mark.parametrize("load", [2.0, 10.0, 30.0])
+def test_cantilever_under_follower_pressure_against_the_elastica(load):
+    """The strip also stretches, by force over E A = 12 (L/t)^2 E I / L^2: what is left on a fine mesh falls with t^2."""
+    x, y, angle = follower_strip.tip(load)
+
+    def error(pressure, t):
+        end = sk.solve(cantilever(pressure, 64, t)).unwrap()
+        u = end.displacement((1.0, 0.05))
+        return np.hypot(u[0] + 1 - x, u[2] - y), end
+
+    follows, end = error(sk.FollowerPressure(load), 0.003)
+    assert follows < 1e-4
+    assert error(sk.FollowerPressure(load), 0.01)[0] == pytest.approx((0.01 / 0.003) ** 2 * follows, rel=0.15)
+    assert end.rotation((1.0, 0.05)) == pytest.approx(np.arccos(np.cos(angle)), abs=1e-4)
+    dead, _ = error(sk.SurfaceLoad((0.0, 0.0, load)), 0.003)
+    assert dead > 50 * follows, "a pressure that does not follow bends it elsewhere"
+
+
+def test_the_skew_part_takes_part_in_the_solution():
+    """The last iterations are quadratic with it, linear without: the symmetric part alone needs more of them."""
+    system, alone = (cantilever(sk.FollowerPressure(30.0), 16, 0.01) for _ in range(2))
+    alone.skew = lambda *_: None
+    with_skew, without = (sk.solve(s, control=sk.HalveAndGrow(first=0.05, growth=1.0)) for s in (system, alone))
+    assert with_skew.unwrap() is not None
+    assert without.iterations > 1.3 * with_skew.iterations, (without.iterations, with_skew.iterations)

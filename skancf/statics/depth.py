@@ -14,7 +14,7 @@ class OutOfDepth(UserWarning):
 
 def warn_if_thick(solution: Solution) -> Solution:
     """The solution; with a warning where theory `kirchhoff` leaves out more than a twentieth of the strain energy."""
-    share = solution.shear_share
+    share = solution.shear_share if hasattr(solution.system, "geometry") else 0.0
     if share > THICK:
         warnings.warn(
             f"theory 'kirchhoff' leaves out transverse shear, which would change the strain energy by {100 * share:.2g} % "

@@ -183,7 +183,7 @@ class Solution:
         return 0.5 * float(self.velocity @ (self.system.mass @ self.velocity))
 
     def reactions(self, where: Any = None) -> np.ndarray:
-        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere.
+        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere, those of springs included.
 
         Raises
         ------
@@ -198,7 +198,10 @@ class Solution:
             residual = system.stiffness() @ (self.q - start) - system.external_force(start)
         else:
             residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
-        forces = system.constraints.fixed_part(residual).reshape(-1, 4, 3)[:, 0]
+        support = system.constraints.fixed_part(residual)
+        if system.foundation is not None:
+            support = support - system.foundation @ (self.q - system.undeformed)
+        forces = support.reshape(-1, 4, 3)[:, 0]
         return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
 
     def _depth(self, z: float) -> float:

@@ -4,7 +4,6 @@ from math import pi
 
 import numpy as np
 import pytest
-
 from reference import follower_strip
 
 import skancf as sk

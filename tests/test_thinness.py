@@ -92,7 +92,8 @@ def test_auto_takes_the_full_theory_where_the_mesh_is_askew():
     moved = mesh.p.copy()
     moved[:, np.argmin(np.abs(mesh.p - 0.5).sum(axis=0))] += 0.05
     askew = type(mesh)(moved, mesh.t)
-    problem = sk.Problem(sk.Plane(), 0.01, sk.Isotropic(1e6, 0.3, 1.0), [sk.Clamp("boundary")], [sk.SurfaceLoad((0, 0, 1.0))])
+    law, load = sk.Isotropic(1e6, 0.3, 1.0), sk.SurfaceLoad((0, 0, 1.0))
+    problem = sk.Problem(sk.Plane(), 0.01, law, [sk.Clamp("boundary")], [load])
     system = problem.on(askew, theory="auto")
     assert system.geometry.theory.name == "full" and "no aligned rectangles" in system.choice.reason
     with pytest.raises(InputError, match="first: element"):

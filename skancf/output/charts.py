@@ -200,7 +200,7 @@ def convergence_chart(
     axes.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel, title=title)
     _draw_slopes(axes, drawn, slopes)
     axes.grid(True, which="major", color="#d0d0d0", linewidth=0.7)
-    axes.legend(frameon=True)
+    figure.legend(loc="outside lower center", ncols=min(2, len(drawn)), frameon=False)
     return save(figure, path)
 
 

@@ -1,11 +1,13 @@
 """The pages keep their word: the tutorials run and print what they show."""
 
 import importlib.util
+import re
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
+import skancf
 from skancf import SkancfError, output
 from skancf.output.rendering import check_rendering
 
@@ -58,3 +60,11 @@ def test_every_tutorial_is_found_and_shows_a_picture():
 )
 def test_the_comparison_has_teeth(shown, printed, equal):
     assert tutorial.same(shown, printed) is equal
+
+
+def test_every_public_name_is_on_the_page_of_public_names():
+    page = (DOCS / "api" / "index.rst").read_text(encoding="utf-8")
+    listed = set(re.findall(r"^   (\w+)$", page, re.MULTILINE))
+    wanted = {name for name in skancf.__all__ if not isinstance(getattr(skancf, name), ModuleType)} - {"__version__"}
+    assert not wanted - listed
+    assert len(wanted) > 50

@@ -1,14 +1,19 @@
-"""Which membrane strains a thin curved element should have: the tables of decision 0004 and of the theory page.
+"""Which membrane strains a thin curved element should have: the tables of decision 0004 and of docs/theory/kirchhoff.rst.
 
-    python docs/measure/membrane.py
+From the folder of the repository, in some minutes:
+
+    .venv/bin/python docs/measure/membrane.py
+
+It writes docs/decisions/membrane_variants.csv and docs/theory/locking_membrane.csv; ``variants`` or ``sweep`` makes one of
+them.
 """
 
 import csv
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import pi, radians
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 
@@ -111,8 +116,8 @@ def or_none(compute: object, *arguments: object) -> float:
 
 
 def write(name: str, rows: list[dict[str, object]]) -> None:
-    with open(HERE / name, "w", newline="") as file:
-        table = csv.DictWriter(file, list(rows[0]))
+    with open(HERE / name, "w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         table.writeheader()
         table.writerows(rows)
     print(f"-- {name}")
@@ -130,7 +135,6 @@ def variants() -> None:
     rows = []
     for name, (theory, kept, rest) in VARIANTS.items():
         with variant(kept, rest):
-            start = perf_counter()
             row = {
                 "membrane strains": name,
                 "zero modes: flat": zero_modes(theory, sk.Rectangle(1.0, 1.0), 1),
@@ -140,7 +144,6 @@ def variants() -> None:
                 "R/t = 10000, 16 x 16 (%)": percent(or_none(hemisphere, theory, 16, 1e-3), best["thin"]),
                 "slit annulus 2 x 12 (%)": percent(or_none(ring, theory, 2, 12), best["ring"]),
                 "strip 8 x 1 (%)": percent(or_none(strip, theory, 8), best["strip"]),
-                "seconds": f"{perf_counter() - start:.1f}",
             }
         rows.append(row)
         print(row, flush=True)
@@ -164,5 +167,5 @@ def sweep() -> None:
 
 
 if __name__ == "__main__":
-    variants()
-    sweep()
+    for name in sys.argv[1:] or ("variants", "sweep"):
+        {"variants": variants, "sweep": sweep}[name]()

@@ -1,8 +1,12 @@
-"""The bilinear map of each quad at its own corners, which turns nodal slopes into local ones."""
+"""Elements with slopes at their nodes, and the bilinear map of each quad at its corners, which makes them local ones."""
+
+from collections.abc import Callable
+from typing import ClassVar
 
 import numpy as np
 import skfem
 
+from skancf.elements.reference import CORNERS
 from skancf.errors import InputError
 
 # Sides of an aligned rectangle are parallel to the axes up to the rounding of coordinates.
@@ -36,3 +40,34 @@ def require_aligned(mesh: skfem.MeshQuad) -> None:
             f"{corners}): the bicubic element needs sides along x and y; put the shape into the surface X(x, y), not into "
             "the mesh, or take theory 'full'"
         )
+
+
+class QuadWithSlopes(skfem.Element):
+    """A quad with a value, two slopes and a fourth vector at each node, whose functions live on the reference square."""
+
+    nodal_dofs = 4
+    doflocs = np.repeat(CORNERS, 4, axis=0)
+    refdom = skfem.refdom.RefQuad
+    functions: ClassVar[Callable[..., np.ndarray]]
+    """Local functions and their derivatives: (xi, eta, order) to (corner, kind, ...)."""
+
+    def derivatives_of(
+        self, mesh: skfem.MeshQuad, X: np.ndarray, i: int, tind: np.ndarray | None
+    ) -> tuple[Callable[[int, int], np.ndarray], np.ndarray]:
+        """The i-th function as (order in xi, order in eta) to values (n_elements, n), and the Jacobian at its corner.
+
+        A slope's function is made of the two local ones, r_xi = r_x x_xi + r_y y_xi; the fourth is taken as it is.
+        """
+        if not 0 <= i < 16:
+            self._index_error()
+        corner, kind = divmod(i, 4)
+        jacobian = nodal_jacobian(mesh, tind)[:, :, corner, :, None]
+        xi, eta = (row if row.ndim == 2 else row[None, :] for row in X[:2])
+
+        def function(m: int, n: int) -> np.ndarray:
+            local = self.functions(xi, eta, (m, n))[corner]
+            if kind in (1, 2):
+                return np.asarray(jacobian[kind - 1, 0] * local[1] + jacobian[kind - 1, 1] * local[2])
+            return np.asarray(local[kind] + 0 * jacobian[0, 0])
+
+        return function, jacobian

@@ -6,11 +6,11 @@ import numpy as np
 import skfem
 from skfem.element import DiscreteField
 
-from skancf.elements.nodal import nodal_jacobian
-from skancf.elements.reference import CORNERS, ancf_functions
+from skancf.elements.nodal import QuadWithSlopes
+from skancf.elements.reference import ancf_functions
 
 
-class ElementQuadANCF(skfem.Element):
+class ElementQuadANCF(QuadWithSlopes):
     r"""Fully parameterised ANCF plate: r, r_x, r_y and r_z at each node of a 2D ``MeshQuad``; 16 functions.
 
     Local points may have a third row, the distance z from the mid-surface (a length); values are then those of
@@ -24,27 +24,15 @@ class ElementQuadANCF(skfem.Element):
     >>> basis = skfem.Basis(mesh, skfem.ElementVector(ElementQuadANCF(), 3), **through_thickness(mesh, 0.05))
     """
 
-    nodal_dofs = 4
     maxdeg = 4
     dofnames = ("u", "u_x", "u_y", "u_z")
-    doflocs = np.repeat(CORNERS, 4, axis=0)
-    refdom = skfem.refdom.RefQuad
+    functions = staticmethod(ancf_functions)
 
     def gbasis(
         self, mapping: Any, X: np.ndarray, i: int, tind: np.ndarray | None = None
     ) -> tuple[DiscreteField]:
-        if not 0 <= i < 16:
-            self._index_error()
-        corner, kind = divmod(i, 4)
-        jacobian = nodal_jacobian(mapping.mesh, tind)[:, :, corner, :, None]
-        xi, eta = (row if row.ndim == 2 else row[None, :] for row in X[:2])
-
-        def function(m: int, n: int) -> np.ndarray:
-            local = ancf_functions(xi, eta, (m, n))[corner]
-            if kind in (1, 2):
-                return jacobian[kind - 1, 0] * local[1] + jacobian[kind - 1, 1] * local[2]
-            return local[kind] + 0 * jacobian[0, 0]
-
+        function, _ = self.derivatives_of(mapping.mesh, X, i, tind)
+        kind = i % 4
         inverse = mapping.invDF(X, tind=tind)
         value = function(0, 0)
         grad = np.einsum("ji...,j...->i...", inverse, np.stack([function(1, 0), function(0, 1)]))

@@ -254,7 +254,7 @@ def _draw(plotter: Any, frame: Frame, style: Look, limits: tuple[float, float]) 
         # Lines lie in the surface; this draws them before it, by units of 2^-24 of the depth of the picture.
         edges = plotter.add_mesh(_lines(frame.edges), color=DARK, line_width=_width(style), lighting=False)
         edges.mapper.SetResolveCoincidentTopologyToPolygonOffset()
-        edges.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -5000)
+        edges.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -500)
     if frame.title:
         plotter.add_text(frame.title, position=(0.04, 0.93), viewport=True, font_size=_font(style), color=DARK)
     plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", color=DARK, viewport=(0.84, 0, 1, 0.18))

@@ -5,6 +5,7 @@ from typing import cast
 
 import numpy as np
 
+from skancf.assembly.base import CompiledAssembly
 from skancf.assembly.full import kernels, tangent_kernel
 from skancf.assembly.full.residual_kernel import residual
 from skancf.assembly.full.sections import Sections, build_sections
@@ -14,21 +15,18 @@ from skancf.materials import Section
 from skancf.theories.full import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, TERMS, D, Full, covariant_to_local, jet_table
 
 
-class FullAssembly:
+class FullAssembly(CompiledAssembly):
     """See :class:`skancf.assembly.system.Assembly`."""
 
+    residual_kernel, stress_kernel, tangent_kernel = residual, kernels.stresses, tangent_kernel.tangent
+
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
-        self.geometry, self.section, self.schedule = geometry, section, schedule
+        super().__init__(geometry, section, schedule)
         self.theory = cast(Full, geometry.theory)
         self.sections = build_sections(geometry, section)
         self._rule = _rule(self.theory, self.sections)
         parts = self.sections
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
-
-    def internal_force(self, q: np.ndarray) -> np.ndarray:
-        out = np.zeros_like(self.geometry.undeformed)
-        self.schedule.run(residual, q, self._rule, self.geometry.maps, self._elements, out)
-        return out
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         theory, local = self.theory, self.geometry.local(q)
@@ -44,20 +42,6 @@ class FullAssembly:
                 on_jets[b] += factor * stress * jets[a]
             force += np.einsum("jap,jiep->eai", jet_table(points), on_jets, optimize=True)
         return self.geometry.nodal(force, np.arange(self.geometry.n_elements))
-
-    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
-        shape = (self.geometry.n_elements, *self.sections.reference.shape[1:])
-        strains, out = np.empty(shape if keep_strains else (0, 0, 0)), np.empty(shape)
-        change = np.empty((0, 4, 3)) if change is None else change
-        self.schedule.run(
-            kernels.stresses, q, change, self._rule, self.geometry.maps, self._elements, strains, out
-        )
-        return strains, out
-
-    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
-        self.schedule.run(
-            tangent_kernel.tangent, q, stresses, self._rule, self.geometry.maps, self._elements, slots, out
-        )
 
     @cached_property
     def mass_shapes(self) -> np.ndarray:

@@ -5,6 +5,7 @@ from typing import cast
 
 import numpy as np
 
+from skancf.assembly.base import CompiledAssembly
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.thin import kernels
@@ -16,11 +17,13 @@ from skancf.theories.kirchhoff import Kirchhoff, covariant_to_local, jet_table
 PLAIN = Kirchhoff(assumed=False)
 
 
-class ThinAssembly:
+class ThinAssembly(CompiledAssembly):
     """See :class:`skancf.assembly.system.Assembly`."""
 
+    residual_kernel, stress_kernel, tangent_kernel = kernels.residual, kernels.stresses, kernels.tangent
+
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
-        self.geometry, self.section, self.schedule = geometry, section, schedule
+        super().__init__(geometry, section, schedule)
         self.sections = build_thin_sections(geometry, section)
         theory = cast(Kirchhoff, geometry.theory)
         points = theory.quadrature[0]
@@ -35,29 +38,10 @@ class ThinAssembly:
         parts = self.sections
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.assumed, parts.rest)
 
-    def internal_force(self, q: np.ndarray) -> np.ndarray:
-        out = np.zeros_like(self.geometry.undeformed)
-        self.schedule.run(kernels.residual, q, self._rule, self.geometry.maps, self._elements, out)
-        return out
-
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
         self.schedule.run(kernels.force_of, q, stresses, self._rule, self.geometry.maps, out)
         return out
-
-    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
-        shape = (self.geometry.n_elements, *self.sections.reference.shape[1:])
-        strains, out = np.empty(shape if keep_strains else (0, 0, 0)), np.empty(shape)
-        change = np.empty((0, 4, 3)) if change is None else change
-        self.schedule.run(
-            kernels.stresses, q, change, self._rule, self.geometry.maps, self._elements, strains, out
-        )
-        return strains, out
-
-    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
-        self.schedule.run(
-            kernels.tangent, q, stresses, self._rule, self.geometry.maps, self._elements, slots, out
-        )
 
     @cached_property
     def mass_shapes(self) -> np.ndarray:

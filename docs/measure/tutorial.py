@@ -1,10 +1,11 @@
-"""Run the code of docs/getting_started.rst, compare what it prints with what the page shows, and renew its pictures.
+"""Run the code of the tutorial pages, compare what it prints with what they show, and renew their pictures.
 
-From the folder of the repository, in half a minute:
+From the folder of the repository, in a minute:
 
     .venv/bin/python docs/measure/tutorial.py
 
-The pictures go to docs/pictures. tests/test_docs.py runs the same code without touching them.
+Names of pages run these only, for example ``laminates``. The pictures go to docs/pictures. tests/test_docs.py runs the same
+code without touching them.
 """
 
 import contextlib
@@ -18,8 +19,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 DOCS = Path(__file__).resolve().parent.parent
-PAGE = DOCS / "getting_started.rst"
-PICTURES = ("plate.png", "stress.png", "mesh.png")
+PAGES = {page.stem: page for page in [DOCS / "getting_started.rst", *sorted((DOCS / "tutorials").glob("*.rst"))]}
+PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/(\w+\.png)")
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
 NUMBER = re.compile(r"-?\d+\.\d+|-?\d+")
 
@@ -32,7 +33,12 @@ class Example(NamedTuple):
     line: int
 
 
-def examples(page: Path = PAGE) -> list[Example]:
+def pictures(page: Path) -> list[str]:
+    """Files that the code of a page makes and the page shows."""
+    return PICTURE.findall(page.read_text(encoding="utf-8"))
+
+
+def examples(page: Path) -> list[Example]:
     """The Python blocks of a page; a block of plain text is what the one before it prints."""
     text, found = page.read_text(encoding="utf-8"), []
     for match in BLOCK.finditer(text):
@@ -51,7 +57,7 @@ def run(found: list[Example]) -> list[str]:
     for example in found:
         out = io.StringIO()
         with contextlib.redirect_stdout(out):
-            exec(compile("\n" * (example.line - 1) + example.code, str(PAGE), "exec"), names)
+            exec(compile("\n" * (example.line - 1) + example.code, "<tutorial>", "exec"), names)
         printed.append(out.getvalue())
     return printed
 
@@ -66,10 +72,11 @@ def same(shown: str, printed: str) -> bool:
     )
 
 
-def main() -> None:
+def renew(page: Path) -> bool:
+    """Run a page, store its pictures, and report; whether it prints what it shows."""
     from PIL import Image
 
-    found = examples()
+    found = examples(page)
     start = os.getcwd()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -77,15 +84,21 @@ def main() -> None:
             printed = run(found)
         finally:
             os.chdir(start)
-        for name in PICTURES:
+        for name in pictures(page):
             with Image.open(Path(folder) / name) as picture:
                 flat = picture.convert("RGB")
                 flat.thumbnail((900, 900))
+                flat = flat.quantize(256, dither=Image.Dither.NONE)  # a third of the bytes
                 flat.save(DOCS / "pictures" / name, optimize=True)
     wrong = [(e, p) for e, p in zip(found, printed, strict=True) if not same(e.shown, p)]
     for example, given in wrong:
-        print(f"line {example.line} shows\n{example.shown}but prints\n{given}")
-    sys.exit(bool(wrong))
+        print(f"{page.name}, line {example.line} shows\n{example.shown}but prints\n{given}")
+    return not wrong
+
+
+def main() -> None:
+    results = [renew(PAGES[name]) for name in sys.argv[1:] or PAGES]
+    sys.exit(not all(results))
 
 
 if __name__ == "__main__":

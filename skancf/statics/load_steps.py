@@ -180,7 +180,7 @@ class _Run:
     def go(self, load_factor: float, control: HalveAndGrow, bar: Progress, **options: Any) -> StaticResult:
         at = self.path[0]
         begin, span = at.load_factor, load_factor - at.load_factor
-        step, done = min(1.0, control.first), 0.0
+        step, done, failed = min(1.0, control.first), 0.0, False
         while done < 1.0:
             aim = min(1.0, done + step)
             factor = begin + aim * span
@@ -190,7 +190,10 @@ class _Run:
                 done = aim
                 at = Solution(self.system, result.q, load_factor=factor)
                 self.path.append(at)
-            step = control.next_step(step, result)
+            following = control.next_step(step, result)
+            # A step that is as long as one that has just failed would fail as well.
+            step = min(step, following) if failed else following
+            failed = not result.converged
             bar.at(done, f"load factor {at.load_factor:.4g}, {len(result.residual_norms)} iterations")
             if step < control.smallest and done < 1.0:
                 def ahead(at: Solution = at) -> float | None:

@@ -348,3 +348,14 @@ def test_an_apex_is_refused(theory):
                             closed=(False, True))  # fmt: skip
     with pytest.raises(InputError, match=r"shrinks to the point \(0, 0, 0\), where it has no tangent plane.*small hole"):
         system_on(apex, theory)
+
+
+@theories
+@pytest.mark.parametrize("n", [1, 3, 4, 7, 40])
+def test_a_surface_that_folds_is_refused(theory, n):
+    """The strip turns back inside an element, where neither its nodes nor its integration points see it."""
+    turning = sk.MappedSurface(lambda x, y: ((x - 0.07) ** 2, y + 0 * x, 0 * x), ((-1.0, 1.0), (0.0, 1.0)))
+    with pytest.raises(InputError, match=r"folds at element \d+, near .*end the surface at the fold"):
+        sk.Problem(turning, 0.01, sk.Isotropic(1.0, 0.3, 1.0)).on(sk.meshes.uniform(turning, n, 2), theory)
+    bent = sk.MappedSurface(lambda x, y: (np.sin(x), y + 0 * x, np.cos(x)), ((-1.5, 1.5), (0.0, 1.0)))
+    sk.Problem(bent, 0.01, sk.Isotropic(1.0, 0.3, 1.0)).on(sk.meshes.uniform(bent, 2, 1), theory)

@@ -17,6 +17,9 @@ from skancf.meshes import check_mesh
 from skancf.surfaces import Surface, check_regular, closed_directions, normal
 from skancf.theories import Theory
 
+TURNED_OVER = -0.6
+"""A cosine of the angle between normals half an element or one element apart that no usable mesh has."""
+
 
 class Geometry:
     """Everything about a mesh on a surface that does not depend on material, supports or loads.
@@ -50,6 +53,23 @@ class Geometry:
         self.maps = local_maps(mesh, jacobian, theory, self.ties.mix, self.nodes)
         self.undeformed = self._undeformed()
         check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
+        self._check_fold()
+
+    def _check_fold(self) -> None:
+        """InputError where the surface turns over between two elements, or within one."""
+        centre, inside = np.array([[0.5], [0.5]]), np.array([[0.1, 0.9, 0.5, 0.5, 0.5], [0.5, 0.5, 0.1, 0.9, 0.5]])
+        n = normal(self.surface, *self.parameters(inside))
+        within = np.einsum("iep,ie->ep", n[:, :, :4], n[:, :, 4]).min(axis=1)
+        first, second = self.mesh.f2t[:, self.mesh.f2t[1] >= 0]
+        across = (n[:, first, 4] * n[:, second, 4]).sum(axis=0)
+        for elements, cosine in ((np.arange(self.n_elements), within), (first, across)):
+            if (cosine < TURNED_OVER).any():
+                element = int(elements[np.argmin(cosine)])
+                place = self.surface.position(*self.parameters(centre, np.array([element]))[:, 0])[:, 0]
+                raise InputError(
+                    f"the surface folds at element {element}, near ({', '.join(f'{v:.4g}' for v in place)}): its normal "
+                    "turns over there; end the surface at the fold, or take smaller elements where it bends that much"
+                )
 
     def _undeformed(self) -> np.ndarray:
         x, y = self.points

@@ -124,7 +124,7 @@ def draw_stages(axes: plt.Axes, states: tuple[sk.Solution, ...]) -> None:
     for state, colour in zip(states, colours, strict=True):
         (x, y, z), angle = state.position(END), 2 * np.pi * state.load_factor
         ahead = 0.5 * np.array([np.cos(angle), np.sin(angle)]) if state.load_factor < 1 else (0.0, -0.6)
-        aside = 0.6 if 0.7 < state.load_factor < 1 else 0.0
+        aside = 0.9 if 0.7 < state.load_factor < 1 else 0.0
         axes.text(x + ahead[0] - aside, y, z + ahead[1], f"{state.load_factor:g}", color=0.8 * colour[:3], ha="center",
                   va="center")  # fmt: skip
     axes.set(xlim=(-3, 12), ylim=(0, 1), zlim=(0, 9))

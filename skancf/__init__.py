@@ -25,6 +25,7 @@ from skancf.statics import (
     DisplacementReached,
     HalveAndGrow,
     Modes,
+    OutOfDepth,
     PathResult,
     StaticResult,
     StepLength,
@@ -34,7 +35,7 @@ from skancf.statics import (
     solve_linear,
     trace,
 )
-from skancf.supports import Clamp, Foundation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry
+from skancf.supports import Clamp, Foundation, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry
 from skancf.surfaces import (
     AnnulusSector,
     Cone,
@@ -83,7 +84,9 @@ __all__ = [
     "MappedSurface",
     "Modes",
     "Motion",
+    "NoRotation",
     "Orthotropic",
+    "OutOfDepth",
     "Parallelogram",
     "PathResult",
     "Pin",

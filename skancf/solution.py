@@ -164,8 +164,16 @@ class Solution:
         """Strain energy (J)."""
         if self.linear:
             change = self.q - self.system.undeformed
-            return 0.5 * float(change @ (self.system.tangent(self.system.undeformed) @ change))
+            return 0.5 * float(change @ (self.system.stiffness() @ change))
         return self.system.strain_energy(self.q)
+
+    @property
+    def work(self) -> float:
+        """Work of the loads on the displacements (J), as if they were as large all the way; half of it when linear."""
+        system, change = self.system, self.q - self.system.undeformed
+        if self.linear:
+            return 0.5 * float(system.external_force(system.undeformed) @ change)
+        return self.load_factor * float(system.external_force(self.q, self.time) @ change)
 
     @property
     def kinetic_energy(self) -> float:
@@ -175,7 +183,7 @@ class Solution:
         return 0.5 * float(self.velocity @ (self.system.mass @ self.velocity))
 
     def reactions(self, where: Any = None) -> np.ndarray:
-        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere.
+        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere, those of springs included.
 
         Raises
         ------
@@ -187,10 +195,13 @@ class Solution:
         system = self.system
         if self.linear:
             start = system.undeformed
-            residual = system.tangent(start) @ (self.q - start) - system.external_force(start)
+            residual = system.stiffness() @ (self.q - start) - system.external_force(start)
         else:
             residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
-        forces = system.constraints.fixed_part(residual).reshape(-1, 4, 3)[:, 0]
+        support = system.constraints.fixed_part(residual)
+        if system.foundation is not None:
+            support = support - system.foundation @ (self.q - system.undeformed)
+        forces = support.reshape(-1, 4, 3)[:, 0]
         return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
 
     def _depth(self, z: float) -> float:

@@ -106,7 +106,7 @@ def choose(system: System, tolerance: float) -> Choice:
         change = system.linear_change()
     except SingularMatrix as free:
         raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
-    energy = 0.5 * float(change @ (system.tangent(system.undeformed) @ change))
+    energy = 0.5 * float(change @ (system.stiffness() @ change))
     if not energy > 0:
         raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")
     points, weights = square_quadrature(2)

@@ -338,7 +338,7 @@ def test_patch_of_constant_strain_is_in_equilibrium(assumed, rng):
 
 def test_equal_elements_share_their_sections():
     def classes(surface, mesh):
-        return len(np.unique(system_on(mesh, surface=surface).sections.shape))
+        return len(np.unique(system_on(mesh, surface=surface).assembly.sections.shape))
 
     square = sk.Rectangle(1, 1)
     assert classes(square, sk.meshes.uniform(square, 5, 4)) == 1
@@ -349,8 +349,8 @@ def test_equal_elements_share_their_sections():
 def test_threads_do_not_change_a_bit(monkeypatch, rng):
     surface = sk.Rectangle(1, 1)
     system = system_on(sk.meshes.uniform(surface, 18, 16), any_law(), surface=surface)
-    assert sum(len(phase) for phase in system._schedule.phases) > 1, "one chunk: nothing would run at the same time"
-    assert max(len(phase) for phase in system._schedule.phases) > 1
+    assert sum(len(phase) for phase in system.assembly.schedule.phases) > 1, "one chunk: nothing would run at the same time"
+    assert max(len(phase) for phase in system.assembly.schedule.phases) > 1
     q = disturbed(system, rng, 0.01)
     results = []
     for threads in ("1", "2"):

@@ -155,7 +155,10 @@ def test_vtk_reads_the_same(rested, tmp_path):
     samples = output.sample(state)
     np.testing.assert_array_equal(mesh.points, samples.points)
     assert set(mesh.celltypes) == {pyvista.CellType.QUAD}
-    assert set(mesh.point_data) == {"displacement", "velocity", "stress_there", "strain_there", "mises_there"}
+    names = {"displacement", "velocity", "stress_there", "strain_there", "mises_there", "membrane_force", "moment"}
+    assert set(mesh.point_data) == names
+    forces = state.section_forces(sk.output.sampling.grid(4).points).swapaxes(1, 2).reshape(-1, 6)
+    np.testing.assert_array_equal(mesh.point_data["moment"], forces[:, 3:])
     # VTK calls the fourth component of six XY.
     shear = output.sample(state, z=0.02).stress[:, sk.solution.STRESSES.index("S12")]
     np.testing.assert_array_equal(mesh.point_data["stress_there"][:, 3], shear)

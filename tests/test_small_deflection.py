@@ -201,7 +201,7 @@ def test_answers_do_not_depend_on_the_unit_of_length(unit):
         plate = sk.Problem(surface, 0.01 * a, sk.Isotropic(1.0, 0.3, 1.0), [sk.Clamp("boundary")],
                            [sk.SurfaceLoad((0, 0, 1e-8))])  # fmt: skip
         system = plate.on(sk.meshes.graded(surface, [region], shape=(8, 8)))
-        return sk.solve_linear(system).displacement((0.5 * a, 0.5 * a))[2] / a, system.sections.shape
+        return sk.solve_linear(system).displacement((0.5 * a, 0.5 * a))[2] / a, system.assembly.sections.shape
 
     (w, classes), (w_unit, classes_unit) = answer(1.0), answer(unit)
     # Rounding, amplified by the condition of a plate of a / h = 100.

@@ -1,9 +1,14 @@
 """Which membrane strains a thin curved element should have: the tables of decision 0004 and of the theory page.
 
-    python docs/measure/membrane.py
+From the folder of the repository, in some three minutes on two cores:
+
+    .venv/bin/python docs/measure/membrane.py
+
+It writes docs/decisions/membrane_variants.csv, docs/theory/locking_membrane.csv and docs/pictures/locking_membrane.png.
 """
 
 import csv
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import pi, radians
@@ -13,6 +18,7 @@ from time import perf_counter
 import numpy as np
 
 import skancf as sk
+from skancf import output
 from skancf.assembly.thin import sections
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.theories import kirchhoff
@@ -149,20 +155,41 @@ def variants() -> None:
     print({name: f"{value:.5f}" for name, value in best.items()})
 
 
+def flat(slenderness: float, n: int) -> float:
+    """Deflection times D / (q a^4) of a clamped square plate."""
+    h, surface = 1 / slenderness, sk.Rectangle(1.0, 1.0)
+    plate = sk.Problem(surface, h, sk.Isotropic(12 * (1 - 0.3**2) / h**3, 0.3, 1.0), supports=[sk.Clamp("boundary")],
+                       loads=[sk.SurfaceLoad((0, 0, 1e-9))])  # fmt: skip
+    return float(sk.solve_linear(plate.on(sk.meshes.uniform(surface, n, n), "kirchhoff")).displacement((0.5, 0.5))[2] / 1e-9)
+
+
 def sweep() -> None:
-    """Error of the pinched hemisphere on fixed meshes against its slenderness."""
-    rows = []
+    """Errors on fixed meshes against slenderness: the pinched hemisphere, and a flat clamped plate."""
+    rows, series = [], {}
     for thickness in (0.4, 0.1, 0.04, 0.01, 0.004, 0.001):
         exact = hemisphere(sk.Kirchhoff(), 64, thickness)[0]
         row: dict[str, object] = {"R/t": round(10 / thickness), "u (64 x 64)": f"{exact:.4f}"}
         for n in (8, 16, 32):
             for label, theory in (("assumed", sk.Kirchhoff()), ("as they are", PLAIN)):
-                row[f"{n} x {n} {label} (%)"] = percent(or_none(hemisphere, theory, n, thickness), exact)
+                value = or_none(hemisphere, theory, n, thickness)
+                row[f"{n} x {n} {label} (%)"] = percent(value, exact)
+                if n == 16:
+                    series.setdefault(f"hemisphere, 16 x 16, membrane strains {label}", []).append(abs(value / exact - 1))
         rows.append(row)
         print(row, flush=True)
     write("theory/locking_membrane.csv", rows)
+    slenderness = [10.0**k for k in range(1, 6)]
+    plate = [abs(flat(a, 8) / 0.001265319 - 1) for a in slenderness]
+    print("flat clamped plate, 8 x 8:", [f"{error:.3e}" for error in plate])
+    curves = {name: ([float(row["R/t"]) for row in rows], errors) for name, errors in series.items()}
+    curves["flat clamped plate, 8 x 8"] = (slenderness, plate)
+    output.convergence_chart(
+        curves, HERE / "pictures" / "locking_membrane.png", xlabel="slenderness R/t, or a/h of the flat plate",
+        ylabel="relative error of the deflection", title="The same meshes, thinner and thinner",
+    )  # fmt: skip
 
 
 if __name__ == "__main__":
+    warnings.simplefilter("ignore", sk.OutOfDepth)
     variants()
     sweep()

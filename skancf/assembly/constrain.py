@@ -43,8 +43,8 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
         if not any(history is known for known in histories):
             histories.append(history)
         number = next(k for k, known in enumerate(histories) if known is history)
-        for mesh_node, a, value in support.rows(geometry):
-            on_node = (geometry.ties.mix[mesh_node].T @ a.reshape(4, 3)).ravel()
+        for mesh_node, a, value, own in support.rows(geometry):
+            on_node = a if own else (geometry.ties.mix[mesh_node].T @ a.reshape(4, 3)).ravel()
             size = np.linalg.norm(on_node)
             if size > PARALLEL * np.linalg.norm(a):  # a vector that a pole does not have needs no holding
                 by_node[int(geometry.ties.node_of[mesh_node])].append((on_node / size, value / size, number))

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.assembly.local import Maps
+from skancf.assembly.maps import local_maps
 from skancf.assembly.ties import find_ties
 from skancf.elements.nodal import nodal_jacobian, require_aligned
 from skancf.elements.quad_ancf import gauss
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, vector
 from skancf.meshes import check_mesh
-from skancf.surfaces import Surface, check_regular, normal
+from skancf.surfaces import Surface, check_regular, closed_directions, normal
 from skancf.theories import Theory
 
 
@@ -47,7 +47,7 @@ class Geometry:
         self.points = mesh.p[:, self.ties.representative]
         jacobian = nodal_jacobian(mesh)
         self.side = np.sign(np.linalg.det(np.moveaxis(jacobian[:, :, 0], -1, 0)))
-        self.maps = _local_maps(mesh, jacobian, theory, self.ties.mix, self.nodes)
+        self.maps = local_maps(mesh, jacobian, theory, self.ties.mix, self.nodes)
         self.undeformed = self._undeformed()
         check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
 
@@ -226,8 +226,11 @@ class Geometry:
         return self.mesh.element_finder()
 
     def locate(self, at: Any) -> tuple[int, np.ndarray]:
-        """The element that holds a point of the parameter plane, and the point's local coordinates (2,)."""
-        point = vector("point", at, 2)
+        """The element that holds a point of the parameter plane, and the point's local coordinates (2,).
+
+        Across the seam of a closed parameter it goes on at the other end.
+        """
+        point = self._within(vector("point", at, 2))
         outside = InputError(
             f"point {tuple(point.tolist())} lies outside the surface; in the parameter plane the mesh "
             f"spans {self.mesh.p.min(axis=1).tolist()} to {self.mesh.p.max(axis=1).tolist()}"
@@ -240,6 +243,16 @@ class Geometry:
         if np.any((local < -1e-8) | (local > 1 + 1e-8)):
             raise outside
         return element, np.clip(local, 0.0, 1.0)
+
+    def _within(self, point: np.ndarray) -> np.ndarray:
+        """The same point of the surface, closed parameters within their bounds."""
+        out = point.copy()
+        for axis, closed in enumerate(closed_directions(self.surface)):
+            if closed:
+                low, high = self.surface.bounds[axis]  # type: ignore[attr-defined]
+                if not low <= point[axis] <= high:
+                    out[axis] = low + (point[axis] - low) % (high - low)
+        return out
 
     def edge_points(self, facets: np.ndarray, n: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Gauss points (m, 2, n) of boundary facets in their elements, tangents (m, 2) in the reference square that run
@@ -266,27 +279,6 @@ class Geometry:
         ends = self.mesh.p[:, self.mesh.facets[:, facets]]
         along = ends[:, 1] - ends[:, 0]
         return along / np.linalg.norm(along, axis=0)
-
-
-def _local_maps(
-    mesh: skfem.MeshQuad, jacobian: np.ndarray, theory: Theory, mix: np.ndarray, nodes: np.ndarray
-) -> Maps:
-    """The triples of all elements; slopes go through the nodal Jacobian, r and d are taken as they are."""
-    n = mesh.t.shape[1]
-    own = np.zeros((n, 4, 4, 4))  # element, corner, local vector, nodal vector
-    own[:, :, 0, 0] = own[:, :, 3, 3] = 1
-    own[:, :, 1:3, 1:3] = jacobian.transpose(3, 2, 1, 0)
-    if theory.twist:
-        own[:, :, 3, 3] = (jacobian[0, 0] * jacobian[1, 1] + jacobian[0, 1] * jacobian[1, 0]).T
-    size = np.abs(jacobian).max(axis=(0, 1, 2))
-    own[np.abs(own) < 1e-14 * np.minimum(size, size**2 if theory.twist else 1.0)[:, None, None, None]] = 0
-    own = own @ mix[mesh.t.T]
-    element, corner, vector, kind = np.nonzero(own)
-    pointer = np.concatenate([[0], np.cumsum(np.bincount(element, minlength=n))])
-    rows = theory.rows[corner, vector].astype(np.int32)
-    return Maps(
-        nodes, pointer, rows, corner.astype(np.int32), kind.astype(np.int32), own[element, corner, vector, kind]
-    )
 
 
 def _inverse_bilinear(corners: np.ndarray, point: np.ndarray) -> np.ndarray:

@@ -158,6 +158,14 @@ class System:
             out += self.foundation.values
         return BlockMatrix(self.pattern, out)
 
+    def stiffness(self) -> BlockMatrix:
+        """Tangent of the undeformed and unloaded state, without stresses.
+
+        The computed strains of that state are rounding, 1e-16; as a prestress they would count against the bending of a
+        plate of thickness t and side a with the factor (a / t)^2.
+        """
+        return self.tangent(self.undeformed, np.zeros_like(self.stresses(self.undeformed)), factor=0.0)
+
     def skew(self, q: np.ndarray, time: float | None = None, factor: float = 1.0) -> sp.csr_matrix | None:
         """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
         found = [part for part in (load.skew(q.reshape(-1, 4, 3), time) for load in self.loads) if part is not None]
@@ -203,8 +211,7 @@ class System:
 
     def linear_change(self, backend: str = "auto") -> np.ndarray:
         """Small-deflection answer, (n_dofs,): one solve with the tangent of the undeformed state."""
-        start = self.undeformed
-        matrix = self.tangent(start)
+        start, matrix = self.undeformed, self.stiffness()
         with DirectSolver(self.pattern, self.constraints, backend) as solver:
             solver.factor(matrix)
             moved = self.prescribed()

@@ -68,6 +68,10 @@ class DiskForce:
         offsets = np.stack([np.outer(radii, f(angles)).ravel() for f in (np.cos, np.sin)])
         slopes = np.stack(geometry.surface.derivatives(*np.asarray(self.at, float)), axis=1)
         triangle = np.linalg.qr(slopes)[1]
+        sizes = np.abs(triangle.diagonal())
+        if sizes.min() < 1e-9 * sizes.max():
+            raise InputError(f"disk at {tuple(self.at)}: the parameters have no inverse at a pole, so a disk cannot cover "
+                             "one; use a PointForce, or a SurfaceLoad that is zero elsewhere")  # fmt: skip
         points = np.asarray(self.at, float)[:, None] + np.linalg.solve(triangle, offsets)
         try:
             located = [geometry.locate(point) for point in points.T]

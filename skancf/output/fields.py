@@ -3,12 +3,14 @@
 import numpy as np
 
 from skancf.errors import InputError
-from skancf.output.sampling import sample_strain, sample_surface
+from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import STRESSES, Solution
 
 STRAINS = tuple(name.replace("S", "E") for name in STRESSES)
 VECTORS = {"displacement": ("u", "m"), "velocity": ("v", "m/s")}
-NAMES = (*STRESSES, "mises", *STRAINS, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3")
+FORCES = ("N11", "N22", "N12", "M11", "M22", "M12")
+SHEAR = ("Q1", "Q2")
+NAMES = (*STRESSES, "mises", *STRAINS, *FORCES, *SHEAR, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3")
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
@@ -33,11 +35,16 @@ def unit(name: str) -> str:
     """The unit of a field; empty for strains."""
     if name in STRAINS:
         return ""
+    if name in FORCES + SHEAR:
+        return "N" if name[0] == "M" else "N/m"
     return next((unit for vector, (short, unit) in VECTORS.items() if name == vector or name[0] == short), "Pa")
 
 
 def words(name: str) -> str:
     """A field's name as a title has it."""
+    named = {"N": "membrane force", "M": "moment", "Q": "shear force"}
+    if name in FORCES + SHEAR:
+        return f"{named[name[0]]} {name}"
     return {"mises": "von Mises stress", "displacement": "displacement", "velocity": "velocity"}.get(
         name, f"{'stress' if unit(name) == 'Pa' else 'strain'} {name}" if name[0] in "SE" else name
     )
@@ -59,6 +66,11 @@ def values(solution: Solution, name: str, subdivisions: int, z: float) -> np.nda
         if name == "mises":
             return von_mises(stress)
         return stress[:, STRESSES.index(name)] if name in STRESSES else strain[:, STRAINS.index(name)]
+    points = grid(subdivisions).points
+    if name in FORCES:
+        return solution.section_forces(points)[:, FORCES.index(name)].ravel()
+    if name in SHEAR:
+        return solution.shear_forces(points)[:, SHEAR.index(name)].ravel()
     surface = sample_surface(solution, subdivisions, z)
     vector = surface.displacement if name[0] in "du" else surface.velocity
     if vector is None:

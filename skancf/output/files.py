@@ -10,7 +10,7 @@ from skancf.errors import InputError, number
 from skancf.output.atomic import AnyPath, check_file, replacing
 from skancf.output.collection import read_collection, write_collection
 from skancf.output.fields import von_mises
-from skancf.output.sampling import sample_strain, sample_surface
+from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import Solution
 
 FILE_ORDER = (0, 1, 2, 5, 3, 4)
@@ -58,7 +58,9 @@ def write(
 
     - ``stress_top``: second Piola-Kirchhoff stress in the local frame (Pa),
     - ``strain_top``: Green-Lagrange strain in the local frame, shear strains doubled,
-    - ``mises_top``: von Mises' equivalent of the stress (Pa).
+    - ``mises_top``: von Mises' equivalent of the stress (Pa),
+
+    and ``membrane_force`` (N/m) and ``moment`` (N) per length, in the order 11, 22, 12.
 
     Their components stand in the order 11, 22, 33, 12, 23, 13, which ParaView labels XX, YY, ZZ, XY, YZ, XZ; the rest
     of the library has the shear in the order 23, 13, 12. Cell data ``element`` is the number of the element.
@@ -93,6 +95,9 @@ def write_state(
         strain, stress = sample_strain(solution, subdivisions, number(f"depths[{name!r}]", z))
         data[f"stress_{name}"], data[f"strain_{name}"] = stress[:, FILE_ORDER], strain[:, FILE_ORDER]
         data[f"mises_{name}"] = von_mises(stress)
+    if depths is None or depths:
+        forces = solution.section_forces(grid(subdivisions).points).swapaxes(1, 2).reshape(-1, 6)
+        data["membrane_force"], data["moment"] = forces[:, :3], forces[:, 3:]
     mesh = meshio.Mesh(
         surface.points, [("quad", surface.cells)], point_data=data, cell_data={"element": [surface.elements]}
     )

@@ -29,8 +29,9 @@ class Look:
     ----------
     field : str
         ``"displacement"`` and ``"velocity"`` (lengths of the vectors), ``"u1"`` to ``"u3"``, ``"v1"`` to ``"v3"``,
-        stresses ``"S11"``, ``"S22"``, ``"S33"``, ``"S23"``, ``"S13"``, ``"S12"`` in the local frame, ``"mises"``, and
-        strains ``"E11"``, ... in the same order.
+        stresses ``"S11"``, ``"S22"``, ``"S33"``, ``"S23"``, ``"S13"``, ``"S12"`` in the local frame, ``"mises"``,
+        strains ``"E11"``, ... in the same order, section forces ``"N11"``, ``"N22"``, ``"N12"``, ``"M11"``, ``"M22"``,
+        ``"M12"``, and in theory `kirchhoff` ``"Q1"``, ``"Q2"``.
     z : float
         Depth of the surface that is drawn and of its field (m).
     scale : float

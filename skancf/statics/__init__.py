@@ -2,6 +2,7 @@
 
 from skancf.statics.buckling import BucklingResult, buckling
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, StepLength
+from skancf.statics.depth import OutOfDepth
 from skancf.statics.events import Event
 from skancf.statics.load_steps import HalveAndGrow, StaticResult, solve, solve_linear
 from skancf.statics.modes import Modes, modes
@@ -17,6 +18,7 @@ __all__ = [
     "HalveAndGrow",
     "Modes",
     "NewtonResult",
+    "OutOfDepth",
     "PathResult",
     "StaticResult",
     "Status",

@@ -78,7 +78,7 @@ def buckling(
     moved = system.prescribed()
     if not (system.external_force(start).any() or moved.any()):
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
-    stiffness = system.tangent(start, factor=0.0)
+    stiffness = system.stiffness()
     with DirectSolver(system.pattern, constraints, backend) as solver:
         solver.factor(stiffness)
         answer = solver.solve(system.external_force(start) - stiffness @ moved, refinements=2) + moved

@@ -94,8 +94,8 @@ def limit_point(load_factor: float) -> str:
     """What a limit point means, and the way out."""
     return (
         f"The load has a limit point near {load_factor:.6g}, where the structure gives way: follow the path beyond it with "
-        "trace(system, ArcLength()). A mesh too coarse for its bending has limit points of its own: where none is "
-        "expected, take a finer mesh."
+        "solve(system, follow=True) or trace(system, ArcLength()). A mesh too coarse for its bending has limit points of its "
+        "own: where none is expected, take a finer mesh."
     )
 
 

@@ -11,8 +11,10 @@ from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.causes import cause, require_support
+from skancf.statics.controls import ArcLength
+from skancf.statics.depth import warn_if_thick
 from skancf.statics.newton import NewtonResult, Status, newton
-from skancf.statics.path import limit_ahead
+from skancf.statics.path import limit_ahead, trace
 
 UNSTABLE = (
     "the equilibrium is not stable: its tangent has {} negative eigenvalue(s), and the first one came between load factor "
@@ -95,6 +97,7 @@ def solve(
     rtol: float = 1e-7,
     max_iterations: int = 30,
     mixed: bool = True,
+    follow: bool = False,
     backend: str = "auto",
     progress: bool = False,
 ) -> StaticResult:
@@ -110,6 +113,9 @@ def solve(
         Newton's method ends when the energy norm of its residual has fallen by this factor.
     mixed : bool
         False for the plain Newton method.
+    follow : bool
+        Where load steps end, at a limit point for one, go on along the path by arc length until the load is reached; the
+        message then names the limit points that were passed. A structure under that load would snap there.
     backend : str
         Linear solver: "auto", "mkl" or "superlu".
 
@@ -133,10 +139,31 @@ def solve(
     with Progress("statics", 1.0, shown=progress) as bar, solver:
         run = _Run(system, solver, start or Solution(system, system.undeformed.copy(), load_factor=0.0))
         try:
-            return run.go(load_factor, control or HalveAndGrow(), bar, rtol=rtol, max_steps=max_iterations, mixed=mixed)
+            result = run.go(load_factor, control or HalveAndGrow(), bar, rtol=rtol, max_steps=max_iterations, mixed=mixed)
+            if follow and result.status in FOLLOWED:
+                result = _followed(result, load_factor, rtol=rtol, mixed=mixed, backend=backend, progress=progress)
+            warn_if_thick(result.solution)
+            return result
         except KeyboardInterrupt:
             at = run.path[-1]
             return run.result(Status.INTERRUPTED, f"interrupted from the keyboard at load factor {at.load_factor:.6g}")
+
+
+FOLLOWED = (Status.LIMIT_POINT, Status.BIFURCATION, Status.STEP_TOO_SMALL, Status.FOLDED)
+"""Ends of load steps from which the path may go on."""
+
+
+def _followed(stuck: StaticResult, load_factor: float, **options: Any) -> StaticResult:
+    """The rest of the way by arc length."""
+    at = stuck.solution
+    first = ArcLength().first * (load_factor - at.load_factor)
+    found = trace(at.system, ArcLength(first=first), until=load_factor, start=at, **options)
+    attempts = stuck.attempts + tuple((result.load_factor, result) for result in found.attempts)
+    passed = ", ".join(f"{event.kind} at {event.load_factor:.4g}" for event in found.events)
+    message = f"load steps ended at {at.load_factor:.6g}; by arc length from there: {passed or 'no limit point'}"
+    if found.status is not Status.CONVERGED:
+        message = f"{message}; {found.message}"
+    return StaticResult(found.solution, found.status, stuck.path + found.solutions[1:], attempts, message)
 
 
 class _Run:
@@ -194,4 +221,4 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     change = system.linear_change(backend)
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
-    return Solution(system, system.undeformed + change, linear=True)
+    return warn_if_thick(Solution(system, system.undeformed + change, linear=True))

@@ -83,9 +83,9 @@ def modes(
     """
     if state is not None:
         require_same_mesh(system, state)
-    state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
     n = checked_count(n, system.constraints)
-    stiffness = system.tangent(state.q, factor=state.load_factor)
+    stiffness = system.stiffness() if state is None else system.tangent(state.q, factor=state.load_factor)
+    state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         values, shapes = _Spectrum(solver, stiffness, system.mass, system.constraints, tolerance).lowest(n)
     order = np.argsort(values, kind="stable")[:n]

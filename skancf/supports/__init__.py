@@ -2,10 +2,11 @@
 
 from skancf.supports.conditions import Support
 from skancf.supports.elastic import Foundation, Spring
-from skancf.supports.held import Clamp, Pin, Prescribed, Roller, SimpleSupport, Symmetry
+from skancf.supports.held import Clamp, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Symmetry
 
-ALL = [Clamp, Foundation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry]
+ALL = [Clamp, Foundation, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry]
 
 __all__ = [
-    "ALL", "Clamp", "Foundation", "Pin", "Prescribed", "Roller", "SimpleSupport", "Spring", "Support", "Symmetry",
+    "ALL", "Clamp", "Foundation", "NoRotation", "Pin", "Prescribed", "Roller", "SimpleSupport", "Spring", "Support",
+    "Symmetry",
 ]  # fmt: skip

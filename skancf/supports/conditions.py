@@ -15,11 +15,15 @@ R, R_X, R_Y, FOURTH = range(4)
 
 
 class Row(NamedTuple):
-    """One condition a . (e - e0) = value on the 12 coordinates e at a node of the mesh."""
+    """One condition a . (e - e0) = value on the 12 coordinates e at a node of the mesh.
+
+    ``own`` says that at a pole e are r and the tangents that the pole has itself, not the slopes seen from that node.
+    """
 
     node: int
     a: np.ndarray
     value: float = 0.0
+    own: bool = False
 
 
 class Support:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.system import Assembly
-from skancf.errors import InputError, finite, positive, vector
+from skancf.errors import InputError, positive, vector
 from skancf.supports.conditions import Support
 
 
@@ -27,7 +27,7 @@ def spring_matrices(table: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
 class Spring(Support):
     r"""Linear springs along the axes of space: at points (N/m), or along edges per length (N/m2).
 
-    Their energy is :math:`\\tfrac12 u \\cdot k u` at a point, and its integral along an edge.
+    Their energy is :math:`\tfrac12 u \cdot k u` at a point, and its integral along an edge.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Spring(Support):
 class Foundation(Support):
     r"""An elastic foundation (Winkler): a linear spring per area under the whole surface (N/m3).
 
-    Its energy is :math:`\\tfrac12 \\int k (u \\cdot d)^2 \\, dA` with the undeformed normal, or a direction of space, d.
+    Its energy is :math:`\tfrac12 \int k (u \cdot d)^2 \, dA` with the undeformed normal, or a direction of space, d.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Foundation(Support):
 
     def __post_init__(self) -> None:
         positive("stiffness", self.stiffness, "N/m3")
-        if self.direction is not None and not np.any(finite("direction", self.direction)):
+        if self.direction is not None and not np.any(vector("direction", self.direction, 3)):
             raise InputError("direction = (0, 0, 0): a foundation needs a direction in which it pushes")
 
     def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -90,7 +90,7 @@ class Foundation(Support):
             d = theory.normals(geometry.undeformed_local, points, geometry.side)
             d = d / np.linalg.norm(d, axis=1, keepdims=True)
         else:
-            unit = vector("direction", self.direction, 3) / np.linalg.norm(self.direction)
+            unit = np.array(self.direction, float) / np.linalg.norm(self.direction)
             d = np.broadcast_to(unit[:, None], (geometry.n_elements, 3, points.shape[1]))
         areas = assembly.sections.areas[assembly.sections.shape]
         stiffness = self.stiffness * np.einsum("en,ein,ejn->enij", areas, d, d)

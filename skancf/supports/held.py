@@ -54,6 +54,19 @@ class Clamp(Support):
 
 
 @dataclass(frozen=True)
+class NoRotation(Support):
+    """The normal (director) does not turn about the edge, at single points not at all; positions are free.
+
+    With :class:`Roller` a clamped edge that is free to slide in the surface.
+    """
+
+    where: Any
+
+    def rows(self, geometry: Geometry) -> list[Row]:
+        return no_turn_about(geometry, self.where)
+
+
+@dataclass(frozen=True)
 class SimpleSupport(Support):
     """A hinged edge: positions held, rotation about the edge free.
 
@@ -133,10 +146,11 @@ class Symmetry(Support):
                 raise InputError(f"Symmetry({self.where!r}): the lines of the parameter {'xy'[kind - 1]} do not cross the "
                                  "edge at right angles; use a surface on which they do")  # fmt: skip
             return rows + [Row(node, condition({k: 1.0}, v)) for k in (kind, FOURTH) for v in (tangent, normal)]
-        # The parameter direction whose slope is across the plane in the undeformed state.
-        x, y = np.linalg.lstsq(slopes.T, out, rcond=None)[0]
+        # The combination of slopes that is across the plane in the undeformed state.
+        pole = geometry.ties.poles.get(int(geometry.ties.node_of[node]))
+        x, y = np.linalg.lstsq((slopes if pole is None else pole).T, out, rcond=None)[0]
         rows.append(Row(node, condition({FOURTH: 1.0}, out)))
-        return rows + [Row(node, condition({R_X: x, R_Y: y}, v)) for v in (tangent, normal)]
+        return rows + [Row(node, condition({R_X: x, R_Y: y}, v), own=pole is not None) for v in (tangent, normal)]
 
 
 @dataclass(frozen=True)

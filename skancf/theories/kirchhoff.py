@@ -11,7 +11,7 @@ strains that cubics cannot make zero everywhere. The assumed membrane strain is 
 
 the projection in the metric of the 4 x 4 Gauss points. The rest :math:`\varepsilon - \hat\varepsilon` counts with the
 factors :math:`t^2 / (h_a h_b)`, thickness over lengths of the element, at most one: small against bending, and enough to
-leave no motion free.
+leave no motion free. Elements at a pole, whose metric starts from nothing, keep their membrane strains as they are.
 """
 
 from dataclasses import dataclass

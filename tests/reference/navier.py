@@ -75,3 +75,44 @@ def thin_orthotropic(bending: np.ndarray, b: float = 1.0, terms: int = 200) -> f
     x, y = (m * np.pi) ** 2, (n * np.pi / b) ** 2
     stiffness = bending[0, 0] * x**2 + 2 * (bending[0, 1] + 2 * bending[2, 2]) * x * y + bending[1, 1] * y**2
     return float((16 / np.pi**2 * signs(m, n) / (m * n * stiffness)).sum())
+
+
+def thin_field(x: np.ndarray, y: np.ndarray, terms: int = 60) -> np.ndarray:
+    """w of a square plate, a = D = q = 1, on the grid of x (n,) and y (m,): (n, m)."""
+    odd = np.arange(1, terms, 2)
+    m, n = orders(terms)
+    amplitudes = 16 / np.pi**6 / (m * n * (m**2 + n**2) ** 2)
+    return np.sin(np.outer(x, odd) * np.pi) @ amplitudes @ np.sin(np.outer(odd, y) * np.pi)
+
+
+def thin_uniform(b: float = 1.0, terms: int = 400) -> tuple[float, float]:
+    """Half the work of the load over (q^2 a^4 b / D), and M_c / (q a^2) for nu = 0.3."""
+    m, n = orders(terms)
+    stiffness = (m**2 + n**2 / b**2) ** 2
+    energy = (32 / np.pi**8 / (m * n) ** 2 / stiffness).sum()
+    moment = (16 / np.pi**4 * signs(m, n) * (m**2 + 0.3 * n**2 / b**2) / (m * n * stiffness)).sum()
+    return float(energy), float(moment)
+
+
+def thin_laminate(abd: np.ndarray, b: float = 1.0, terms: int = 200) -> float:
+    """w_c of a cross-ply laminate for a unit uniform load and a = 1, with edges that move along their normal only.
+
+    Navier's solution for classical lamination theory: u = U cos sin, v = V sin cos, w = W sin sin (Jones, Mechanics of
+    Composite Materials, 1999, section 5.3; Reddy, Mechanics of Laminated Composite Plates and Shells, 2004, section 6.3).
+
+    Parameters
+    ----------
+    abd : (6, 6) array
+        Entries 16 and 26 are zero.
+    """
+    m, n = orders(terms)
+    alpha, beta, zero = m * np.pi, n * np.pi / b, np.zeros(m.shape)
+    # Amplitudes of the strains 11, 22 (times sin sin) and 12 (times cos cos), then of the curvatures, of U, V and W.
+    B = np.array([
+        [-alpha, zero, zero], [zero, -beta, zero], [beta, alpha, zero],
+        [zero, zero, alpha**2], [zero, zero, beta**2], [zero, zero, -2 * alpha * beta],
+    ])  # fmt: skip
+    K = np.einsum("ikmn,ij,jlmn->mnkl", B, abd, B)
+    q = np.zeros((*m.shape, 3, 1))
+    q[..., 2, 0] = 16 / (np.pi**2 * m * n)
+    return float((signs(m, n) * np.linalg.solve(K, q)[..., 2, 0]).sum())

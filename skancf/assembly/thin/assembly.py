@@ -13,6 +13,8 @@ from skancf.materials import Section
 from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
 from skancf.theories.kirchhoff import Kirchhoff, covariant_to_local, jet_table
 
+PLAIN = Kirchhoff(assumed=False)
+
 
 class ThinAssembly:
     """See :class:`skancf.assembly.system.Assembly`."""
@@ -23,15 +25,15 @@ class ThinAssembly:
         theory = cast(Kirchhoff, geometry.theory)
         points = theory.quadrature[0]
         table = jet_table(points)
-        projection = theory.interpolation(points) if theory.assumed else np.stack([np.eye(points.shape[1])] * 3)
+        identity = np.stack([np.eye(points.shape[1])] * 3)
         self._rule = kernels.Rule(
             table=np.ascontiguousarray(table.transpose(1, 0, 2).reshape(16, -1)),
             slopes=np.ascontiguousarray(table[:2].transpose(0, 2, 1).reshape(-1, 16)),
-            projection=np.ascontiguousarray(projection),
+            projections=np.stack([identity, theory.interpolation(points)]),
             pairs=self.sections.pairs,
         )
         parts = self.sections
-        self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.rest)
+        self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.assumed, parts.rest)
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
@@ -63,18 +65,38 @@ class ThinAssembly:
         return np.einsum("ap,bp,sp->sab", table, table, self.sections.moments[:, 0])
 
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        sections = self.sections
-        turn = sections.turn[sections.shape] * sections.areas[sections.shape][:, None, None]
         resultants = self.section.thermal_resultants(middle, gradient)
-        stress = np.einsum("eikp,iep->ekp", turn, resultants)
-        # Membrane stresses do work on the assumed strains.
-        stress[:, :3] = np.einsum("csp,ecp->ecs", self._rule.projection, stress[:, :3])
+        free = np.tensordot(np.linalg.inv(self.section.abd()), resultants, 1)
+        turn = np.moveaxis(self.sections.turn[self.sections.shape], 3, 1)
+        covariant = np.linalg.solve(turn, np.moveaxis(free, 0, 2)[..., None])[..., 0]
+        return self._held_back(np.moveaxis(covariant, 1, 2))
+
+    def _held_back(self, strains: np.ndarray) -> np.ndarray:
+        """Stresses (n_elements, 6, n_points) of covariant strains, assumed as those of a motion are.
+
+        So that a free expansion, whose strains no polynomial may hold, is free of stress.
+        """
+        sections = self.sections
+        projection = self._rule.projections[sections.assumed[sections.shape]]
+        k, l = sections.pairs.T
+        law = np.zeros((len(sections.law), 6, 6, strains.shape[2]))
+        law[:, k, l] = law[:, l, k] = sections.law
+        law, rest = law[sections.shape], sections.rest[sections.shape]
+        hat = strains.copy()
+        hat[:, :3] = np.einsum("ecsp,ecs->ecp", projection, strains[:, :3])
+        stress = np.einsum("eklp,elp->ekp", law, hat)
+        extra = np.einsum("ek,eklp,el,elp->ekp", rest, law[:, :3, :3], rest, (strains - hat)[:, :3], optimize=True)
+        stress[:, :3] = extra + np.einsum("ecsp,ecp->ecs", projection, stress[:, :3] - extra)
         return np.ascontiguousarray(stress)
 
     def section_strains(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Membrane strains and curvature changes in the local frame at points (2, n): (n_elements, 6, n)."""
         geometry, theory = self.geometry, self.geometry.theory
         change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
+        plain = np.flatnonzero(self.sections.assumed[self.sections.shape] == 0)
+        if theory.assumed and len(plain):
+            now, before = geometry.local(q, plain), geometry.undeformed_local[plain]
+            change[plain] = PLAIN.strains(now, points) - PLAIN.strains(before, points)
         jets = theory.jets(geometry.undeformed_local, points)
         turn, _ = covariant_to_local(jets, geometry.tangents(points), geometry.side)
         return np.asarray(np.einsum("ikep,ekp->eip", turn, change))

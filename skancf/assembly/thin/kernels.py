@@ -20,27 +20,29 @@ class Elements(NamedTuple):
     """What differs between elements.
 
     ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains ``reference``
-    (n_shapes, 6, 16), the entries of the law with the weights ``law`` (n_shapes, n_pairs, 16), and the roots of the
-    factors with which the rest of the three membrane strains counts, ``rest`` (n_shapes, 3).
+    (n_shapes, 6, 16), the entries of the law with the weights ``law`` (n_shapes, n_pairs, 16), whether membrane strains are
+    ``assumed`` (n_shapes,), 0 or 1, and the roots of the factors with which the rest of the three counts, ``rest``
+    (n_shapes, 3).
     """
 
     shape: np.ndarray
     reference: np.ndarray
     law: np.ndarray
+    assumed: np.ndarray
     rest: np.ndarray
 
 
 class Rule(NamedTuple):
     """What elements share.
 
-    ``table`` (16, 80): jets of the local functions, jet by jet; ``slopes`` (32, 16): the first two. ``projection``
-    (3, 16, 16): from the membrane strains 11, 22, 12 at the points to the assumed ones, ``(c, from, to)``. ``pairs``
-    (n_pairs, 2): k <= l of the entries of the law.
+    ``table`` (16, 80): jets of the local functions, jet by jet; ``slopes`` (32, 16): the first two. ``projections``
+    (2, 3, 16, 16): from the membrane strains 11, 22, 12 at the points to those that the law is applied to, ``(c, from,
+    to)``: the identity, and the assumed ones. ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
     """
 
     table: np.ndarray
     slopes: np.ndarray
-    projection: np.ndarray
+    projections: np.ndarray
     pairs: np.ndarray
 
 
@@ -107,7 +109,7 @@ def add_change(x, y, n, gamma, eps):
 
 
 @njit(**INNER)
-def section(rule, law, rest, eps, hat, stress):
+def section(rule, projection, law, rest, eps, hat, stress):
     """Stresses (6, 16), with the weights, that do work on the strains at the points.
 
     The law is applied to the assumed membrane strains with the curvatures, and to the scaled rest of the membrane strains;
@@ -118,7 +120,7 @@ def section(rule, law, rest, eps, hat, stress):
     for c in range(3):
         for s in range(N_POINTS):
             for p in range(N_POINTS):
-                hat[c, p] += rule.projection[c, s, p] * eps[c, s]
+                hat[c, p] += projection[c, s, p] * eps[c, s]
     stress[:] = 0.0
     extra = np.zeros((3, N_POINTS))
     for m in range(rule.pairs.shape[0]):
@@ -141,7 +143,7 @@ def section(rule, law, rest, eps, hat, stress):
         for s in range(N_POINTS):
             total = extra[c, s]
             for p in range(N_POINTS):
-                total += rule.projection[c, s, p] * hat[c, p]
+                total += projection[c, s, p] * hat[c, p]
             stress[c, s] = total
 
 
@@ -182,7 +184,7 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
             gather(e, change, maps, moved)
             jets(rule, moved, y)
             add_change(x, y, n, gamma, eps)
-        section(rule, elements.law[c], elements.rest[c], eps, hat, out[e])
+        section(rule, rule.projections[elements.assumed[c]], elements.law[c], elements.rest[c], eps, hat, out[e])
         if strain_out.shape[0]:
             strain_out[e] = eps
 
@@ -200,7 +202,7 @@ def residual(start, stop, order, q, rule, maps, elements, out):
         jets(rule, local, x)
         surface(x, n, duals, gamma)
         strains(x, n, elements.reference[c], eps)
-        section(rule, elements.law[c], elements.rest[c], eps, hat, stress)
+        section(rule, rule.projections[elements.assumed[c]], elements.law[c], elements.rest[c], eps, hat, stress)
         forces(rule, x, n, gamma, stress, f, force)
         scatter_force(e, force, maps, out)
 
@@ -220,10 +222,10 @@ def force_of(start, stop, order, q, stress, rule, maps, out):
 
 
 @njit(**INNER)
-def strain_rows(rule, rest, x, n, gamma, A):
+def strain_rows(rule, projection, rest, x, n, gamma, A):
     """Gradients of the strains (16 points each), (144, 48): three assumed membrane strains, three curvatures, the scaled
     rest of the membrane strains."""
-    table, projection = rule.table, rule.projection
+    table = rule.table
     plain = np.empty((N_POINTS, 48))
     for c in range(3):
         for p in range(N_POINTS):
@@ -319,7 +321,7 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
         gather(e, q, maps, local)
         jets(rule, local, x)
         surface(x, n, duals, gamma)
-        strain_rows(rule, elements.rest[c], x, n, gamma, A)
+        strain_rows(rule, rule.projections[elements.assumed[c]], elements.rest[c], x, n, gamma, A)
         law_rows(rule, elements.law[c], A, B)
         bending_rows(rule, x, n, duals, gamma, stress[e], A, B)
         np.dot(A.T, B, K)

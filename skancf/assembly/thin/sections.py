@@ -25,6 +25,8 @@ class ThinSections:
         Entries k <= l of the law of the covariant strains that are not zero in some class.
     law : (n_shapes, n_pairs, n_points) array
         Those entries.
+    assumed : (n_shapes,) int array
+        1 where membrane strains are assumed, 0 where they are taken as they are.
     rest : (n_shapes, 3) array
         Roots of the factors of the rest of the membrane strains.
     turn : (n_shapes, 6, 6, n_points) array
@@ -39,6 +41,7 @@ class ThinSections:
     reference: np.ndarray
     pairs: np.ndarray
     law: np.ndarray
+    assumed: np.ndarray
     rest: np.ndarray
     turn: np.ndarray
     moments: np.ndarray
@@ -48,7 +51,11 @@ class ThinSections:
 def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
     """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
     points, weights = geometry.theory.quadrature
-    representative, shape = classes(*_shape_key(geometry))
+    # Covariant strains grow with the distance from a pole and its square, which the assumed ones beside it cannot.
+    at_pole = np.asarray(np.isin(geometry.nodes, list(geometry.ties.poles)).any(axis=1))
+    plain = at_pole if geometry.theory.assumed else np.ones_like(at_pole)
+    key, rounding = _shape_key(geometry)
+    representative, shape = classes(np.hstack([key, plain[:, None]]), rounding)
     jets = geometry.theory.jets(geometry.undeformed_local[representative], points)
     turn, area = covariant_to_local(jets, geometry.tangents(points, representative), geometry.side[representative])
     areas = area * weights
@@ -60,6 +67,7 @@ def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
         reference=np.ascontiguousarray(np.moveaxis(strain(jets), 0, 1)),
         pairs=np.stack([k, l], axis=1),
         law=np.ascontiguousarray(law[:, k, l]),
+        assumed=np.where(plain[representative], 0, 1),
         rest=rest_factors(jets, section.thickness),
         turn=np.ascontiguousarray(np.moveaxis(turn, 2, 0)),
         moments=(section.mass * areas)[:, None],

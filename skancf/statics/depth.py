@@ -1,0 +1,25 @@
+"""Is an answer within the depth of its theory?"""
+
+import warnings
+
+from skancf.solution import Solution
+
+THICK = 0.05
+"""From this share of shear energy on, a thin answer comes with a warning."""
+
+
+class OutOfDepth(UserWarning):
+    """An answer of a theory that leaves out what matters in it."""
+
+
+def warn_if_thick(solution: Solution) -> Solution:
+    """The solution; with a warning where theory `kirchhoff` leaves out more than a twentieth of the strain energy."""
+    share = solution.shear_share if hasattr(solution.system, "geometry") else 0.0
+    if share > THICK:
+        warnings.warn(
+            f"theory 'kirchhoff' leaves out transverse shear, which would change the strain energy by {100 * share:.2g} % "
+            f"here (over {100 * THICK:.0f} %): take theory 'full', or let theory='auto' choose",
+            OutOfDepth,
+            stacklevel=3,
+        )
+    return solution

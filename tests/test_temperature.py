@@ -1,0 +1,159 @@
+"""Temperature changes against closed formulas, in both theories."""
+
+import numpy as np
+import pytest
+
+import skancf as sk
+
+E, NU, ALPHA, T = 1e6, 0.3, 1e-5, 0.01
+MATERIAL = sk.Isotropic(E, NU, 2000.0, expansion=ALPHA)
+PLATE = sk.Rectangle(1.0, 0.6)
+JUST_HELD = [sk.Pin((0.0, 0.0)), sk.Prescribed((1.0, 0.0), (None, 0.0, 0.0)),
+             sk.Prescribed((0.0, 0.6), (None, None, 0.0))]  # fmt: skip
+INSIDE = np.array([[0.3, 0.8], [0.2, 0.5]])
+IN_PLANE = [0, 1, 5]
+theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
+
+
+def system_on(theory, surface, supports, load, mesh=(3, 2), material=MATERIAL, thickness=T):
+    problem = sk.Problem(surface, thickness, material, supports, [load])
+    return problem.on(sk.meshes.uniform(surface, *mesh), theory)
+
+
+@theories
+def test_a_free_plate_expands_without_stress(theory):
+    change = 50.0
+    solution = sk.solve(system_on(theory, PLATE, JUST_HELD, sk.Temperature(change)), rtol=1e-12).unwrap()
+    # The free Green-Lagrange strain is alpha T, so lengths grow by sqrt(1 + 2 alpha T).
+    stretch = np.sqrt(1 + 2 * ALPHA * change) - 1
+    assert np.allclose(solution.displacement((1.0, 0.6)), [stretch, 0.6 * stretch, 0], rtol=0, atol=1e-12)
+    for z in (-T / 2, 0.0, T / 3):
+        assert np.abs(solution.stresses(INSIDE, z)).max() < 1e-10 * E * ALPHA * change
+        assert np.allclose(solution.strains(INSIDE, z)[..., [0, 1]], ALPHA * change, rtol=1e-9)
+    assert np.abs(solution.section_forces(INSIDE)).max() < 1e-10 * E * T * ALPHA * change
+
+
+@theories
+def test_a_free_ball_expands(theory):
+    """All of it, without stress but for bending by the change of its radius, (t / R)^2 / 12 of the expansion."""
+    ball = sk.SphereSector(1.0, (0.0, np.pi), 2 * np.pi, closed=True)
+    held = [((0.0, 0.0), (0.0, 0.0, None)), ((np.pi, 0.0), (0.0, 0.0, None)), ((np.pi / 2, 0.0), (None, 0.0, 0.0))]
+    system = system_on(theory, ball, [sk.Prescribed(at, u) for at, u in held], sk.Temperature(100.0), (6, 12),
+                       thickness=0.05)  # fmt: skip
+    at = np.stack(np.meshgrid([0.0, 0.5, 1.0, 3.0], [0.0, 1.0, 4.0]), axis=-1).reshape(-1, 2)
+    before, after = (np.linalg.norm(state.position(at), axis=1)
+                     for state in (sk.Solution(system, system.undeformed), sk.solve(system).unwrap()))  # fmt: skip
+    assert np.abs(after / before - np.sqrt(1 + 2 * ALPHA * 100)).max() < 5e-4 * ALPHA * 100
+
+
+@theories
+def test_a_free_plate_expands_by_another_law_in_each_direction(theory):
+    """The frame of an orthotropic law turned by a right angle."""
+    wood = sk.Orthotropic(young=(1e6, 5e5, 5e5), poisson=(0.2, 0.1, 0.3), shear=(2e5, 2e5, 2e5), density=500.0,
+                          angle=np.pi / 2, expansion=(1e-5, 4e-5, 4e-5))  # fmt: skip
+    solution = sk.solve(system_on(theory, PLATE, JUST_HELD, sk.Temperature(1.0), material=wood), rtol=1e-12).unwrap()
+    assert np.allclose(solution.displacement((1.0, 0.6)), [4e-5, 0.6e-5, 0], rtol=1e-4, atol=1e-12)
+
+
+@theories
+def test_a_bar_between_walls(theory):
+    """-E alpha T along it, none across; half of it at half the load, and with a history at that time."""
+    bar, change = sk.Rectangle(1.0, 0.1), 50.0
+    supports = [sk.Roller(["left", "right"], (1, 0, 0)), sk.Prescribed((0.0, 0.0), (None, 0.0, None)),
+                sk.Roller("boundary")]  # fmt: skip
+    system = system_on(theory, bar, supports, sk.Temperature(change, history=lambda t: t), (4, 1))
+    for factor in (1.0, 0.5):
+        solution = sk.solve(system, rtol=1e-12, load_factor=factor).unwrap()
+        expected = -factor * E * ALPHA * change
+        stress = solution.stresses(INSIDE)
+        assert np.allclose(stress[..., 0], expected, rtol=1e-9)
+        assert np.abs(stress[..., 1:]).max() < 1e-9 * abs(expected)
+        assert np.allclose(solution.reactions("right"), [expected * 0.1 * T, 0, 0], rtol=1e-9, atol=1e-9)
+        assert np.allclose(solution.section_forces(INSIDE)[:, 0], expected * T, rtol=1e-9)
+    q = system.undeformed
+    assert np.allclose(system.external_force(q, time=0.25), 0.25 * system.external_force(q), rtol=1e-14)
+
+
+@theories
+def test_a_gradient_bends_a_free_plate_to_a_sphere(theory):
+    """Curvature alpha T1 in all directions (Timoshenko and Woinowsky-Krieger 1959, article 14), warm side outside."""
+    gradient = 2.0
+    system = system_on(theory, PLATE, JUST_HELD, sk.Temperature(0.0, gradient), (6, 4))
+    x, y = system.mesh.p
+    solution = sk.solve(system, rtol=1e-12).unwrap()
+    # With the three held corners: w = kappa / 2 (x (1 - x) + y (0.6 - y)).
+    expected = ALPHA * gradient / 2 * (x * (1 - x) + y * (0.6 - y))
+    # The sphere's membrane strains are (w / t)^2 = 1e-5 of the bending.
+    assert np.abs(solution.displacements[2] - expected).max() < 1e-5 * expected.max()
+    free = E * ALPHA * gradient * T / 2
+    assert np.abs(solution.stresses(INSIDE, T / 2)[..., IN_PLANE]).max() < 1e-3 * free
+    assert np.abs(solution.section_forces(INSIDE)[:, 3:]).max() < 1e-3 * free * T**2 / 6
+
+
+@theories
+def test_a_clamped_plate_with_a_gradient_stays_flat(theory):
+    """Moments of -E t^3 / 12 (1 - nu) alpha T1 everywhere."""
+    gradient = 2.0
+    system = system_on(theory, PLATE, [sk.Clamp("boundary")], sk.Temperature(0.0, gradient))
+    solution = sk.solve(system, rtol=1e-12).unwrap()
+    moment = -E * T**3 / 12 / (1 - NU) * ALPHA * gradient
+    assert np.allclose(solution.section_forces(INSIDE)[:, [3, 4]], moment, rtol=1e-6)
+    assert np.abs(solution.displacements[2]).max() < 1e-10
+
+
+def bimetal_curvature(change, young, expansion, thickness):
+    """Timoshenko 1925, Journal of the Optical Society of America 11, 233-255, eq. 4."""
+    m, n, h = thickness[0] / thickness[1], young[0] / young[1], sum(thickness)
+    return 6 * (expansion[1] - expansion[0]) * change * (1 + m) ** 2 / (
+        h * (3 * (1 + m) ** 2 + (1 + m * n) * (m * m + 1 / (m * n))))  # fmt: skip
+
+
+@theories
+def test_a_bimetal_plate(theory):
+    """Free, it bends to a sphere; Timoshenko's strip with the same Poisson's ratio in both layers has the same curvature."""
+    young, expansion, thickness, change = (2e6, 1e6), (1e-5, 3e-5), (0.006, 0.004), 1.0
+    layers = [sk.Layer(sk.Isotropic(e, NU, 1.0, expansion=a), t)
+              for e, a, t in zip(young, expansion, thickness, strict=True)]  # fmt: skip
+    system = system_on(theory, PLATE, JUST_HELD, sk.Temperature(change), (6, 4), sk.Laminate(layers), None)
+    solution = sk.solve(system, rtol=1e-12).unwrap()
+    kappa = bimetal_curvature(change, young, expansion, thickness)
+    # The sphere's membrane strains take (w / t)^2 / 20 = 1e-4 of it, as found; convex on top, which expands more.
+    close = 2e-4
+    for along, length in (([(0, 0.3), (0.5, 0.3), (1, 0.3)], 0.5), ([(0.5, 0), (0.5, 0.3), (0.5, 0.6)], 0.3)):
+        w = solution.displacement(along)[:, 2]
+        assert np.isclose((2 * w[1] - w[0] - w[2]) / length**2, kappa, rtol=close)
+    as_one = bimetal_curvature(change, (1e6, 1e6), expansion, thickness)
+    assert abs(as_one / kappa - 1) > 10 * close, "layers of equal stiffness bend otherwise"
+
+
+@theories
+def test_it_varies_over_the_surface(theory):
+    """A temperature linear in x strains freely without stress: the plate turns into a part of a ring."""
+    slope = 1.0
+    load = sk.Temperature(lambda x, y: slope * (y - 0.3))
+    solution = sk.solve(system_on(theory, PLATE, JUST_HELD, load, (6, 4)), rtol=1e-12).unwrap()
+    free = E * ALPHA * 0.3 * slope
+    # Quadratic strains. Across, the thickness that theory full gives to the warm side costs shear.
+    assert np.abs(solution.stresses(INSIDE)[..., IN_PLANE]).max() < 1e-5 * free
+    sag = solution.displacement([(0.0, 0.3), (0.5, 0.3), (1.0, 0.3)])[:, 1]
+    assert np.isclose(sag[1] - (sag[0] + sag[2]) / 2, ALPHA * slope / 8, rtol=1e-3)
+
+
+@theories
+@pytest.mark.parametrize("surface", [PLATE, sk.SphereSector(1.0, (0.6, 1.4), 0.9)], ids=["flat", "sphere"])
+def test_tangent_is_the_derivative_of_the_residual(surface, theory, rng):
+    load = sk.Temperature(lambda x, y: 1e4 * (1 + x), 5e4)
+    system = system_on(theory, surface, [], load, (2, 1), thickness=0.1)
+    q, eps = system.undeformed + 0.02 * rng.normal(size=system.n_dofs), 1e-6
+
+    def residual(q, factor):
+        return system.internal_force(q) - factor * system.external_force(q)
+
+    unit = eps * np.eye(system.n_dofs)
+    for factor in (1.0, 0.5):
+        numeric = np.array([residual(q + e, factor) - residual(q - e, factor) for e in unit]).T / (2 * eps)
+        tangent = system.tangent(q, factor=factor).to_scipy().toarray()
+        # Rounding over the step, and eps^2.
+        assert np.abs(tangent - numeric).max() < 1e-7 * np.abs(tangent).max()
+    cold = system.tangent(q, factor=0.0).to_scipy().toarray()
+    assert np.abs(cold - tangent).max() > 1e-3 * np.abs(tangent).max()

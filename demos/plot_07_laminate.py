@@ -133,18 +133,19 @@ def stress_through(solution: sk.Solution, z: np.ndarray) -> np.ndarray:
 
 
 def shapes_table(sides: np.ndarray, n: int) -> dict[str, np.ndarray]:
-    """Curvatures of the saddle (m,) and of the settled shape (m, 2) for all sides, and whether the saddle is stable (m,)."""
+    """For all sides -kappa_x of the saddle (m,), -kappa_x and kappa_y of the settled shape (m, 2), and whether the saddle is
+    stable (m,)."""
     saddles, shapes, stable = [], [], []
-    print("side (mm)   saddle: curvature (1/m)          settled: along x, along y")
+    print("side (mm)   saddle: curvatures -+ (1/m)      settled: along x, along y")
     for side in sides:
         symmetric, other = saddle(side, n), settled(side, n)
         assert not other.negative_pivots, "the settled shape should be stable"
-        saddles.append(abs(at_centre(symmetric.unwrap())[3]))
+        saddles.append(-at_centre(symmetric.unwrap())[3])
         shapes.append(at_centre(other.unwrap())[[3, 4]])
         stable.append(not symmetric.negative_pivots)
         print(f"{1e3 * side:9.1f}   {saddles[-1]:8.4f} {'stable' if stable[-1] else 'not stable':<12}"
               f"      {shapes[-1][0]:19.4f} {shapes[-1][1]:8.4f}")  # fmt: skip
-    return {"saddle": np.array(saddles), "settled": np.abs(shapes), "stable": np.array(stable)}
+    return {"saddle": np.array(saddles), "settled": np.array(shapes) * (-1, 1), "stable": np.array(stable)}
 
 
 def critical_side(side: float, n: int) -> float:
@@ -174,15 +175,15 @@ def draw_shapes(axes: plt.Axes, sides: np.ndarray, found: dict[str, np.ndarray],
     axes.plot([fork, *mm[~stable]], [turn, *curvature[~stable]], "--", color=orange, lw=1.8, label="saddle, not stable")
     for k, style in ((1, "o-"), (0, "s-")):
         axes.plot([fork, *mm[~stable]], [turn, *found["settled"][~stable, k]], style, ms=4, color=blue, lw=2, mfc="white",
-                  label="cylinder, " + ("along x", "along y")[k])  # fmt: skip
+                  label="cylinder, " + (r"$-\kappa_x$", r"$\kappa_y$")[k])  # fmt: skip
     axes.plot(fork, turn, "D", color="#009E73", ms=8, label="bifurcation")
-    for value, name in ((abs(free_shape()[3]), "saddle"), (abs(free_shape(True)[3]), "cylinder")):
-        above = value == abs(free_shape()[3])
+    values = [abs(free_shape(flat)[3]) for flat in (False, True)]
+    for value in values:
         axes.axhline(value, color="k", lw=1, ls=":")
-        axes.text(mm[-1], value + (0.05 if above else -0.07), f"lamination theory, {name}", ha="right",
-                  va="bottom" if above else "top", fontsize=9)  # fmt: skip
-    axes.set(xlabel="side of the sheet (mm)", ylabel="curvature in the middle (1/m)", xlim=(0, None), ylim=(-0.2, 6),
-             title="Saddle or cylinder")  # fmt: skip
+    axes.text(mm[-1], values[0] + 0.07, "lamination theory: saddle {:.2f}, cylinder {:.2f}".format(*values), ha="right",
+              fontsize=9)  # fmt: skip
+    axes.set(xlabel="side of the sheet (mm)", ylabel=r"$-\kappa_x$ and $\kappa_y$ in the middle (1/m)", xlim=(0, None),
+             ylim=(-0.5, 6), title="Saddle or cylinder")  # fmt: skip
     axes.legend(frameon=False, loc="center right", bbox_to_anchor=(1.0, 0.52))
     axes.grid(color="#e0e0e0")
 
@@ -200,7 +201,7 @@ def draw_stress(axes: plt.Axes, solution: sk.Solution) -> None:
     axes.text(0.02, 0.97, "fibres along y", transform=axes.transAxes, va="top", color="#505050")
     axes.text(0.02, 0.03, "fibres along x", transform=axes.transAxes, color="#505050")
     axes.set(xlabel="stress (MPa)", ylabel="z (mm)", title="Cylinder: stress in the layers (lines: lamination theory)")
-    axes.legend(frameon=False, loc="lower right")
+    axes.legend(frameon=False, loc="upper right")
     axes.grid(color="#e0e0e0")
 
 
@@ -224,7 +225,7 @@ def draw_sheet(axes: plt.Axes, solution: sk.Solution, title: str, enlarged: floa
     axes.add_collection3d(Poly3DCollection(np.concatenate(cells), facecolors=colour, edgecolors=colour, linewidths=0.4,
                                            clip_on=False))  # fmt: skip
     axes.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-0.35, 0.35))
-    axes.set_box_aspect((2, 2, 0.7), zoom=1.2)
+    axes.set_box_aspect((2, 2, 0.7), zoom=1.12)
     axes.view_init(elev=24, azim=-60)
     axes.set_axis_off()
     axes.set_title(title, y=0.93, fontsize=11)
@@ -233,11 +234,12 @@ def draw_sheet(axes: plt.Axes, solution: sk.Solution, title: str, enlarged: floa
 # %%
 # The run
 # -------
-# The numbers to hit: the small-deflection answer has lamination theory's saddle and its stresses in every layer to
-# one part in a million, whatever the side; the smallest sheet that is run has its curvature to 3 %; in the
-# largest the strains of the cylinder are those of lamination theory to 1.5 % and its curvature to 3 %. The curvature comes
-# near to the limit slowly and from both sides, because what happens at the edges reaches far along a cylinder. The
-# saddle's stability ends between the sides where the table says so.
+# The numbers to hit: the small-deflection answer has lamination theory's saddle and its stresses in every layer to one part
+# in a million, whatever the side; the smallest sheet that is run has its curvature to 3 %. The strains in the middle of the
+# largest are those of lamination theory's cylinder to 2 % of the larger one, its curvature to 3 %, and the curvature along
+# the axis is below 2 % of it. That curvature nears its limit slowly and from both sides, because what happens at the ends of
+# a cylinder reaches far along it. The bifurcation that the path of a cooling sheet has lies between the sides where the
+# table changes from stable to not stable, and both cylinders are mirror images.
 
 
 def main(size: str = "full", out: str = "out") -> dict[str, np.ndarray]:
@@ -269,7 +271,7 @@ def main(size: str = "full", out: str = "out") -> dict[str, np.ndarray]:
         assert np.allclose(stress_through(linear, depths), stress_of(free_shape(), layer, depths)[:, :2], rtol=1e-6)
     assert np.isclose(found["saddle"][0], abs(free_shape()[3]), rtol=3e-2)
     cylinder, theory = at_centre(large), free_shape(True)
-    assert np.allclose(cylinder[:2], theory[:2], rtol=1.5e-2), (cylinder, theory)
+    assert np.allclose(cylinder[:2], theory[:2], atol=2e-2 * abs(theory[0])), (cylinder, theory)
     assert np.isclose(cylinder[3], theory[3], rtol=3e-2) and abs(cylinder[4]) < 0.02 * abs(theory[3]), (cylinder, theory)
     assert sides[found["stable"]].max() < critical < sides[~found["stable"]].min()
     assert np.allclose(at_centre(turned)[[3, 4]], -at_centre(large)[[4, 3]], rtol=1e-3, atol=1e-3)

@@ -128,7 +128,7 @@ def draw_stages(axes: plt.Axes, states: tuple[sk.Solution, ...]) -> None:
         axes.text(x + ahead[0] - aside, y, z + ahead[1], f"{state.load_factor:g}", color=0.8 * colour[:3], ha="center",
                   va="center")  # fmt: skip
     axes.set(xlim=(-3, 12), ylim=(0, 1), zlim=(0, 9))
-    axes.set_box_aspect((15, 1, 9), zoom=1.75)
+    axes.set_box_aspect((15, 1, 9), zoom=1.6)
     axes.view_init(elev=14, azim=-72)
     axes.set_axis_off()
 

@@ -129,7 +129,7 @@ def draw_shell(axes: plt.Axes, state: sk.Solution, limit: float) -> None:
     colour = np.concatenate(faces)
     axes.add_collection3d(Poly3DCollection(np.concatenate(cells), facecolors=colour, edgecolors=colour, linewidths=0.4))
     axes.set(xlim=(-14, 14), ylim=(-14, 14), zlim=(-6, 13))
-    axes.set_box_aspect((28, 28, 19), zoom=1.6)
+    axes.set_box_aspect((28, 28, 19), zoom=1.42)
     axes.view_init(elev=24, azim=-68)
     axes.set_axis_off()
     axes.set_title(f"P = {FORCE * state.load_factor:g}", y=0.95)

@@ -194,7 +194,7 @@ def draw_roof(axes: plt.Axes, state: sk.Solution, title: str, limits: tuple[floa
     colour[:, :3] *= shade[:, None]
     axes.add_collection3d(Poly3DCollection(cells, facecolors=colour, edgecolors=colour, linewidths=0.4, clip_on=False))
     axes.set(xlim=(0, LENGTH), ylim=(-LENGTH / 2, LENGTH / 2), zlim=(2505, 2545))
-    axes.set_box_aspect((1, 1, 40 * 5 / LENGTH), zoom=1.08)
+    axes.set_box_aspect((1, 1, 40 * 5 / LENGTH), zoom=0.98)
     axes.view_init(elev=20, azim=-35)
     axes.set_axis_off()
     axes.set_title(title, y=0.9, fontsize=11)

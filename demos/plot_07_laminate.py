@@ -225,7 +225,7 @@ def draw_sheet(axes: plt.Axes, solution: sk.Solution, title: str, enlarged: floa
     axes.add_collection3d(Poly3DCollection(np.concatenate(cells), facecolors=colour, edgecolors=colour, linewidths=0.4,
                                            clip_on=False))  # fmt: skip
     axes.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-0.35, 0.35))
-    axes.set_box_aspect((2, 2, 0.7), zoom=1.12)
+    axes.set_box_aspect((2, 2, 0.7), zoom=1.05)
     axes.view_init(elev=24, azim=-60)
     axes.set_axis_off()
     axes.set_title(title, y=0.93, fontsize=11)

@@ -82,7 +82,7 @@ class Solution:
         """
         free = self._free_strains(points, self._depth(z))
         assembly, inside = self.system.assembly, self.system.geometry.inside(points)
-        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, z, free), offset=free)
+        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, z, free))
 
     def stresses(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
@@ -118,11 +118,12 @@ class Solution:
                 forces = forces - self.load_factor * load.resultants(points, self.time)
         return forces
 
-    def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray], offset: Any = 0.0) -> np.ndarray:
-        """A quantity of the nodal coordinates; of a small-deflection answer its linear part, beside an offset."""
+    def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
         if not self.linear:
             return quantity(self.q)
-        return self.system.linear_part(quantity, self.q - self.system.undeformed) + offset
+        start = self.system.undeformed
+        return quantity(start) + self.system.linear_part(quantity, self.q - start)
 
     def shear_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         """Transverse shear forces Q1, Q2 per length that balance the moments, theory `kirchhoff`: (n_elements, 2, n) (N/m).

@@ -34,6 +34,18 @@ def test_a_free_plate_expands_without_stress(theory):
 
 
 @theories
+def test_a_free_plate_expands_without_stress_in_the_small_deflection_answer(theory):
+    """Strain alpha T in all three directions, once."""
+    change = 50.0
+    solution = sk.solve_linear(system_on(theory, PLATE, JUST_HELD, sk.Temperature(change)))
+    assert np.allclose(solution.displacement((1.0, 0.6)), [ALPHA * change, 0.6 * ALPHA * change, 0], rtol=1e-9, atol=1e-12)
+    for z in (-T / 2, 0.0, T / 3):
+        # The linear part is a difference over a part of the change, 1e-16 / 1e-5 of the slopes beside the strain 5e-4.
+        assert np.allclose(solution.strains(INSIDE, z)[..., :3], ALPHA * change, rtol=1e-6)
+        assert np.abs(solution.stresses(INSIDE, z)).max() < 1e-6 * E * ALPHA * change
+
+
+@theories
 def test_a_free_ball_expands(theory):
     """All of it, without stress but for bending by the change of its radius, (t / R)^2 / 12 of the expansion."""
     ball = sk.SphereSector(1.0, (0.0, np.pi), 2 * np.pi, closed=True)

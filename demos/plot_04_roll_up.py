@@ -30,7 +30,6 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import skancf as sk
 from skancf import output
@@ -110,17 +109,10 @@ def path_table(result: sk.StaticResult) -> None:
 def draw_stages(axes: plt.Axes, states: tuple[sk.Solution, ...]) -> None:
     """All states as strips, coloured by their load factor."""
     colours = plt.colormaps["viridis"](np.linspace(0, 0.92, len(states)))
-    light = np.array([-0.4, -0.5, 0.77])
-    polygons, faces = [], []
-    for state, colour in zip(states, colours, strict=True):
-        surface = output.sample(state, 4)
-        cells = surface.points[surface.cells]
-        normals = np.cross(cells[:, 2] - cells[:, 0], cells[:, 3] - cells[:, 1])
-        shade = 0.65 + 0.35 * np.abs(normals @ light) / np.linalg.norm(normals, axis=1)
-        polygons.append(cells)
-        faces.append(np.column_stack([colour[:3] * shade[:, None], np.ones(len(cells))]))
-    faces = np.concatenate(faces)
-    axes.add_collection3d(Poly3DCollection(np.concatenate(polygons), facecolors=faces, edgecolors="none", clip_on=False))
+    samples = [output.sample(state, 4) for state in states]
+    cells = [surface.points[surface.cells] for surface in samples]
+    faces = [np.tile(colour, (len(part), 1)) for part, colour in zip(cells, colours, strict=True)]
+    output.draw_cells(axes, np.concatenate(cells), np.concatenate(faces), light=(-0.4, -0.5, 0.77))
     for state, colour in zip(states, colours, strict=True):
         (x, y, z), angle = state.position(END), 2 * np.pi * state.load_factor
         ahead = 0.5 * np.array([np.cos(angle), np.sin(angle)]) if state.load_factor < 1 else (0.0, -0.6)
@@ -130,7 +122,6 @@ def draw_stages(axes: plt.Axes, states: tuple[sk.Solution, ...]) -> None:
     axes.set(xlim=(-3, 12), ylim=(0, 1), zlim=(0, 9))
     axes.set_box_aspect((15, 1, 9), zoom=1.6)
     axes.view_init(elev=14, azim=-72)
-    axes.set_axis_off()
 
 
 def draw_path(axes: plt.Axes, results: dict[str, sk.StaticResult]) -> None:

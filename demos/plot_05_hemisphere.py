@@ -24,7 +24,6 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import skancf as sk
 from skancf import output
@@ -117,21 +116,15 @@ def curve_table(found: np.ndarray) -> None:
 
 def draw_shell(axes: plt.Axes, state: sk.Solution, limit: float) -> None:
     """The whole shell, coloured by von Mises' stress on the outer face up to a limit."""
-    surface, light = output.sample(state, 2, z=THICKNESS / 2), np.array([0.4, -0.6, 0.7])
+    surface = output.sample(state, 2, z=THICKNESS / 2)
     stress = von_mises(surface.stress)[surface.cells].mean(axis=1)
     colours = plt.colormaps["viridis"](stress / limit)
-    cells, faces = [], []
-    for mirror in ((1, 1, 1), (-1, 1, 1), (1, -1, 1), (-1, -1, 1)):
-        cells.append((surface.points * mirror)[surface.cells])
-        normals = np.cross(cells[-1][:, 2] - cells[-1][:, 0], cells[-1][:, 3] - cells[-1][:, 1])
-        shade = 0.6 + 0.4 * np.abs(normals @ light) / np.linalg.norm(normals, axis=1)
-        faces.append(np.column_stack([colours[:, :3] * shade[:, None], np.ones(len(stress))]))
-    colour = np.concatenate(faces)
-    axes.add_collection3d(Poly3DCollection(np.concatenate(cells), facecolors=colour, edgecolors=colour, linewidths=0.4))
+    mirrors = [(1, 1, 1), (-1, 1, 1), (1, -1, 1), (-1, -1, 1)]
+    cells = np.concatenate([(surface.points * mirror)[surface.cells] for mirror in mirrors])
+    output.draw_cells(axes, cells, np.tile(colours, (4, 1)), light=(0.4, -0.6, 0.7))
     axes.set(xlim=(-14, 14), ylim=(-14, 14), zlim=(-6, 13))
     axes.set_box_aspect((28, 28, 19), zoom=1.42)
     axes.view_init(elev=24, azim=-68)
-    axes.set_axis_off()
     axes.set_title(f"P = {FORCE * state.load_factor:g}", y=0.95)
 
 

@@ -29,7 +29,6 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from scipy.interpolate import CubicSpline
 
 import skancf as sk
@@ -187,16 +186,10 @@ def draw_roof(axes: plt.Axes, state: sk.Solution, title: str, limits: tuple[floa
     surface = output.sample(state, 3)
     cells = surface.points[surface.cells]
     share = (-surface.displacement[surface.cells][:, :, 2].mean(axis=1) - limits[0]) / np.diff(limits)
-    seen = cells * (1, 1, 5)
-    normals = np.cross(seen[:, 2] - seen[:, 0], seen[:, 3] - seen[:, 1])
-    shade = 0.7 + 0.3 * np.abs(normals @ (0.6, -0.35, 0.72)) / np.linalg.norm(normals, axis=1)
-    colour = plt.colormaps["viridis"](share)
-    colour[:, :3] *= shade[:, None]
-    axes.add_collection3d(Poly3DCollection(cells, facecolors=colour, edgecolors=colour, linewidths=0.4, clip_on=False))
+    output.draw_cells(axes, cells, plt.colormaps["viridis"](share), light=(0.6, -0.35, 0.72), stretch=(1, 1, 5))
     axes.set(xlim=(0, LENGTH), ylim=(-LENGTH / 2, LENGTH / 2), zlim=(2505, 2545))
     axes.set_box_aspect((1, 1, 40 * 5 / LENGTH), zoom=0.98)
     axes.view_init(elev=20, azim=-35)
-    axes.set_axis_off()
     axes.set_title(title, y=0.9, fontsize=11)
 
 

@@ -29,7 +29,6 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 import skancf as sk
 from skancf import output
@@ -212,22 +211,14 @@ def draw_sheet(axes: plt.Axes, solution: sk.Solution, title: str, enlarged: floa
     points = surface.points / side
     height = points[:, 2] - points[:, 2].mean()
     share = (height - height.min()) / np.ptp(height)
-    cells, faces = [], []
-    for mirror in ((1, 1, 1), (-1, 1, 1), (1, -1, 1), (-1, -1, 1)):
-        corners = (np.column_stack([points[:, :2], enlarged * height]) * mirror)[surface.cells]
-        normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        shade = 0.65 + 0.35 * np.abs(normals @ (0.5, -0.3, 0.81)) / np.linalg.norm(normals, axis=1)
-        colour = plt.colormaps["viridis"](0.15 + 0.8 * share[surface.cells].mean(axis=1))
-        colour[:, :3] *= shade[:, None]
-        cells.append(corners)
-        faces.append(colour)
-    colour = np.concatenate(faces)
-    axes.add_collection3d(Poly3DCollection(np.concatenate(cells), facecolors=colour, edgecolors=colour, linewidths=0.4,
-                                           clip_on=False))  # fmt: skip
+    quarter = np.column_stack([points[:, :2], enlarged * height])
+    mirrors = [(1, 1, 1), (-1, 1, 1), (1, -1, 1), (-1, -1, 1)]
+    cells = np.concatenate([(quarter * mirror)[surface.cells] for mirror in mirrors])
+    colour = plt.colormaps["viridis"](0.15 + 0.8 * share[surface.cells].mean(axis=1))
+    output.draw_cells(axes, cells, np.tile(colour, (4, 1)), light=(0.5, -0.3, 0.81))
     axes.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-0.35, 0.35))
     axes.set_box_aspect((2, 2, 0.7), zoom=1.05)
     axes.view_init(elev=24, azim=-60)
-    axes.set_axis_off()
     axes.set_title(title, y=0.93, fontsize=11)
 
 

@@ -455,6 +455,21 @@ def test_charts_are_drawn(tmp_path):
     assert left_over(tmp_path) == []
 
 
+def test_cells_in_a_panel_are_shaded_by_how_they_face_the_light(rested):
+    from matplotlib.figure import Figure
+
+    axes = Figure().add_subplot(projection="3d")
+    flat = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]], float)
+    upright = flat[:, :, [2, 0, 1]]
+    for cell, shade in ((flat, 1.0), (upright, 0.65)):
+        drawn = output.draw_cells(axes, cell, np.ones((1, 4)), light=(0, 0, 2))
+        np.testing.assert_allclose(drawn.get_facecolor(), [[shade] * 3 + [1.0]], rtol=1e-12)
+    samples = output.sample(rested, 2)
+    assert output.draw_cells(axes, samples.points[samples.cells], np.ones((len(samples.cells), 3))) in axes.collections
+    with pytest.raises(InputError, match="a colour for each"):
+        output.draw_cells(axes, flat, np.ones((2, 3)))
+
+
 def test_a_refined_field_is_bilinear():
     surface = sk.AnnulusSector(1.0, 2.0)
     mesh = sk.meshes.uniform(surface, 3, 2)

@@ -3,6 +3,7 @@
 from skancf.output.atomic import check_folder
 from skancf.output.charts import convergence_chart, field_chart, histories_chart, mesh_chart
 from skancf.output.files import read, write
+from skancf.output.panels import draw_cells
 from skancf.output.pictures import animation, picture
 from skancf.output.sampling import Samples, sample
 from skancf.output.tables import save_table
@@ -12,6 +13,7 @@ __all__ = [
     "animation",
     "check_folder",
     "convergence_chart",
+    "draw_cells",
     "field_chart",
     "histories_chart",
     "mesh_chart",

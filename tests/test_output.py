@@ -464,7 +464,7 @@ def test_cells_in_a_panel_are_shaded_by_how_they_face_the_light(rested):
     for cell, shade in ((flat, 1.0), (upright, 0.65)):
         drawn = output.draw_cells(axes, cell, np.ones((1, 4)), light=(0, 0, 2))
         np.testing.assert_allclose(drawn.get_facecolor(), [[shade] * 3 + [1.0]], rtol=1e-12)
-    samples = output.sample(rested, 2)
+    samples = output.sample(bent(rested), 2)
     assert output.draw_cells(axes, samples.points[samples.cells], np.ones((len(samples.cells), 3))) in axes.collections
     with pytest.raises(InputError, match="a colour for each"):
         output.draw_cells(axes, flat, np.ones((2, 3)))

@@ -134,6 +134,12 @@ FREQUENCIES = {
 }
 
 
+def finer_at_the_ends(n, both=True):
+    """Positions of nodes from 0 to 1: elements at the ends, or at the first one only, are about half of the mean."""
+    s = np.linspace(0, 1, n + 1)
+    return 0.6 * s + 0.4 * ((1 - np.cos(pi * s)) / 2 if both else 1 - np.cos(pi * s / 2))
+
+
 @pytest.mark.parametrize("edges", FREQUENCIES)
 def test_frequencies_of_square_plates(edges):
     supports, expected = FREQUENCIES[edges]
@@ -142,13 +148,15 @@ def test_frequencies_of_square_plates(edges):
     scale = np.sqrt(1e6 * t**3 / 12 / 0.91 / t)
     rigid, errors = (6 if edges == "free" else 0), []
     for n in (8, 16):
-        modes = sk.modes(plate.on(sk.meshes.uniform(surface, n, n), "kirchhoff"), len(expected) + rigid)
+        mesh = sk.meshes.uniform(surface, n, n)
+        if edges == "one edge":  # its ends are singular corners
+            mesh = sk.meshes.tensor(surface, finer_at_the_ends(n, both=False), finer_at_the_ends(n))
+        modes = sk.modes(plate.on(mesh, "kirchhoff"), len(expected) + rigid)
         assert modes.n_rigid == rigid
         errors.append(modes.omega[rigid:] / scale / expected - 1)
-    # On 16 x 16: order 4 for smooth modes. The higher ones of clamped edges need a finer mesh for 1e-4, and a clamped edge
-    # that ends at a free one has a singular corner.
-    assert np.abs(errors[1][0]) < 1e-4 and np.abs(errors[1]).max() < 1.6e-4
-    assert (np.abs(errors[1]) < 1e-4).sum() >= {"one edge": 2, "clamped": 4}.get(edges, len(expected))
+    # On 16 x 16 elements; the fifth and sixth mode between clamped edges, shorter waves, need 20 x 20 for 1e-4.
+    few = 4 if edges == "clamped" else len(expected)
+    assert np.abs(errors[1][:few]).max() < 1e-4 and np.abs(errors[1]).max() < 1.5e-4
     assert np.abs(errors[0]).max() > 3 * np.abs(errors[1]).max()
 
 

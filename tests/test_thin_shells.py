@@ -10,6 +10,7 @@ from problems import hemisphere as hemisphere_problem
 from reference import cylinder
 
 import skancf as sk
+from skancf.theories import kirchhoff
 
 MESHES = (8, 16, 32)
 ROOF = cylinder.Cylinder(radius=25.0, length=50.0, thickness=0.25, young=4.32e8, poisson=0.0)
@@ -70,9 +71,10 @@ def test_scordelis_lo_roof():
     assert np.isclose(limit, cylinder.roof(ROOF, radians(40), weight=90.0), rtol=2e-6), "the series has converged"
     assert 0.0 < 1 - limit / 0.3024 < 0.007, "thin theory is a little stiffer than the published value"
     errors = [abs(roof(n) / limit - 1) for n in MESHES]
-    # Measured 3.3e-4, 1.8e-5, 4e-7; the series is good for 1e-7.
+    # Measured 2.1e-4, 1.8e-5, 4e-7; the series is good for 1e-7. Order 4 over both halvings together: in between, the factor
+    # of the rest of the membrane strains changes with the mesh.
     assert errors[0] < 4e-4 and errors[2] < 1e-6
-    assert (np.log2(np.array(errors[:-1]) / errors[1:]) > 3.9).all()
+    assert np.log2(errors[0] / errors[2]) / 2 > 3.9 and np.log2(errors[0] / errors[1]) > 3.4
     assert abs(roof(32, assumed=False) / limit - 1) < 1e-6, "the plain element has the same limit"
 
 
@@ -82,10 +84,10 @@ def test_pinched_cylinder():
     limit = full + (full - half) / 3
     assert np.isclose(limit, 1.82488e-5, rtol=2.5e-3)
     errors = np.array([1 - pinched(n) / limit for n in MESHES])
-    # Measured 4.3 %, 1.0 %, 0.24 %: order 2, as under any point force.
+    # Measured 4.5 %, 1.0 %, 0.24 %: order 2, as under any point force.
     assert errors[-1] < 2.6e-3
     assert (np.log2(errors[:-1] / errors[1:]) > 1.95).all()
-    assert 1 - pinched(8, assumed=False) / limit > 1.8 * errors[0], "the plain element locks on a coarse mesh"
+    assert 1 - pinched(8, assumed=False) / limit > 1.7 * errors[0], "the plain element locks on a coarse mesh"
 
 
 # --- hemisphere ------------------------------------------------------------------------------------------------------
@@ -98,18 +100,18 @@ def test_hemisphere():
     assert all(abs(u[0] / u[1] - 1) < 1e-8 for u in along)
     found = np.array([u[0] for u in along])
     assert 0.0924 < found[-1] < 0.0940
-    # Measured 0.32, 0.03, 0.007 and 0.003 % below 0.093523; the last ones by order 2 of the point force.
-    assert np.allclose(found, 0.093523, rtol=3.5e-3) and np.allclose(found[1:], 0.093523, rtol=4e-4)
+    # Measured 0.33, 0.05, 0.007 and 0.003 % below 0.093523; the last ones by order 2 of the point force.
+    assert np.allclose(found, 0.093523, rtol=3.5e-3) and np.allclose(found[1:], 0.093523, rtol=5e-4)
     assert np.allclose(found[2:], 0.093523, rtol=1e-4)
     assert 1 - hemisphere(8, assumed=False)[0] / found[-1] > 4 * (1 - found[0] / found[-1])
 
 
 # R / t: part that the displacement lacks of that on 64 x 64, on 8 x 8 and 16 x 16 elements, assumed and plain strains.
 SWEEP = {
-    250: ((0.0021, 0.00023), (0.0134, 0.00076)),
-    1000: ((0.0067, 0.00081), (0.052, 0.0051)),
-    4000: ((0.0046, 0.0034), (0.35, 0.019)),
-    10000: ((0.0020, 0.0035), (0.76, 0.068)),
+    250: ((0.0033, 0.00043), (0.0134, 0.00076)),
+    1000: ((0.0082, 0.0015), (0.052, 0.0051)),
+    4000: ((0.0078, 0.0043), (0.35, 0.019)),
+    10000: ((0.0054, 0.0048), (0.76, 0.068)),
 }  # fmt: skip
 
 
@@ -157,5 +159,44 @@ def test_twisted_beam(case, axis):
     found = [twisted(n, *case, axis) for n in (8, 16, 32)]
     # Measured 0.13 and 0.48 % (t / width = 0.3: no thin plate), 0.07 and 0.14 % (four digits) below.
     assert 0 < 1 - found[-1] / published[axis - 1] < allowed
-    # Measured on 8 x 2 within 0.5 %, on 16 x 4 within 0.09 % of 32 x 8.
-    assert np.allclose(found[:2], found[2], rtol=6e-3) and np.isclose(found[1], found[2], rtol=1e-3)
+    # Measured on 8 x 2 within 0.5 %, on 16 x 4 within 0.11 % of 32 x 8.
+    assert np.allclose(found[:2], found[2], rtol=6e-3) and np.isclose(found[1], found[2], rtol=1.5e-3)
+
+
+# --- buckling --------------------------------------------------------------------------------------------------------
+
+STEEL = sk.Isotropic(210e9, 0.3, 7800.0)
+
+
+def compressed_cylinder(n: tuple[int, int], assumed: bool) -> float:
+    """Axially compressed, R = L, R / t = 50, edges held across: load over the classical 0.605 E t^2 / R."""
+    surface, t = sk.CylinderSector(1.0, 1.0, 2 * pi, closed=True), 0.02
+    supports = [sk.Roller("left", (1, 0, 0)), sk.Roller("boundary", (0, 1, 0)), sk.Roller("boundary", (0, 0, 1))]
+    problem = sk.Problem(surface, t, STEEL, supports, [sk.EdgeLoad("right", (-1e6, 0, 0))])
+    system = problem.on(sk.meshes.uniform(surface, *n), sk.Kirchhoff(assumed=assumed))
+    return sk.buckling(system, 1).load_factors[0] * 1e6 / (210e9 * t**2 / np.sqrt(3 * 0.91))
+
+
+def sphere_under_pressure(n: tuple[int, int], assumed: bool) -> float:
+    """Whole sphere, R / t = 50: pressure over the classical 2 E (t / R)^2 / sqrt(3 (1 - nu^2)) (Zoelly, 1915)."""
+    surface, t = sk.SphereSector(1.0, (0.0, pi), 2 * pi, closed=True), 0.02
+    supports = [sk.Pin((0.0, 0.0)), sk.Roller((pi, 0.0), (1, 0, 0)), sk.Roller((pi, 0.0), (0, 1, 0)),
+                sk.Roller((pi / 2, 0.0), (0, 1, 0))]  # fmt: skip
+    problem = sk.Problem(surface, t, STEEL, supports, [sk.FollowerPressure(-1e5)])
+    system = problem.on(sk.meshes.uniform(surface, *n), sk.Kirchhoff(assumed=assumed))
+    return sk.buckling(system, 1).load_factors[0] * 1e5 / (2 * 210e9 * t**2 / np.sqrt(3 * 0.91))
+
+
+@pytest.mark.parametrize(
+    ("shell", "mesh", "lowest"),
+    [(compressed_cylinder, (8, 24), 0.85), (compressed_cylinder, (12, 36), 0.97), (sphere_under_pressure, (20, 24), 0.96)],
+)
+def test_assumed_strains_do_not_make_shells_buckle_early(shell, mesh, lowest):
+    """Half waves are 0.24 long on the cylinder: 8 x 24 elements have one element round for each."""
+    assumed, plain = shell(mesh, True), shell(mesh, False)
+    assert 0.97 < plain < 1.02 and lowest < assumed < plain + 1e-3
+
+
+def test_with_the_rest_of_a_flat_plate_a_cylinder_would_buckle_early(monkeypatch):
+    monkeypatch.setattr(kirchhoff, "REST", 0.0)
+    assert compressed_cylinder((8, 24), True) < 0.5

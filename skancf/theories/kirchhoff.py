@@ -10,8 +10,9 @@ strains that cubics cannot make zero everywhere. The assumed membrane strain is 
     \quad \hat\varepsilon_{12} \in P_1(\xi) \otimes P_1(\eta),
 
 the projection in the metric of the 4 x 4 Gauss points. The rest :math:`\varepsilon - \hat\varepsilon` counts with the
-factors :math:`t^2 / (h_a h_b)`, thickness over lengths of the element, at most one: small against bending, and enough to
-leave no motion free. Elements at a pole, whose metric starts from nothing, keep their membrane strains as they are.
+factors of :func:`rest_factors`, at most one: small against bending, enough to leave no motion free, and all of it where an
+element is fine enough not to lock. Elements at a pole, whose metric starts from nothing, keep their membrane strains as
+they are.
 """
 
 from dataclasses import dataclass
@@ -23,8 +24,10 @@ from numpy.polynomial.legendre import legvander
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import hermite_functions
 from skancf.surfaces import Surface
-from skancf.theories.kirchhoff_point import dot, dual, strain, unit_normal
+from skancf.theories.kirchhoff_point import SECOND, dot, dual, strain, unit_normal
 
+REST, REST_FROM = 0.8, 0.9
+"""g and x0 of :func:`rest_factors`, by measurement: buckling against locking."""
 KEPT = ((2, 3), (3, 2), (2, 2))
 """Legendre polynomials in xi and in eta that the assumed strains 11, 22, 12 are made of."""
 
@@ -149,8 +152,27 @@ def covariant_to_local(jet: np.ndarray, first: np.ndarray, side: np.ndarray) -> 
 
 
 def rest_factors(jet: np.ndarray, thickness: float) -> np.ndarray:
-    """Roots (n_elements, 3) of the factors of the rest of the membrane strains: min(1, t / h) by direction."""
+    r"""Roots :math:`\omega` of the factors of the rest of the membrane strains 11, 22, 12: (n_elements, 3).
+
+    .. math:: \omega_{aa} = \min\Bigl(1, \max\Bigl(\frac{t}{h_a},\ g\,\frac{x_a - x_0}{x_a^2}\Bigr)\Bigr), \qquad
+        x_a = \frac{k h_a^2}{t}, \qquad \omega_{12}^2 = \omega_{11} \omega_{22}
+
+    with the lengths :math:`h_a` of an undeformed element and its largest principal curvature k. An element with
+    :math:`x < x_0` resolves the waves in which a shell buckles, of the length :math:`\sqrt{t / k}`. In a coarser one some of
+    its own waves have no membrane strain but the rest, and with :math:`t/h` alone they would buckle early. The second term
+    holds them; it falls as locking, in proportion to :math:`x^2`, rises.
+    """
     lengths = np.sqrt(dot(jet[:2].swapaxes(0, 1), jet[:2].swapaxes(0, 1))).mean(axis=-1)
-    one, two = np.minimum(1.0, thickness / lengths)
+    x = np.maximum(largest_curvature(jet).mean(axis=-1) * lengths**2 / thickness, REST_FROM)
+    one, two = np.minimum(1.0, np.maximum(thickness / lengths, REST * (x - REST_FROM) / x**2))
     return np.stack([one, two, np.sqrt(one * two)], axis=1)
 
+
+def largest_curvature(jet: np.ndarray) -> np.ndarray:
+    """Size of the larger principal curvature, (...) (1/m)."""
+    n, (a1, a2) = unit_normal(jet), dual(jet)
+    b11, b22, b12 = (dot(jet[k], n) for k in SECOND)
+    a11, a22, a12 = dot(a1, a1), dot(a2, a2), dot(a1, a2)
+    mean = (a11 * b11 + a22 * b22 + 2 * a12 * b12) / 2
+    gauss = (a11 * a22 - a12**2) * (b11 * b22 - b12**2)
+    return np.asarray(np.abs(mean) + np.sqrt(np.maximum(mean**2 - gauss, 0.0)))

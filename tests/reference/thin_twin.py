@@ -96,10 +96,19 @@ class Element:
             out[6:, p, 6:, p] = law[:3, :3]
         return out.reshape(144, 144)
 
+    def _curvature(self, p: int) -> float:
+        """The larger principal curvature of the undeformed element at a point: an eigenvalue of metric^-1 curvature."""
+        r1, r2, r11, r22, r12 = self.reference[..., p]
+        n = np.cross(r1, r2)
+        n = n / np.linalg.norm(n)
+        b = np.array([[r11 @ n, r12 @ n], [r12 @ n, r22 @ n]])
+        return float(np.abs(np.linalg.eigvals(np.linalg.solve([[r1 @ r1, r1 @ r2], [r1 @ r2, r2 @ r2]], b))).max())
+
     def _generalised(self, thickness: float, assumed: bool) -> np.ndarray:
         """A, (144, 96)."""
         lengths = np.linalg.norm(self.reference[:2], axis=1).mean(axis=1)
-        one, two = np.minimum(1, thickness / lengths)
+        x = np.mean([self._curvature(p) for p in range(16)]) * lengths**2 / thickness
+        one, two = np.minimum(1, np.maximum(thickness / lengths, 0.8 * (x - 0.9) / x**2 if (x > 0).all() else 0))
         roots = one, two, np.sqrt(one * two)
         P = projections() if assumed else np.stack([np.eye(16)] * 3)
         A = np.zeros((9, 16, 6, 16))

@@ -11,6 +11,7 @@ from skancf.errors import DidNotConverge, InputError, SingularMatrix
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
 from skancf.statics import Status, StepLength, newton
 from skancf.statics.newton import Constraint
+from skancf.statics.points import Follower
 
 # --- structures of one and two coordinates ---------------------------------------------------------------------------
 
@@ -171,6 +172,22 @@ def test_the_number_of_steps_ends_a_path():
     assert path.status is Status.NOT_REACHED and len(path.solutions) == 4 and "these were all the steps" in path.message
     free = sk.trace(Truss(), steps=3)
     assert free.status is Status.CONVERGED and len(free.solutions) == 4 and free.message == ""
+
+
+@pytest.mark.parametrize("below", [0.1, 1e-2, 1e-6])
+def test_an_end_just_below_the_limit_point_is_on_the_way_up(below):
+    """The step from 0.369 ends at 0.370 beyond the limit point at 0.385; the end lies in it, and not on the far branch."""
+    path = sk.trace(Truss(), until=LIMIT * (1 - below)).unwrap()
+    assert path.solution.load_factor == pytest.approx(LIMIT * (1 - below), rel=1e-12) and not path.events
+    assert path.load_factors.max() == path.solution.load_factor and path.solution.q[0] < 1 - 1 / np.sqrt(3)
+
+
+def test_an_end_that_was_passed_but_not_found_is_not_reached(monkeypatch):
+    monkeypatch.setattr(Follower, "at_condition", lambda *_: None)
+    path = sk.trace(Truss(), until=0.3)
+    assert path.status is Status.NOT_REACHED and "between load factors" in path.message and "StepLength" in path.message
+    # The smallest step is 1e-4 of the first one, which is a load of 0.05; what is discarded is beyond.
+    assert 0.3 - 0.05e-4 < path.solution.load_factor < 0.3 and (np.diff(path.load_factors) > 0).all()
 
 
 def test_a_path_that_fails_keeps_what_it_has():

@@ -34,7 +34,8 @@ class PathResult:
         Number of negative eigenvalues of each one's tangent, of its symmetric part where loads follow the surface: the
         directions in which it is not stable.
     events : tuple of Event
-        Limit points and bifurcation points, in the order of the path.
+        Limit points and bifurcation points, in the order of the path; where loads follow a free edge, of the tangent's
+        symmetric part, and flutter is not found.
     status : Status
         Converged where the asked end was reached, or all steps were done and no end was asked.
     attempts : tuple of NewtonResult
@@ -114,7 +115,7 @@ def trace(
     Raises
     ------
     InputError
-        When a rigid motion is free, or nothing loads the structure.
+        When a rigid motion is free, nothing loads the structure, or the controlled displacement does not move with the load.
     """
     positive("rtol", rtol)
     positive("max_iterations", max_iterations)
@@ -123,7 +124,9 @@ def trace(
         require_same_mesh(system, start)
     require_support(system)
     at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
-    control = control or ArcLength()
+    control = ArcLength() if control is None else control
+    if not isinstance(control, ArcLength | DisplacementControl):
+        raise InputError(f"control = {control!r}: give an ArcLength or a DisplacementControl")
     if not (system.external_force(at.q).any() or system.prescribed().any()):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:

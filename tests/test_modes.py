@@ -1,5 +1,7 @@
 """Frequencies and linear buckling loads against known values."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -103,6 +105,44 @@ def test_an_unstable_state_shows_negative_eigenvalues():
     assert (modes.omega[:3] < 0).all() and np.allclose(modes.omega**2, np.abs(modes.eigenvalues))
     # One mode asked for, and the most negative one is found although it is farthest from zero.
     assert sk.modes(system, 1, state=result.solution).eigenvalues[0] == pytest.approx(modes.eigenvalues[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("theory", ["full", "kirchhoff"])
+def test_modes_about_a_linear_answer_have_the_stiffness_of_buckling(theory):
+    """Of a bent and pressed strip: its linear tip moves by its length, and second-order stresses of that would swamp all."""
+
+    def loaded(factor):
+        problem = sk.Problem(
+            sk.Rectangle(LENGTH, 1.0), THICKNESS, sk.Isotropic(YOUNG, 0.0, DENSITY), CLAMPED,
+            [sk.EdgeLoad("right", (-EULER * factor, 0, 2 * EULER * factor))],
+        )  # fmt: skip
+        return problem.on(sk.meshes.uniform(problem.surface, 8, 1), theory)
+
+    critical = sk.buckling(loaded(1.0), 1).load_factors[0]
+    assert critical == pytest.approx(1.0, rel=1e-2), "the bending has no part in it"
+    at_rest = sk.modes(loaded(1.0), 1).eigenvalues[0]
+    for share in (0.0, 0.5, 1.0):
+        system = loaded(share * critical)
+        modes = sk.modes(system, 2, state=sk.solve_linear(system))
+        # omega^2 falls to zero, almost linearly: the first mode is not quite the buckled shape, which makes 4 % halfway.
+        assert modes.eigenvalues[0] == pytest.approx((1 - share) * at_rest, rel=5e-2, abs=1e-6 * at_rest)
+    second_order = sk.Solution(system, sk.solve_linear(system).q)
+    assert sk.modes(system, 1, state=second_order).eigenvalues[0] > 10 * at_rest, "what a linear answer does not have"
+
+
+def test_loads_that_follow_a_free_edge_come_with_a_warning():
+    """Only the symmetric part of their tangent is counted. On held edges there is no other."""
+    follows = [sk.FollowerPressure(0.01)]
+    free, held = plate(4, 0.05, CLAMPED, follows), plate(4, 0.05, [sk.Clamp("boundary")], follows)
+    with pytest.warns(sk.OutOfDepth, match="flutter is not found"):
+        sk.modes(free, 1, state=sk.solve(free).unwrap())
+    with pytest.warns(sk.OutOfDepth, match="flutter is not found"):
+        sk.buckling(free, 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", sk.OutOfDepth)
+        sk.modes(free, 1)
+        sk.modes(held, 1, state=sk.solve(held).unwrap())
+        sk.buckling(held, 1)
 
 
 def test_modes_in_nodal_frames():

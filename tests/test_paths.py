@@ -11,6 +11,7 @@ from skancf.errors import DidNotConverge, InputError, SingularMatrix
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
 from skancf.statics import Status, StepLength, newton
 from skancf.statics.newton import Constraint
+from skancf.statics.points import Follower
 
 # --- structures of one and two coordinates ---------------------------------------------------------------------------
 
@@ -173,6 +174,22 @@ def test_the_number_of_steps_ends_a_path():
     assert free.status is Status.CONVERGED and len(free.solutions) == 4 and free.message == ""
 
 
+@pytest.mark.parametrize("below", [0.1, 1e-2, 1e-6])
+def test_an_end_just_below_the_limit_point_is_on_the_way_up(below):
+    """The step from 0.369 ends at 0.370 beyond the limit point at 0.385; the end lies in it, and not on the far branch."""
+    path = sk.trace(Truss(), until=LIMIT * (1 - below)).unwrap()
+    assert path.solution.load_factor == pytest.approx(LIMIT * (1 - below), rel=1e-12) and not path.events
+    assert path.load_factors.max() == path.solution.load_factor and path.solution.q[0] < 1 - 1 / np.sqrt(3)
+
+
+def test_an_end_that_was_passed_but_not_found_is_not_reached(monkeypatch):
+    monkeypatch.setattr(Follower, "at_condition", lambda *_: None)
+    path = sk.trace(Truss(), until=0.3)
+    assert path.status is Status.NOT_REACHED and "between load factors" in path.message and "StepLength" in path.message
+    # The smallest step is 1e-4 of the first one, which is a load of 0.05; what is discarded is beyond.
+    assert 0.3 - 0.05e-4 < path.solution.load_factor < 0.3 and (np.diff(path.load_factors) > 0).all()
+
+
 def test_a_path_that_fails_keeps_what_it_has():
     class Breaks(Truss):
         def internal_force(self, q):
@@ -266,6 +283,7 @@ def load_of(rise, a):
 RADIUS = THICKNESS / np.sqrt(12)
 
 
+PULL = sk.EdgeLoad("right", (1.0, 0, 0))
 CONTROLS = {"arc": sk.ArcLength(0.1), "crown": sk.DisplacementControl(CROWN, DOWN, 2.5 * 0.11)}
 
 
@@ -331,6 +349,11 @@ def test_displacement_control_names_its_turning_point():
         (lambda: StepLength(smallest=2.0), "smallest = 2.0"),
         (lambda: StepLength(easy=0), "easy = 0"),
         (lambda: sk.trace(strip([]), steps=0), "steps = 0"),
+        (lambda: sk.trace(strip([]), "arc"), "control = 'arc': give an ArcLength or a DisplacementControl"),
+        (lambda: sk.solve(strip([]), control="x"), "control = 'x': give a HalveAndGrow"),
+        (lambda: sk.solve(strip([]), control=sk.ArcLength()), "give a HalveAndGrow"),
+        (lambda: sk.trace(strip([PULL]), sk.DisplacementControl((0.0, 0.0), DOWN, 1.0)), "does not move with the load"),
+        (lambda: sk.trace(strip([PULL]), sk.DisplacementControl((LENGTH, 0.5), DOWN, 1.0)), "does not move with the load"),
         (lambda: sk.trace(strip([])), "nothing loads"),
         (lambda: sk.trace(strip([], [sk.Pin("left")])), "leave free"),
     ],
@@ -467,6 +490,51 @@ def test_load_steps_name_a_folded_element():
 
     result = sk.solve(Folds(), control=sk.HalveAndGrow(smallest=0.5))
     assert result.status is Status.FOLDED and "Element 3 at (0.5, 0.25) folded" in result.message
+
+
+@pytest.mark.parametrize("theory", ["full", "kirchhoff"])
+def test_what_counts_as_folded(theory):
+    """Three elements a side; the inner node (1/3, 1/3) belongs to the first, and the one at 2/3 beside it to the second."""
+    problem = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(1.0, 0.3, 1.0))
+    system = problem.on(sk.meshes.uniform(problem.surface, 3, 3), theory)
+    flat = system.undeformed.reshape(-1, 4, 3)
+    inner = int(np.argmin(np.linalg.norm(flat[:, 0, :2] - 1 / 3, axis=1)))
+
+    def moved(change):
+        nodal = flat.copy()
+        change(nodal)
+        return system.folded(nodal.ravel())
+
+    def turn_over(v):
+        v[..., 1:] *= -1
+
+    def roll(v):
+        """A right angle from one side of each element to the other."""
+        k = 3 * np.pi / 2
+        s, c = np.sin(k * v[:, 0, 0]), np.cos(k * v[:, 0, 0])
+        v[:, 0, 0], v[:, 0, 2], v[:, 1, 0], v[:, 1, 2] = s / k, (1 - c) / k, c, s
+
+    def turn_slope_over(v):
+        v[inner, 1] *= -1
+
+    def pass_the_next_node(v):
+        v[inner, 0, 0] += 0.6
+
+    def shrink(v):
+        v *= 0
+
+    assert moved(lambda v: None) is None and moved(turn_over) is None and moved(roll) is None
+    assert moved(turn_slope_over)[0] == 0 and moved(shrink)[0] == 0
+    element, place = moved(pass_the_next_node)
+    assert np.abs(place[:2] - [0.5, 1 / 6]).max() < 1e-12, element
+
+
+def test_an_unstable_equilibrium_with_a_following_load_says_what_is_counted():
+    """A moment about the normal of a flat edge does nothing, and its tangent is skew."""
+    pressed = sk.EdgeLoad("right", (-1.5 * EULER, 0, 0))
+    plain, follows = (sk.solve(strip(loads)) for loads in ([pressed], [pressed, sk.EdgeMoment("right", (0, 0, 0.01))]))
+    assert "flutter is not found" in follows.message and "flutter" not in plain.message and plain.message
+    assert np.allclose(plain.solution.q, follows.solution.q, atol=1e-9)
 
 
 def test_load_steps_say_where_stability_was_lost():

@@ -121,6 +121,21 @@ def test_the_thinner_roof_snaps_back():
     assert (np.diff(w) < 0).any() and found.load_factors.min() < 0 < found.load_factors[-1]
 
 
+def test_roll_up_of_a_very_thin_strip_ends_at_its_load():
+    """L/h = 1000, bent into a circle. From a long step the solve at the end's load fails; the path must not go on beyond."""
+    length, thickness, young = 10.0, 0.01, 210e9
+    moment = 2 * pi * young * thickness**3 / 12 / length
+    problem = sk.Problem(
+        sk.Rectangle(length, 1.0), thickness, sk.Isotropic(young, 0.0, 1.0),
+        [sk.Clamp("left"), sk.Roller("bottom", (0, 1, 0))], [sk.EdgeMoment("right", (0, -moment, 0))],
+    )  # fmt: skip
+    found = sk.trace(problem.on(sk.meshes.uniform(problem.surface, 16, 2), "kirchhoff"), until=1.0).unwrap()
+    assert any(not attempt.converged for attempt in found.attempts), "the end was looked for in vain once"
+    assert (np.diff(found.load_factors) > 0).all() and found.load_factors[-1] == pytest.approx(1.0, rel=1e-12)
+    # A full circle brings the end back to the clamp, but for the elements: 9e-5 of the length.
+    assert np.abs(found.solution.displacement((length, 0.5)) - [-length, 0, 0]).max() < 1e-4 * length
+
+
 # --- eigenvalues -----------------------------------------------------------------------------------------------------
 
 # omega a^2 sqrt(rho t / D), nu = 0.3, by Ritz's method with polynomials of high order; the first ones agree with the

@@ -227,11 +227,18 @@ class System:
         return BlockMatrix(self.pattern, out)
 
     def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
-        """The first element whose surface is turned over or has no area, and its undeformed place; None if there is none."""
+        """The first element that folded, and its undeformed place; None if there is none.
+
+        An element folded where its area vanishes at an integration point, or where the normals at two of them enclose an
+        angle that is more than 120 degrees larger than that of the undeformed ones. A whole element that is upside down is
+        not folded: rotations are of any size.
+        """
         geometry, points = self.geometry, self.geometry.theory.quadrature[0]
         jets = [geometry.theory.jets(geometry.local(nodal), points)[:2] for nodal in (self._nodal(q), geometry.undeformed)]
-        now, before = ((np.cross(pair[0], pair[1], axis=0) ** 2).sum(axis=0) for pair in jets)
-        wrong = np.flatnonzero(~(now > FOLDED**2 * before).all(axis=1))
+        now, before = (np.cross(pair[0], pair[1], axis=0) for pair in jets)
+        whole = ((now**2).sum(axis=0) > FOLDED**2 * (before**2).sum(axis=0)).all(axis=1)
+        whole[whole] = (_angles(now[:, whole]) - _angles(before[:, whole]) < TURNED).all(axis=(1, 2))
+        wrong = np.flatnonzero(~whole)
         if not wrong.size:
             return None
         place = geometry.parameters(np.array([[0.5], [0.5]]), wrong[:1])[:, :, 0]
@@ -266,6 +273,14 @@ SMALL = 1e-5
 """Relative change of the nodal coordinates over which small changes are differenced."""
 FOLDED = 1e-6
 """An area less than this times the undeformed one is none."""
+TURNED = 2 * np.pi / 3
+"""Growth of the angle between two normals of one element beyond which it is folded."""
+
+
+def _angles(normals: np.ndarray) -> np.ndarray:
+    """Angles between the vectors of each element at its points: (3, m, n) -> (m, n, n)."""
+    units = normals / np.linalg.norm(normals, axis=0)
+    return np.asarray(np.arccos(np.clip(np.einsum("iep,ieq->epq", units, units), -1.0, 1.0)))
 
 
 def assemble(geometry: Geometry, section: Section) -> Assembly:

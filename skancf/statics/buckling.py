@@ -12,6 +12,7 @@ from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution
 from skancf.statics.causes import require_support
 from skancf.statics.modes import checked_count, free_directions, lanczos, moved_along
+from skancf.statics.tangents import linear_tangent, warn_if_skew
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
@@ -69,6 +70,11 @@ def buckling(
         When a rigid motion is free, or nothing loads the structure.
     SingularMatrix
         When some part is a mechanism.
+
+    Warns
+    -----
+    OutOfDepth
+        Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found.
     """
     if signs not in ("positive", "both"):
         raise InputError(f"signs = {signs!r}: choose 'positive' or 'both'")
@@ -79,11 +85,11 @@ def buckling(
     if not (system.external_force(start).any() or moved.any()):
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
     stiffness = system.stiffness()
+    warn_if_skew(system, stiffness, start, 1.0)
     with DirectSolver(system.pattern, constraints, backend) as solver:
         solver.factor(stiffness)
         answer = solver.solve(system.external_force(start) - stiffness @ moved, refinements=2) + moved
-        stressed = system.tangent(start, system.stresses(start, answer), factor=1.0)
-        geometric = stressed + (-1.0) * stiffness
+        geometric = linear_tangent(system, answer) + (-1.0) * stiffness
         pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
         inverse, shapes = pencil.positive(n) if signs == "positive" else pencil.largest(n)
     order = np.argsort(-np.abs(inverse))[:n]

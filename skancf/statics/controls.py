@@ -11,6 +11,9 @@ from skancf.linear import BlockMatrix
 from skancf.solution import probe
 from skancf.statics.newton import Constraint
 
+# A displacement so small against the largest coordinate that moves with the load is none: rounding in thin plates is 1e-12.
+STILL = 1e-9
+
 
 class Measure(Protocol):
     """A control on a given system: measures how far the path went."""
@@ -206,7 +209,13 @@ class _Displacement:
         return self.form
 
     def unit(self, along: np.ndarray, last: np.ndarray | None) -> float:
-        return float(1.0 / (self.form @ along)) if self.form @ along else np.inf
+        moved = float(self.form @ along)
+        if last is None and abs(moved) <= STILL * np.abs(self.form).sum() * np.abs(along).max():
+            raise InputError(
+                "DisplacementControl: the displacement of that point in that direction does not move with the load at the "
+                "start; control one that does, or take ArcLength()"
+            )
+        return 1.0 / moved if moved else np.inf
 
     def left(self, q: np.ndarray) -> float:
         return self.end - float(self.form @ q)

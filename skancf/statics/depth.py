@@ -9,7 +9,7 @@ THICK = 0.05
 
 
 class OutOfDepth(UserWarning):
-    """An answer of a theory that leaves out what matters in it."""
+    """An answer that leaves out what may matter in it: shear of a thick plate, or loads that may make it flutter."""
 
 
 def warn_if_thick(solution: Solution) -> Solution:

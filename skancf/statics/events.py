@@ -19,7 +19,7 @@ ZERO = 1e-9
 
 @dataclass(frozen=True)
 class Event:
-    """A point of the path where its tangent stiffness is singular.
+    """A point of the path where its tangent stiffness is singular; its symmetric part, for a bifurcation.
 
     Attributes
     ----------

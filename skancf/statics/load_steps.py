@@ -15,6 +15,7 @@ from skancf.statics.controls import ArcLength
 from skancf.statics.depth import warn_if_thick
 from skancf.statics.newton import NewtonResult, Status, newton
 from skancf.statics.path import limit_ahead, trace
+from skancf.statics.tangents import SYMMETRIC_ONLY, is_skew
 
 UNSTABLE = (
     "the equilibrium is not stable: its tangent has {} negative eigenvalue(s), and the first one came between load factor "
@@ -60,9 +61,10 @@ class StaticResult:
     path : tuple of Solution
         Every equilibrium on the way.
     attempts : tuple of (load factor, NewtonResult)
-        Every solve, failed ones too, with its residual history.
+        Every solve, failed ones too, with its residual history. The few short steps along the path by which the cause of
+        a failure is looked for are not among them.
     message : str
-        Why it stopped, if it did; or that the equilibrium is not stable.
+        Why it stopped, if it did; or that the equilibrium is not stable, by ``negative_pivots``.
     """
 
     solution: Solution
@@ -78,7 +80,10 @@ class StaticResult:
 
     @property
     def negative_pivots(self) -> int:
-        """Negative eigenvalues of the tangent in the last solve; a stable equilibrium has none."""
+        """Negative eigenvalues of the tangent in the last solve; a stable equilibrium has none.
+
+        Of its symmetric part, where loads follow a free edge: then an equilibrium that has none may still flutter.
+        """
         return self.attempts[-1][1].negative_pivots if self.attempts else 0
 
     def unwrap(self) -> Solution:
@@ -130,6 +135,8 @@ def solve(
         When a rigid motion is free.
     """
     number("load_factor", load_factor)
+    if control is not None and not isinstance(control, HalveAndGrow):
+        raise InputError(f"control = {control!r}: give a HalveAndGrow, or call trace for paths by another control")
     positive("rtol", rtol)
     positive("max_iterations", max_iterations)
     if start is not None:
@@ -209,7 +216,10 @@ class _Run:
             return ""
         stable = [k for k, (_, pivots) in enumerate(reached) if not pivots]
         first = stable[-1] + 1 if stable else 0
-        return UNSTABLE.format(reached[-1][1], self.path[first].load_factor, reached[first][0])
+        message = UNSTABLE.format(reached[-1][1], self.path[first].load_factor, reached[first][0])
+        at = self.path[-1]
+        skew = is_skew(self.system, self.system.tangent(at.q, factor=at.load_factor), at.q, at.load_factor)
+        return f"{message}. {SYMMETRIC_ONLY}" if skew else message
 
 
 def solve_linear(system: System, *, backend: str = "auto") -> Solution:

@@ -12,6 +12,7 @@ from skancf.errors import DidNotConverge, InputError, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.soft import factor_shifted
+from skancf.statics.tangents import state_tangent, warn_if_skew
 
 # Two eigenvalues that differ less than this, relatively, are not told apart when they are counted.
 SEPARATION = 1e-6
@@ -72,7 +73,8 @@ def modes(
     n : int
         Number of modes.
     state : Solution, optional
-        An equilibrium, of which the stresses and the loads' stiffness enter: prestressed vibration.
+        An equilibrium, of which the stresses and the loads' stiffness enter: prestressed vibration. About a linear answer
+        K is that of :func:`buckling`, of the undeformed place with the first-order stresses.
     tolerance : float
         Relative accuracy of the eigenvalues.
 
@@ -80,12 +82,18 @@ def modes(
     ------
     InputError
         For more modes than free coordinates.
+
+    Warns
+    -----
+    OutOfDepth
+        Where loads follow a free edge: only the symmetric part of K is taken, and flutter is not found.
     """
     if state is not None:
         require_same_mesh(system, state)
     n = checked_count(n, system.constraints)
-    stiffness = system.stiffness() if state is None else system.tangent(state.q, factor=state.load_factor)
+    stiffness = state_tangent(system, state)
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
+    warn_if_skew(system, stiffness, system.undeformed if state.linear else state.q, state.load_factor)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         values, shapes = _Spectrum(solver, stiffness, system.mass, system.constraints, tolerance).lowest(n)
     order = np.argsort(values, kind="stable")[:n]

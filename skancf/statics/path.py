@@ -11,10 +11,15 @@ from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
-from skancf.statics.events import Event, events_between
+from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, Status
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
+
+CROSSED = (
+    "the asked end lies between load factors {:.6g} and {:.6g}, but even in the smallest step its equilibrium was not "
+    "found; allow a smaller step (StepLength) or more iterations"
+)
 
 
 @dataclass(frozen=True)
@@ -29,11 +34,12 @@ class PathResult:
         Number of negative eigenvalues of each one's tangent, of its symmetric part where loads follow the surface: the
         directions in which it is not stable.
     events : tuple of Event
-        Limit points and bifurcation points, in the order of the path.
+        Limit points and bifurcation points, in the order of the path; where loads follow a free edge, of the tangent's
+        symmetric part, and flutter is not found.
     status : Status
         Converged where the asked end was reached, or all steps were done and no end was asked.
     attempts : tuple of NewtonResult
-        Every solve of a step, failed ones too, with its residual history.
+        Every solve of a step and of the end, failed ones too, with its residual history.
     message : str
         Why it stopped.
     """
@@ -109,7 +115,7 @@ def trace(
     Raises
     ------
     InputError
-        When a rigid motion is free, or nothing loads the structure.
+        When a rigid motion is free, nothing loads the structure, or the controlled displacement does not move with the load.
     """
     positive("rtol", rtol)
     positive("max_iterations", max_iterations)
@@ -118,7 +124,9 @@ def trace(
         require_same_mesh(system, start)
     require_support(system)
     at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
-    control = control or ArcLength()
+    control = ArcLength() if control is None else control
+    if not isinstance(control, ArcLength | DisplacementControl):
+        raise InputError(f"control = {control!r}: give an ArcLength or a DisplacementControl")
     if not (system.external_force(at.q).any() or system.prescribed().any()):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
@@ -178,28 +186,53 @@ class _Run:
                 if step < lengths.smallest:
                     return self._stuck(result, sharp, length)
                 continue
-            end = self._crossing(point, following)
-            if end is not None:
-                following, length = end
-            self.events += events_between(follower, point, following, length)
+            events: list[Event] = []
+            share = self._crossing(point, following)
+            if share is None:
+                events = events_between(follower, point, following, length)
+                share = self._crossing_before_limit(point, events, length)
+            if share is not None and self.end is not None:
+                found = follower.at_condition(point, following, self.end, share)
+                if found is None:
+                    step = length / first / lengths.cut
+                    if step < lengths.smallest:
+                        return Status.NOT_REACHED, CROSSED.format(point.load_factor, following.load_factor)
+                    continue
+                following, length = found
+                events = events_between(follower, point, following, length)
+            self.events += events
             self.points.append(following)
             point = following
             bar.at(len(self.points) - 1, f"load factor {point.load_factor:.4g}, {len(result.residual_norms)} iterations")
-            if end is not None or measure.left(point.q) <= 1e-9 * first:
+            if share is not None or measure.left(point.q) <= 1e-9 * first:
                 return Status.CONVERGED, ""
             step = lengths.after(length / first if np.isinf(measure.left(point.q)) else step, len(result.residual_norms))
         if self.end is not None or np.isfinite(measure.left(point.q)):
             return Status.NOT_REACHED, "these were all the steps; ask for more, or go on from there with start=solution"
         return Status.CONVERGED, ""
 
-    def _crossing(self, a: Point, b: Point) -> tuple[Point, float] | None:
-        """The point between two where the path ends, and its distance from the first."""
+    def _beyond(self, q: np.ndarray, load_factor: float) -> float:
+        """What changes its sign where the path ends."""
+        assert self.end is not None
+        return float(self.end.row @ q) + self.end.factor * load_factor - self.end.value
+
+    def _crossing(self, a: Point, b: Point) -> float | None:
+        """Where the path ends between two points, as a share of the step, by a straight line; None where it does not."""
         if self.end is None:
             return None
-        values = [float(self.end.row @ p.q) + self.end.factor * p.load_factor - self.end.value for p in (a, b)]
-        if values[0] == 0 or values[0] * values[1] > 0:
+        before, after = (self._beyond(p.q, p.load_factor) for p in (a, b))
+        return before / (before - after) if before and before * after <= 0 else None
+
+    def _crossing_before_limit(self, a: Point, events: list[Event], length: float) -> float | None:
+        """The same for a step that goes beyond the end and back, by a parabola through the limit point in it."""
+        limit = next((event for event in events if event.kind == LIMIT), None)
+        if self.end is None or limit is None:
             return None
-        return self.follower.at_condition(a, b, self.end, values[0] / (values[0] - values[1]))
+        before, most = self._beyond(a.q, a.load_factor), self._beyond(limit.solution.q, limit.load_factor)
+        if before * most >= 0:
+            return None
+        way = float(self.follower.measure.row(a.direction) @ (limit.solution.q - a.q))
+        return way / length * (1 - np.sqrt(most / (most - before)))
 
     def _stuck(self, result: NewtonResult, sharp: bool, length: float) -> tuple[Status, str]:
         if isinstance(self.control, DisplacementControl) and (sharp or self._turning(length)):

@@ -66,8 +66,8 @@ class Follower:
         """The point of the path at a distance from ``a``, on the way to ``b`` at ``length``; None if it fails."""
         q, load_factor = interpolate(self, a, b, length, at)
         result = self._solve(a, q, load_factor, self._constraint(a, at))
-        if not result.converged or self.size(result.q - q) > STRAY * self.size(b.q - a.q):
-            return None  # it may be on a branch that crosses
+        if not result.converged or self._strayed(result.q, q, a, b):
+            return None
         return self._point(result, a)
 
     def at_condition(self, a: Point, b: Point, end: Constraint, share: float) -> tuple[Point, float] | None:
@@ -75,10 +75,15 @@ class Follower:
         length = self.distance(a, b)
         q, load_factor = interpolate(self, a, b, length, share * length)
         result = self._solve(a, q, load_factor, replace(end, origin=a.q))
-        if not result.converged:
+        self.attempts.append(result)
+        if not result.converged or self._strayed(result.q, q, a, b):
             return None
         point = self._point(result, a)
         return point, self.distance(a, point)
+
+    def _strayed(self, found: np.ndarray, guess: np.ndarray, a: Point, b: Point) -> bool:
+        """May a state that was looked for between ``a`` and ``b`` lie on a branch that crosses?"""
+        return self.size(found - guess) > STRAY * self.size(b.q - a.q)
 
     def distance(self, a: Point, b: Point) -> float:
         """Length of the step from ``a`` to ``b``."""

@@ -1,0 +1,55 @@
+"""Tangents about which eigenproblems are solved, and what they leave out."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.linear import BlockMatrix
+from skancf.solution import Solution
+from skancf.statics.depth import OutOfDepth
+
+# A skew part so small against the stiffness is rounding, of edges that are held or lie in a plane of symmetry.
+ROUNDING = 1e-12
+SYMMETRIC_ONLY = (
+    "Loads that follow a free edge have no potential, so that the tangent is not symmetric: only its symmetric part is "
+    "counted, and flutter is not found; a run of simulate(system) shows it"
+)
+
+
+def linear_tangent(system: System, change: np.ndarray, load_factor: float = 1.0) -> BlockMatrix:
+    """Tangent of the undeformed place with the first-order stresses of a linear answer, (n_dofs,), and the loads' own part.
+
+    The computed stresses of the undeformed state are rounding, and taken away.
+    """
+    start = system.undeformed
+    return system.tangent(start, system.stresses(start, change) - system.stresses(start), factor=load_factor)
+
+
+def state_tangent(system: System, state: Solution | None) -> BlockMatrix:
+    """Symmetric tangent of a state; of a linear answer that which :func:`linear_tangent` has; None is the unloaded state."""
+    if state is None:
+        return system.stiffness()
+    if state.linear:
+        return linear_tangent(system, state.q - system.undeformed, state.load_factor)
+    return system.tangent(state.q, factor=state.load_factor)
+
+
+def is_skew(system: Any, tangent: BlockMatrix, q: np.ndarray, load_factor: float) -> bool:
+    """Has the loads' tangent a skew part on the free coordinates, the symmetric one scaled to unit diagonal?"""
+    hook = getattr(system, "skew", None)
+    skew = hook(q, None, load_factor) if hook and load_factor else None
+    if skew is None:
+        return False
+    sizes = np.sqrt(np.abs(tangent.diagonal()))
+    scale = np.divide(1.0, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    free = system.constraints.free_part
+    probe = free(scale * np.random.default_rng(0).standard_normal(q.size))
+    return bool(np.abs(scale * free(skew @ probe)).max() > ROUNDING)
+
+
+def warn_if_skew(system: System, tangent: BlockMatrix, q: np.ndarray, load_factor: float) -> None:
+    """A warning where eigenvalues of the symmetric part do not tell all."""
+    if is_skew(system, tangent, q, load_factor):
+        warnings.warn(SYMMETRIC_ONLY, OutOfDepth, stacklevel=3)

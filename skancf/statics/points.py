@@ -56,18 +56,15 @@ class Follower:
         if not result.converged:
             return result, None, False
         b = self._point(result, a)
-        increment = b.q - a.q
-        row = self.system.mass @ increment
-        cosines = [row @ v / (self.size(increment) * self.size(v)) for v in (a.direction, b.direction)]
-        sharp = bool(min(cosines) < SHARP)
+        sharp = self._sharp(a, b)
         return result, None if sharp else b, sharp
 
     def between(self, a: Point, b: Point, length: float, at: float) -> Point | None:
         """The point of the path at a distance from ``a``, on the way to ``b`` at ``length``; None if it fails."""
         q, load_factor = interpolate(self, a, b, length, at)
         result = self._solve(a, q, load_factor, self._constraint(a, at))
-        if not result.converged or self._strayed(result.q, q, a, b):
-            return None
+        if not result.converged or self.size(result.q - q) > STRAY * self.size(b.q - a.q):
+            return None  # it may be on a branch that crosses
         return self._point(result, a)
 
     def at_condition(self, a: Point, b: Point, end: Constraint, share: float) -> tuple[Point, float] | None:
@@ -76,14 +73,17 @@ class Follower:
         q, load_factor = interpolate(self, a, b, length, share * length)
         result = self._solve(a, q, load_factor, replace(end, origin=a.q))
         self.attempts.append(result)
-        if not result.converged or self._strayed(result.q, q, a, b):
+        if not result.converged:
             return None
         point = self._point(result, a)
-        return point, self.distance(a, point)
+        return None if self._sharp(a, point) else (point, self.distance(a, point))
 
-    def _strayed(self, found: np.ndarray, guess: np.ndarray, a: Point, b: Point) -> bool:
-        """May a state that was looked for between ``a`` and ``b`` lie on a branch that crosses?"""
-        return self.size(found - guess) > STRAY * self.size(b.q - a.q)
+    def _sharp(self, a: Point, b: Point) -> bool:
+        """Does the way from ``a`` to ``b`` turn so much from the tangent at either that it may not be one branch?"""
+        increment = b.q - a.q
+        row = self.system.mass @ increment
+        cosines = [row @ v / (self.size(increment) * self.size(v)) for v in (a.direction, b.direction)]
+        return bool(min(cosines) < SHARP)
 
     def distance(self, a: Point, b: Point) -> float:
         """Length of the step from ``a`` to ``b``."""

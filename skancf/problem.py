@@ -11,7 +11,6 @@ import skfem
 from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System, assemble
-from skancf.elements.nodal import require_aligned
 from skancf.errors import InputError, positive
 from skancf.loads import Load
 from skancf.materials import Laminate, Law, Section, section_of
@@ -95,11 +94,10 @@ class Problem:
 
     def _on_chosen(self, mesh: skfem.MeshQuad, tolerance: float) -> System:
         try:
-            require_aligned(mesh)
-        except InputError as askew:
-            choice = Choice("full", float("nan"), f"theory 'full': {askew}")
-        else:
             thin = self._on(mesh, Kirchhoff())
+        except InputError as unfit:
+            choice = Choice("full", float("nan"), f"theory 'full': {unfit}")
+        else:
             choice = choose(thin, tolerance)
         system = thin if choice.theory == "kirchhoff" else self._on(mesh, Full())
         system.choice = choice

@@ -46,7 +46,7 @@ CASES = {
     "symmetry": (sk.Symmetry("left"), {"r_1", "ry_1", "rx_2", "rx_3", "d_1"}),
     "prescribed": (sk.Prescribed("left", (0.1, None, 0.0)), {"r_1", "ry_1", "r_3", "ry_3"}),
     "point pin": (sk.Pin(MIDDLE), each("r")),
-    "point clamp": (sk.Clamp(MIDDLE), each("r", "rx", "ry", "d")),
+    "point without rotation": (sk.NoRotation(MIDDLE), each("d")),
 }
 
 
@@ -61,7 +61,7 @@ THIN_CASES = {  # d is r_xy here
     "symmetry": {"r_1", "ry_1", "rx_2", "rx_3", "d_2", "d_3"},
     "prescribed": {"r_1", "ry_1", "r_3", "ry_3"},
     "point pin": each("r"),
-    "point clamp": each("r", "rx", "ry"),
+    "point without rotation": {"rx_3", "ry_3"},
 }
 
 
@@ -153,6 +153,88 @@ def test_symmetry_on_a_skew_edge():
     u = positions_at(half, half.mesh.p.T)
     assert np.abs(u - positions_at(full, half.mesh.p.T)).max() < 1e-9
     assert np.abs(u - positions_at(straight, straight.mesh.p.T) @ to_space.T).max() < 1e-9
+
+
+@theories
+def test_an_edge_in_no_plane_is_refused(theory):
+    """Its direction turns, or the normal does; edges that meet in a corner have planes of their own."""
+    sector, saddle = sk.AnnulusSector(0.5, 1.0, 1.0), sk.HyperbolicParaboloid(1.0, 1.0, 0.4)
+    for surface, where in ((sector, "outer"), (sector, "boundary"), (saddle, "left"), (sector, ["start", "inner"])):
+        for n in (1, 4):
+            with pytest.raises(InputError, match=r"Symmetry\(.*near \(.*lies in no plane"):
+                system_with([sk.Symmetry(where)], [], surface, n=n, theory=theory)
+    for surface, where in ((UNIT, "boundary"), (sector, ["start", "end"]), (sk.CylinderSector(1.0, 1.0, 1.0), "boundary"),
+                           (sk.AnnulusSector(0.0, 1.0, 0.3), ["start", "end"])):  # fmt: skip
+        system_with([sk.Symmetry(where)], [], surface, n=4, theory=theory)
+
+
+def test_a_polygon_of_short_edges_lies_in_no_plane():
+    """Where two straight edges differ by less than a corner they are meant as one curve."""
+    mesh = sk.meshes.uniform(UNIT, 1, 2)
+    p = mesh.p.copy()
+    p[0, (p[0] == 1) & (p[1] == 0.5)] += 0.1  # turns by 23 degrees
+    bent = skfem.MeshQuad(p, mesh.t, sort_t=False).with_boundaries(mesh.boundaries)
+    with pytest.raises(InputError, match=r"near \(1.1, 0.5, 0\) the edge lies in no plane"):
+        system_with([sk.Symmetry("right")], [], sk.Plane(), mesh=bent)
+    system_with([sk.Symmetry("left")], [], sk.Plane(), mesh=bent)
+
+
+# --- single points ---------------------------------------------------------------------------------------------------
+
+POINTS = {  # a surface, a node in it, and how many conditions hold r and the director (d, or the normal)
+    "plate": (sk.Parallelogram(1.0, 1.0, 1.0), (0.5, 0.5)),
+    "shell": (sk.CylinderSector(2.0, 1.0, 1.0), (0.5, 0.5)),
+    "pole": (sk.AnnulusSector(0.0, 1.0, 2 * np.pi, closed=True), (0.0, 0.0)),
+    "pole by name": (sk.SphereSector(1.0, (0.0, 0.8), 2 * np.pi, closed=True), "top"),
+}
+
+
+@theories
+@pytest.mark.parametrize("name", POINTS)
+@pytest.mark.parametrize("support", [sk.NoRotation, sk.Clamp])
+def test_a_point_that_does_not_turn_may_stretch(support, name, theory):
+    """Held are the rotations, three at most, and no strain of the surface at the point."""
+    surface, at = POINTS[name]
+    at = surface.sides[0] if name == "pole by name" else at
+    mesh = sk.meshes.uniform(surface, 2, 8)
+    system = system_with([support(at)], [], surface, mesh=mesh, theory=theory)
+    (node,) = system.geometry.nodes_on(at)
+    held = system.constraints.fixed.reshape(-1, 12).sum(axis=1)
+    by_twist = 3 if node in system.geometry.ties.poles and theory == "kirchhoff" else 0  # a pole has no r_xy
+    director = 3 if theory == "full" else 2
+    assert held[node] == director + by_twist + (4 if support is sk.Clamp else 0) and held.sum() == held[node]
+    undeformed = system.undeformed.reshape(-1, 4, 3)
+    one, two = undeformed[node, 1:3]
+    normal = np.cross(one, two) / np.linalg.norm(np.cross(one, two))
+
+    def is_held(matrix):
+        """A linear motion about the node."""
+        change = (undeformed - [undeformed[node, 0], *np.zeros((3, 3))]) @ np.array(matrix).T
+        if theory == "full":  # the director turns with the normal, and is not stretched
+            spin = (matrix - np.transpose(matrix)) / 2
+            change[:, 3] = undeformed[:, 3] @ spin.T
+        return np.abs(system.constraints.fixed_part(change.ravel())).max() > 1e-9
+
+    tangent = one / np.linalg.norm(one)
+    across = np.cross(normal, tangent)
+    e, f = np.outer(tangent, tangent), np.outer(tangent, across)
+    assert not is_held(e) and not is_held(f + f.T) and not is_held(np.outer(across, across))
+    assert is_held(f - f.T) == (support is sk.Clamp), "the rotation about the normal"
+    for axis in (tangent, across):
+        assert is_held(np.outer(axis, normal) - np.outer(normal, axis))
+
+
+@theories
+@pytest.mark.parametrize("at", [(0.5, 0.5), (0.0, 0.0), (1.0, 0.5)])
+def test_a_clamped_point_holds_all_rigid_motions_and_no_strain(at, theory):
+    """Pulled evenly on all sides the plate stretches evenly about it: u = (1 - nu) f / (E t) x."""
+    f, around = 1.0, {"left": (-1, 0, 0), "right": (1, 0, 0), "bottom": (0, -1, 0), "top": (0, 1, 0)}
+    loads = [sk.EdgeLoad(edge, tuple(f * np.array(along))) for edge, along in around.items()]
+    solution = sk.solve_linear(system_with([sk.Clamp(at)], loads, n=4, theory=theory))
+    points = np.array([(0, 0), (1, 0.3), (0.2, 1), (0.7, 0.6)])
+    exact = 0.7 * f / (1e6 * 0.1) * (points - at)
+    # Rounding times a condition of 1e7.
+    assert np.allclose(solution.displacement(points)[:, :2], exact, rtol=0, atol=1e-8 * np.abs(exact).max())
 
 
 # --- rollers, prescribed displacements, reactions --------------------------------------------------------------------

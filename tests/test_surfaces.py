@@ -465,6 +465,37 @@ def test_wrong_mapped_surfaces_are_named(values, message):
         MappedSurface(**{"function": flat, "bounds": UNIT, **values})
 
 
+@pytest.mark.parametrize(
+    "function, message",
+    [
+        (lambda x, y: (x, y, abs(x - 0.4)), r"X_x jumps by 1\.\d* at x = 0\.40000\d?, a kink"),
+        (lambda x, y: (x, y, abs(x - 0.5)), r"X_x jumps by 2 at x = 0\.5, a kink"),
+        (lambda x, y: (x, y, np.interp(y, [0.0, 0.3, 1.0], [0.0, 0.1, 0.0])), r"X_y jumps by 0\.\d* at y = 0\.30000\d?, a"),
+        (lambda x, y: (x, y, 0.1 * np.hypot(x - 0.5, y - 1 / 3)), r"X_x jumps by .* at x = 0\.\d*, a kink"),
+        (lambda x, y: (x, y, 0.03 * abs(x - 0.4) + 0.1 * np.sin(6 * x)), r"X_x jumps by 0\.0\d* at x = 0\.4"),
+    ],
+)
+def test_kinks_are_named(function, message):
+    with pytest.raises(InputError, match=message):
+        MappedSurface(function, UNIT)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda x, y: (x, y, np.sqrt((x - 0.4) ** 2 + 1e-6)),  # rounded with a radius of a thousandth
+        lambda x, y: (x, y, abs(x - 0.4) ** 3),
+        lambda x, y: (x, y, np.sin(16 * pi * x) * np.cos(32 * pi * y)),
+        lambda x, y: (x, y, np.sin(6 * x) + 1e-10 * np.sin(1e9 * x + 3e8 * y)),  # noise
+        lambda x, y: tuple(np.asarray(v, np.float32) for v in (x, y, np.sin(6 * x))),
+        lambda x, y: (1e6 + 1e-3 * x, y, np.sin(6 * x)),
+    ],
+    ids=["rounded", "cubic", "waves", "noise", "single precision", "far away"],
+)
+def test_what_is_no_kink_passes(function):
+    MappedSurface(function, UNIT)
+
+
 def test_parameters_outside_the_bounds_are_named():
     surface = MappedSurface(flat, UNIT)
     with pytest.raises(InputError, match=r"y = 1.1: outside the bounds \(0.0, 1.0\)"):

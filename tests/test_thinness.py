@@ -100,6 +100,21 @@ def test_auto_takes_the_full_theory_where_the_mesh_is_askew():
         problem.on(askew, theory="kirchhoff")
 
 
+def test_auto_takes_the_full_theory_where_a_support_does_not_fit_the_thin_one():
+    skew = sk.Parallelogram(1.0, 1.0, 1.0)
+
+    def problem(where):
+        return sk.Problem(skew, 0.01, sk.Isotropic(1e6, 0.3, 1.0), [sk.Clamp("left"), sk.Symmetry(where)],
+                          [sk.SurfaceLoad((0, 0, 1.0))])  # fmt: skip
+
+    mesh = sk.meshes.uniform(skew, 2, 2)
+    system = problem("right").on(mesh, theory="auto")
+    assert system.choice.theory == system.geometry.theory.name == "full" and np.isnan(system.choice.share)
+    assert "right angles" in system.choice.reason
+    with pytest.raises(InputError, match="no boundary 'rihgt'"):
+        problem("rihgt").on(mesh, theory="auto")
+
+
 def test_auto_needs_something_to_judge_by():
     surface = sk.Rectangle(1, 1)
     mesh, law = sk.meshes.uniform(surface, 2, 2), sk.Isotropic(1e6, 0.3, 1.0)

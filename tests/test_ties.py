@@ -31,6 +31,10 @@ def system_on(surface, theory, mesh=None, supports=(), loads=(), thickness=0.05)
     return sk.Problem(surface, thickness, MATERIAL, list(supports), list(loads)).on(mesh, theory)
 
 
+def total(system):
+    return system.external_force(system.undeformed).reshape(-1, 4, 3)[:, 0].sum(axis=0)
+
+
 def turn(axis, angle):
     """Matrix of a rotation about x (0) or z (2)."""
     c, s, i = np.cos(angle), np.sin(angle), [(axis + 1) % 3, (axis + 2) % 3]
@@ -139,15 +143,16 @@ def test_a_torus_has_no_boundary():
 @theories
 @pytest.mark.parametrize("name", ["tube", "disc"])
 def test_loads_on_closed_surfaces(name, theory):
-    """Area and length; arcs of cubics are of order four."""
+    """Areas are those of the elements, arcs of cubics, of order four; lengths those of the surface."""
     surface, area = ALL[name], 2 * pi if name == "tube" else pi
     up, errors = (0.0, 0.0, 1.0), []
     for n in (4, 8):
-        found = [system_on(surface, theory, sk.meshes.uniform(surface, n, 2 * n), loads=[load])
-                 for load in (sk.SurfaceLoad(up), sk.EdgeLoad(surface.sides[1], up))]  # fmt: skip
-        total = [s.external_force(s.undeformed).reshape(-1, 4, 3)[:, 0].sum(axis=0)[2] for s in found]
-        errors.append(np.abs(np.array(total) / [area, 2 * pi] - 1))
-    assert (errors[1] < 1e-4).all() and (errors[0] / errors[1] > 12).all()
+        mesh = sk.meshes.uniform(surface, n, 2 * n)
+        on_area, on_length = (total(system_on(surface, theory, mesh, loads=[load]))[2]
+                              for load in (sk.SurfaceLoad(up), sk.EdgeLoad(surface.sides[1], up)))  # fmt: skip
+        errors.append(abs(on_area / area - 1))
+        assert np.isclose(on_length, 2 * pi, rtol=1e-13)
+    assert errors[1] < 1e-4 and errors[0] / errors[1] > 12
 
 
 def test_a_tube_under_pressure_on_its_wall_and_its_ends():
@@ -168,6 +173,68 @@ def test_a_tube_under_pressure_on_its_wall_and_its_ends():
     slit = sk.CylinderSector(1.0, 1.0, 2 * pi)
     opened = sk.solve_linear(system_on(slit, "kirchhoff", sk.meshes.uniform(slit, 2, 24), supports, loads, t))
     assert np.abs(opened.section_forces()[:, 1] / p - 1).max() > 0.1, "a slit has no hoop force"
+
+
+@theories
+@pytest.mark.parametrize("n", [2, 3])
+def test_few_elements_around_keep_their_boundary(theory, n):
+    """With two, edges of the boundary share both of their nodes."""
+    loads = [sk.EdgeLoad("boundary", (1.0, 0.0, 0.0)), sk.FollowerPressure(1.0)]
+    system = system_on(RING, theory, sk.meshes.uniform(RING, 3, n), loads=loads)
+    assert len(system.geometry.boundary) == 2 * n
+    assert np.isclose(total(system)[0], 3 * pi, rtol=1e-13)
+    edges, _ = system.loads[1].skew(system.undeformed.reshape(-1, 4, 3), None)
+    assert len(edges) == 2 * n
+    disc = system_on(DISC, theory, sk.meshes.uniform(DISC, 3, n)).geometry
+    assert np.array_equal(disc.boundary, np.sort(disc.facets_on("outer")))
+
+
+@theories
+def test_one_element_around_is_refused(theory):
+    with pytest.raises(InputError, match=r"closed in y, but the mesh has one element around it.*at least two"):
+        system_on(TUBE, theory, sk.meshes.uniform(TUBE, 3, 1))
+    slit = sk.CylinderSector(1.0, 1.0, 2 * pi)
+    assert not system_on(slit, theory, sk.meshes.uniform(slit, 3, 3)).geometry.ties.poles
+
+
+@theories
+def test_a_function_sees_both_ends_of_a_seam_and_all_of_a_pole(theory):
+    tube, disc = (system_on(surface, theory).geometry for surface in (TUBE, DISC))
+    seam = tube.nodes_on(lambda x, y: abs(y) < 1e-9)
+    assert len(seam) == 4 and np.array_equal(seam, tube.nodes_on(lambda x, y: abs(y - 2 * pi) < 1e-9))
+    last = tube.facets_on(lambda x, y: (x < 1e-9) & (y > 5.4))
+    assert np.allclose(np.sort(tube.mesh.p[1, tube.mesh.facets[:, last]].ravel()), [1.75 * pi, 2 * pi])
+    ray = disc.nodes_on(lambda x, y: abs(y - pi) < 1e-9)
+    assert len(ray) == 4 and disc.node_at((0.0, 0.0)) in ray
+
+
+@pytest.mark.parametrize("make", [sk.Pin, sk.Clamp, lambda where: sk.Spring(where, (1.0, 1.0, 1.0))])
+def test_places_that_a_closed_surface_has_not_are_refused(make):
+    with pytest.raises(InputError, match="'corners': this surface has none"):
+        system_on(TUBE, "kirchhoff", supports=[make(["left", "corners"])])
+    with pytest.raises(InputError, match="'boundary': this surface has none"):
+        system_on(TORUS, "kirchhoff", supports=[make("boundary")])
+
+
+@theories
+@pytest.mark.parametrize("exact", [False, True])
+def test_a_line_goes_on_across_the_seam(theory, exact, rng):
+    """Once and a half around, and the same a turn away: the work in any motion is that of its parts."""
+    mapped = sk.MappedSurface(lambda x, y: (x, -np.cos(y), np.sin(y)), ((0.0, 1.0), (0.0, 2 * pi)), closed=(False, True))
+    surface, force = TUBE if exact else mapped, lambda x, y: (1 + np.cos(y), x, np.sin(y))
+
+    def nodal(*lines):
+        system = system_on(surface, theory, loads=[sk.LineLoad(*line, force) for line in lines])
+        return system.external_force(system.undeformed)
+
+    whole = nodal(((0.1, 5.0), (0.7, 5.0 + 3 * pi)))
+    cuts = [5.0, 2 * pi, 4 * pi, 5.0 + 3 * pi]
+    x = np.interp(cuts, [cuts[0], cuts[-1]], [0.1, 0.7])
+    turns = [0, 2 * pi, 4 * pi]
+    parts = nodal(*[((x[k], cuts[k] - turns[k]), (x[k + 1], cuts[k + 1] - turns[k])) for k in range(3)])
+    # Sums of some hundred terms; derivatives of the mapped surface to 1e-12. Without the cuts at edges: 1e-3 and more.
+    assert np.abs(whole - parts).max() < 1e-11 * np.abs(parts).max()
+    assert np.abs(whole - nodal(((0.1, 5.0 - 4 * pi), (0.7, 5.0 - pi)))).max() < 1e-11 * np.abs(parts).max()
 
 
 @theories
@@ -359,3 +426,15 @@ def test_a_surface_that_folds_is_refused(theory, n):
         sk.Problem(turning, 0.01, sk.Isotropic(1.0, 0.3, 1.0)).on(sk.meshes.uniform(turning, n, 2), theory)
     bent = sk.MappedSurface(lambda x, y: (np.sin(x), y + 0 * x, np.cos(x)), ((-1.5, 1.5), (0.0, 1.0)))
     sk.Problem(bent, 0.01, sk.Isotropic(1.0, 0.3, 1.0)).on(sk.meshes.uniform(bent, 2, 1), theory)
+
+
+@theories
+@pytest.mark.parametrize("n", [1, 2, 4, 5])
+@pytest.mark.parametrize("function", [
+    lambda x, y: ((x - 0.5) ** 2, y, 0 * x),  # folded on a line of nodes, or between two that are one point of space
+    lambda x, y: (x, x, x),
+], ids=["fold", "no area"])  # fmt: skip
+def test_folds_on_nodes_and_surfaces_without_area_are_no_poles(theory, n, function):
+    surface = sk.MappedSurface(function, ((0.0, 1.0), (0.0, 1.0)))
+    with pytest.raises(InputError, match=r"no tangent plane at .*a fold, or no area|folds at element"):
+        system_on(surface, theory, sk.meshes.uniform(surface, n, n))

@@ -23,6 +23,10 @@ class CompiledAssembly:
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         self.geometry, self.section, self.schedule = geometry, section, schedule
 
+    @property
+    def areas(self) -> np.ndarray:
+        return np.asarray(self.sections.areas[self.sections.shape])
+
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
         self.schedule.run(type(self).residual_kernel, q, self._rule, self.geometry.maps, self._elements, out)

@@ -1,6 +1,5 @@
 """A mesh on a surface for a theory: undeformed nodal coordinates, local vectors, where things are."""
 
-from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -8,20 +7,21 @@ import numpy as np
 import skfem
 
 from skancf.assembly.maps import local_maps
+from skancf.assembly.places import Places
 from skancf.assembly.ties import find_ties
 from skancf.elements.nodal import nodal_jacobian, require_aligned
 from skancf.elements.quad_ancf import gauss
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, vector
 from skancf.meshes import check_mesh
-from skancf.surfaces import Surface, check_regular, closed_directions, normal
+from skancf.surfaces import Surface, check_regular, normal
 from skancf.theories import Theory
 
 TURNED_OVER = -0.6
 """A cosine of the angle between normals half an element or one element apart that no usable mesh has."""
 
 
-class Geometry:
+class Geometry(Places):
     """Everything about a mesh on a surface that does not depend on material, supports or loads.
 
     Attributes
@@ -45,6 +45,7 @@ class Geometry:
         if theory.twist:
             require_aligned(mesh)
         self.mesh, self.surface, self.theory = mesh, surface, theory
+        check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
         self.ties = find_ties(mesh, surface, theory.twist)
         self.nodes = np.ascontiguousarray(self.ties.node_of[mesh.t].T, dtype=np.int32)
         self.points = mesh.p[:, self.ties.representative]
@@ -52,7 +53,6 @@ class Geometry:
         self.side = np.sign(np.linalg.det(np.moveaxis(jacobian[:, :, 0], -1, 0)))
         self.maps = local_maps(mesh, jacobian, theory, self.ties.mix, self.nodes)
         self.undeformed = self._undeformed()
-        check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
         self._check_fold()
 
     def _check_fold(self) -> None:
@@ -164,83 +164,6 @@ class Geometry:
         """Tangent along the parameter x at local points (2, n): (3, n_elements, n)."""
         return self.surface.derivatives(*self.parameters(points, elements))[0]
 
-    def nodes_on(self, where: Any) -> np.ndarray:
-        """Numbers of the nodes that ``where`` means: see :class:`~skancf.supports.Support`."""
-        return np.unique(self.points_and_facets(where)[0])
-
-    def facets_on(self, where: Any) -> np.ndarray:
-        """Numbers of the boundary facets that ``where`` means."""
-        facets = self.points_and_facets(where)[1]
-        if not len(facets):
-            raise InputError(f"{where!r} means no edge of the boundary; known names: {self.names()}")
-        return facets
-
-    def names(self) -> list[str]:
-        return sorted({*(self.mesh.boundaries or {}), "boundary", "corners"})
-
-    def points_and_facets(self, where: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes and boundary facets of a name, points, or a function of (x, y)."""
-        none = np.empty(0, dtype=int)
-        if not (callable(where) or (isinstance(where, (str, Sequence, np.ndarray)) and len(where))):
-            raise InputError(f"place {where!r}: give the name of a boundary, one of {self.names()}, a point (x, y), a list "
-                             "of names and points, or a function of (x, y)")  # fmt: skip
-        if isinstance(where, str):
-            facets = self._facets_named(where)
-            return (self.corners, none) if facets is None else (np.unique(self.ends(facets)), facets)
-        if callable(where):
-            mask = np.broadcast_to(np.asarray(where(*self.points), dtype=bool), (self.n_nodes,))
-            if not mask.any():
-                raise InputError("the function given as a place is true at no node; give a tolerance, as in "
-                                 "lambda x, y: abs(x) < 1e-9")  # fmt: skip
-            boundary = self.boundary
-            return np.flatnonzero(mask), boundary[mask[self.ends(boundary)].all(axis=0)]
-        if all(isinstance(x, (int, float, np.number)) for x in where):
-            return np.array([self.node_at(where)]), none
-        parts = [self.points_and_facets(place) for place in where]
-        return tuple(np.unique(np.concatenate(part)) for part in zip(*parts, strict=True))  # type: ignore
-
-    def _facets_named(self, name: str) -> np.ndarray | None:
-        boundaries = self.mesh.boundaries or {}
-        if name in boundaries:
-            facets = np.asarray(boundaries[name])
-            if not facets.size:
-                raise InputError(f"boundary {name!r} has no edge on this mesh; the mesh's own names are at fault")
-            return facets
-        if name == "boundary":
-            return self.boundary
-        if name == "corners":
-            return None
-        raise InputError(f"no boundary {name!r} on this mesh; it has {self.names()}")
-
-    def ends(self, facets: np.ndarray) -> np.ndarray:
-        """Nodes at the ends of facets, (2, m)."""
-        return np.asarray(self.ties.node_of[self.mesh.facets[:, facets]])
-
-    @cached_property
-    def boundary(self) -> np.ndarray:
-        """Facets on the boundary of the surface: of one element only, no seam and no pole."""
-        facets = self.mesh.boundary_facets()
-        ends = np.sort(self.ends(facets), axis=0)
-        _, place, counts = np.unique(ends, axis=1, return_inverse=True, return_counts=True)
-        return np.asarray(facets[(counts[place.ravel()] == 1) & (ends[0] != ends[1])])
-
-    @cached_property
-    def corners(self) -> np.ndarray:
-        """Boundary nodes that belong to one element only, in which the boundary turns."""
-        return np.flatnonzero(np.bincount(self.nodes.ravel(), minlength=self.n_nodes) == 1)
-
-    def node_at(self, at: Any) -> int:
-        """The node at a point of the parameter plane."""
-        point = vector("point", at, 2)
-        distance = np.linalg.norm(self.mesh.p - point[:, None], axis=0)
-        nearest = int(np.argmin(distance))
-        if distance[nearest] > 1e-8 * np.ptp(self.mesh.p, axis=1).max():
-            raise InputError(
-                f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
-                f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"
-            )
-        return int(self.ties.node_of[nearest])
-
     @cached_property
     def _finder(self) -> Any:
         return self.mesh.element_finder()
@@ -250,7 +173,7 @@ class Geometry:
 
         Across the seam of a closed parameter it goes on at the other end.
         """
-        point = self._within(vector("point", at, 2))
+        point = self.within(vector("point", at, 2))
         outside = InputError(
             f"point {tuple(point.tolist())} lies outside the surface; in the parameter plane the mesh "
             f"spans {self.mesh.p.min(axis=1).tolist()} to {self.mesh.p.max(axis=1).tolist()}"
@@ -264,14 +187,12 @@ class Geometry:
             raise outside
         return element, np.clip(local, 0.0, 1.0)
 
-    def _within(self, point: np.ndarray) -> np.ndarray:
-        """The same point of the surface, closed parameters within their bounds."""
-        out = point.copy()
-        for axis, closed in enumerate(closed_directions(self.surface)):
-            if closed:
-                low, high = self.surface.bounds[axis]  # type: ignore[attr-defined]
-                if not low <= point[axis] <= high:
-                    out[axis] = low + (point[axis] - low) % (high - low)
+    def within(self, points: np.ndarray) -> np.ndarray:
+        """The same points (2, ...) of the surface, closed parameters within their bounds."""
+        out = points.copy()
+        for axis, (low, high) in self.closed_bounds().items():
+            outside = (out[axis] < low) | (out[axis] > high)
+            out[axis] = np.where(outside, low + (out[axis] - low) % (high - low), out[axis])
         return out
 
     def edge_points(self, facets: np.ndarray, n: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -285,20 +206,13 @@ class Geometry:
         return CORNERS[start][:, :, None] + tangents[:, :, None] * s, tangents, w
 
     def edge_quadrature(self, facets: np.ndarray, n: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Elements (m,), local points (m, 2, n) and weights times length (m, n) of boundary facets."""
+        """Elements (m,), local points (m, 2, n) and weights times length of the surface itself (m, n) of boundary facets."""
         elements = self.mesh.f2t[0, facets]
-        points, tangents, w = self.edge_points(facets, n)
-        lengths = np.empty((len(facets), n))
-        for k, e in enumerate(elements):
-            along = self.theory.jets(self.undeformed_local[[e]], points[k])[:2, :, 0]
-            lengths[k] = w * np.linalg.norm(np.tensordot(tangents[k], along, 1), axis=0)
-        return elements, points, lengths
-
-    def facet_directions(self, facets: np.ndarray) -> np.ndarray:
-        """Directions of facets in the parameter plane, (2, m), of unit length."""
+        points, _, w = self.edge_points(facets, n)
         ends = self.mesh.p[:, self.mesh.facets[:, facets]]
-        along = ends[:, 1] - ends[:, 0]
-        return along / np.linalg.norm(along, axis=0)
+        at = np.stack([self.parameters(p, np.array([e]))[:, 0] for p, e in zip(points, elements, strict=True)], axis=1)
+        along = np.einsum("dm,dimn->imn", ends[:, 1] - ends[:, 0], np.stack(self.surface.derivatives(*at)))
+        return elements, points, w * np.linalg.norm(along, axis=0)
 
 
 def _inverse_bilinear(corners: np.ndarray, point: np.ndarray) -> np.ndarray:

@@ -27,6 +27,10 @@ class Assembly(Protocol):
     sections: Any
     schedule: Schedule
 
+    @property
+    def areas(self) -> np.ndarray:
+        """Weights times area of the undeformed elements at the integration points, (n_elements, n_points)."""
+
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         """Derivative of the strain energy."""
 

@@ -15,7 +15,7 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError
-from skancf.surfaces import Surface, closed_directions
+from skancf.surfaces import Surface, check_regular, closed_directions
 
 # Of the size of the surface: two positions closer than this are one.
 SAME = 1e-9
@@ -48,8 +48,8 @@ def find_ties(mesh: skfem.MeshQuad, surface: Surface, twist: bool) -> Ties:
     Raises
     ------
     InputError
-        Where the nodes of the two ends of a closed parameter do not match, or where a side shrinks to a point that has no
-        tangent plane.
+        Where the nodes of the two ends of a closed parameter do not match, an element is its own neighbour across a seam, a
+        side shrinks to a point that has no tangent plane, or another node has none.
     """
     first = np.arange(mesh.p.shape[1])
     mix = np.tile(np.eye(4), (len(first), 1, 1))
@@ -57,6 +57,8 @@ def find_ties(mesh: skfem.MeshQuad, surface: Surface, twist: bool) -> Ties:
         if closed:
             _close(mesh, surface, axis, first)
     collapsed = _collapsed(mesh, surface)
+    at_poles = np.concatenate([nodes for nodes, _ in collapsed]) if collapsed else np.empty(0, dtype=int)
+    check_regular(surface, *np.delete(mesh.p, at_poles, axis=1))
     tangents: dict[int, np.ndarray] = {}
     for nodes, axis in collapsed:
         root = int(first[nodes].min())
@@ -77,21 +79,26 @@ def _close(mesh: skfem.MeshQuad, surface: Surface, axis: int, first: np.ndarray)
         raise InputError(f"the surface is closed in {'xy'[axis]}, but the mesh has other nodes at {low:.6g} than at "
                          f"{high:.6g}; give both ends the same nodes, or a surface that is not closed")  # fmt: skip
     first[end] = first[start]
+    quads = np.sort(first[mesh.t], axis=0)
+    if (quads[1:] == quads[:-1]).any():
+        raise InputError(f"the surface is closed in {'xy'[axis]}, but the mesh has one element around it, whose two ends "
+                         "would be the same nodes; take at least two elements around, better eight")  # fmt: skip
 
 
 def _collapsed(mesh: skfem.MeshQuad, surface: Surface) -> list[tuple[np.ndarray, int]]:
-    """Connected nodes of boundary edges that have no length in space, and the parameter along them."""
-    facets = mesh.facets[:, mesh.boundary_facets()]
-    position = surface.position(*mesh.p)
-    size = np.ptp(position, axis=1).max()
-    zero = facets[:, np.linalg.norm(position[:, facets[0]] - position[:, facets[1]], axis=0) <= SAME * size]
-    groups: list[tuple[set[int], int]] = []
-    for a, b in zero.T.tolist():
-        axis = int(np.argmax(np.abs(mesh.p[:, a] - mesh.p[:, b])))
-        together = {a, b}.union(*(nodes for nodes, along in groups if along == axis and nodes & {a, b}))
-        groups = [(nodes, along) for nodes, along in groups if along != axis or not nodes & {a, b}]
-        groups.append((together, axis))
-    return [(np.array(sorted(nodes)), axis) for nodes, axis in groups]
+    """Nodes of each whole side of the parameter plane that is one point of space, and the parameter along it."""
+    size = np.ptp(surface.position(*mesh.p), axis=1).max()
+    found = []
+    for along in (0, 1):
+        across = mesh.p[1 - along]
+        for end in (across.min(), across.max()):
+            nodes = np.flatnonzero(np.abs(across - end) <= SAME * np.ptp(across))
+            x, y = mesh.p[:, nodes]
+            slope = np.linalg.norm(surface.derivatives(x, y)[along], axis=0).max()
+            apart = np.ptp(surface.position(x, y), axis=1).max()
+            if len(nodes) > 1 and max(apart, slope * np.ptp(mesh.p[along, nodes])) <= SAME * size:
+                found.append((nodes, along))
+    return found
 
 
 def _pole(

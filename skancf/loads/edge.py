@@ -1,9 +1,11 @@
 """Dead forces per length, on edges and along lines."""
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
+import skfem
 
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import Assembly
@@ -15,7 +17,7 @@ from skancf.loads.acting import DeadLoad, Spread, check_distributed, values_at
 
 @dataclass(frozen=True)
 class EdgeLoad:
-    """A dead force per undeformed length (N/m) along boundary edges."""
+    """A dead force per undeformed length (N/m) along boundary edges; lengths are those of the surface itself."""
 
     where: Any
     force: Any
@@ -40,7 +42,7 @@ class LineLoad:
     Parameters
     ----------
     start, end : (2,)
-        Ends in the parameter plane.
+        Ends in the parameter plane. A closed parameter may run on beyond its bounds, across the seam.
     force : (3,) or callable
         Constant, or a function of the parameters (x, y) that returns (3, ...).
 
@@ -67,7 +69,7 @@ class LineLoad:
         s, w = gauss(4)
         place = (cuts[:-1, None] + np.diff(cuts)[:, None] * s).ravel()
         share = (np.diff(cuts)[:, None] * w).ravel()
-        at = start[:, None] + along[:, None] * place
+        at = geometry.within(start[:, None] + along[:, None] * place)
         found = [geometry.locate(point) for point in at.T]
         elements = np.array([element for element, _ in found])
         points = np.stack([local for _, local in found])[:, :, None]
@@ -79,8 +81,17 @@ class LineLoad:
 
 
 def _crossings(geometry: Geometry, start: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """Where a line (0 to 1) crosses edges of the mesh, its ends included."""
-    one, two = geometry.mesh.p[:, geometry.mesh.facets].swapaxes(0, 1)
+    """Where a line (0 to 1) crosses edges of the mesh and of its copies beyond the seams, its ends included."""
+    shifts = [np.zeros(1), np.zeros(1)]
+    for axis, (low, high) in geometry.closed_bounds().items():
+        turns = np.floor((np.array([start[axis], start[axis] + along[axis]]) - low) / (high - low))
+        shifts[axis] = np.arange(turns.min(), turns.max() + 1) * (high - low)
+    cuts = [_cuts(geometry.mesh, start - shift, along) for shift in product(*shifts)]
+    return np.unique(np.round(np.concatenate([[0.0, 1.0], *cuts]), 12))
+
+
+def _cuts(mesh: skfem.MeshQuad, start: np.ndarray, along: np.ndarray) -> np.ndarray:
+    one, two = mesh.p[:, mesh.facets].swapaxes(0, 1)
     edge, offset = two - one, one - start[:, None]
     det = along[0] * edge[1] - along[1] * edge[0]
     crosses = np.abs(det) > 1e-12 * np.linalg.norm(along) * np.linalg.norm(edge, axis=0)
@@ -88,5 +99,4 @@ def _crossings(geometry: Geometry, start: np.ndarray, along: np.ndarray) -> np.n
     on_line = (offset[0] * edge[1] - offset[1] * edge[0]) / det
     on_edge = (offset[0] * along[1] - offset[1] * along[0]) / det
     inside = (on_line > 1e-9) & (on_line < 1 - 1e-9) & (on_edge > -1e-9) & (on_edge < 1 + 1e-9)
-    cuts = np.concatenate([[0.0, 1.0], on_line[inside]])
-    return np.unique(np.round(cuts, 12))
+    return np.asarray(on_line[inside])

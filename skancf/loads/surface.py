@@ -13,7 +13,7 @@ from skancf.loads.acting import DeadLoad, check_distributed, over_elements, valu
 
 @dataclass(frozen=True)
 class SurfaceLoad:
-    """A dead force per undeformed area (Pa).
+    """A dead force per undeformed area (Pa), that of the elements, of order four on curved surfaces.
 
     Parameters
     ----------
@@ -29,10 +29,9 @@ class SurfaceLoad:
 
     def on(self, assembly: Assembly) -> DeadLoad:
         geometry = assembly.geometry
-        areas = assembly.sections.areas[assembly.sections.shape]
         points = geometry.theory.quadrature[0]
         forces = np.zeros((geometry.n_elements, 2, 3, points.shape[1]))
-        forces[:, 0] = values_at(self.force, geometry.parameters(points)) * areas[:, None]
+        forces[:, 0] = values_at(self.force, geometry.parameters(points)) * assembly.areas[:, None]
         return DeadLoad(over_elements(geometry, forces), self.history)
 
 

@@ -29,8 +29,6 @@ class Row(NamedTuple):
 class Support:
     """What a problem knows of a support: conditions, or springs, or both."""
 
-    where: Any
-
     def rows(self, geometry: Geometry) -> list[Row]:
         """The conditions on a given mesh."""
         return []
@@ -71,6 +69,18 @@ def held_along(geometry: Geometry, where: Any, directions: np.ndarray) -> list[R
     return rows
 
 
+def single_points(geometry: Geometry, where: Any) -> list[int]:
+    """A mesh node for each node of a place that is on none of its edges."""
+    alone = [node for node, tangents in edges(geometry, where).items() if not tangents]
+    return alone if not alone else [alone[k] for k in np.unique(geometry.ties.node_of[alone], return_index=True)[1]]
+
+
+def slopes_or_tangents(geometry: Geometry, node: int) -> tuple[np.ndarray, bool]:
+    """The slopes r_x and r_y at a mesh node, or the two tangents that a pole has of its own (then True): (2, 3)."""
+    pole = geometry.ties.poles.get(int(geometry.ties.node_of[node]))
+    return (geometry.undeformed_at(node)[[R_X, R_Y]], False) if pole is None else (pole, True)
+
+
 def space_tangent(geometry: Geometry, node: int, along: np.ndarray) -> np.ndarray:
     """Unit vector in space of a direction of the parameter plane at a mesh node."""
     tangent = along @ geometry.undeformed_at(node)[[R_X, R_Y]]
@@ -98,18 +108,42 @@ def no_turn_about(geometry: Geometry, where: Any) -> list[Row]:
     """The normal does not turn about the edge; at single points not at all.
 
     On the thin element the slope across the edge stays in the tangent plane, n . r_,x = 0 all along it: the stretch of the
-    surface at the edge is free. Its derivative along the edge is n . r_,xy + n_,y . r_,x = 0.
+    surface at the edge is free. Its derivative along the edge is n . r_,xy + n_,y . r_,x = 0. At a point n . r_,x =
+    n . r_,y = 0.
     """
-    rows = []
+    rows, thin = [], geometry.theory.twist
     for node, tangents in edges(geometry, where).items():
-        thin = geometry.theory.twist
-        if not tangents:
-            kinds = (R_X, R_Y) if thin else (R_X, R_Y, FOURTH)
-            rows += [Row(node, condition({kind: 1.0}, axis)) for kind in kinds for axis in np.eye(3)]
-        elif not thin:
-            rows += [Row(node, condition({FOURTH: 1.0}, axis)) for axis in np.eye(3)]
+        if tangents and not thin:
+            rows += _director_held(node)
         for along in tangents if thin else ():
             n, kind = geometry.normal_at(node), across(along)
             rows.append(Row(node, condition({kind: 1.0}, n)))
             rows.append(Row(node, condition({FOURTH: 1.0, kind: geometry.normal_slopes_at(node)[kind - 1 ^ 1]}, n)))
+    for node in single_points(geometry, where):
+        if thin:
+            n, own = geometry.normal_at(node), slopes_or_tangents(geometry, node)[1]
+            rows += [Row(node, condition({kind: 1.0}, n), own=own) for kind in (R_X, R_Y)]
+        else:
+            rows += _director_held(node)
+    return rows
+
+
+def _director_held(node: int) -> list[Row]:
+    return [Row(node, condition({FOURTH: 1.0}, axis)) for axis in np.eye(3)]
+
+
+def no_drilling(geometry: Geometry, where: Any) -> list[Row]:
+    r"""The surface does not turn about its normal at the single points of a place; its strain there is free.
+
+    With orthonormal tangents t1 and t2 of the undeformed surface, and derivatives along them,
+    :math:`t_2 \cdot r_{,1} - t_1 \cdot r_{,2} = 0`: where the normal is held, the stretch is symmetric then.
+    """
+    rows = []
+    for node in single_points(geometry, where):
+        slopes, own = slopes_or_tangents(geometry, node)
+        t1 = slopes[0] / np.linalg.norm(slopes[0])
+        t2 = np.cross(geometry.normal_at(node), t1)
+        to_frame = np.linalg.inv(slopes @ np.stack([t1, t2]).T)  # r_,1 and r_,2 of r_x and r_y
+        x, y = to_frame[0, :, None] * t2 - to_frame[1, :, None] * t1
+        rows.append(Row(node, condition({R_X: x, R_Y: y}, t1), own=own))
     return rows

@@ -76,7 +76,6 @@ class Foundation(Support):
 
     stiffness: float
     direction: tuple[float, float, float] | None = None
-    where = None
 
     def __post_init__(self) -> None:
         positive("stiffness", self.stiffness, "N/m3")
@@ -92,7 +91,6 @@ class Foundation(Support):
         else:
             unit = np.array(self.direction, float) / np.linalg.norm(self.direction)
             d = np.broadcast_to(unit[:, None], (geometry.n_elements, 3, points.shape[1]))
-        areas = assembly.sections.areas[assembly.sections.shape]
-        stiffness = self.stiffness * np.einsum("en,ein,ejn->enij", areas, d, d)
+        stiffness = self.stiffness * np.einsum("en,ein,ejn->enij", assembly.areas, d, d)
         table = np.broadcast_to(theory.position_table(points)[0], (geometry.n_elements, 16, points.shape[1]))
         return [(np.arange(geometry.n_elements), spring_matrices(table, stiffness))]

@@ -20,10 +20,13 @@ from skancf.supports.conditions import (
     condition,
     edges,
     held_along,
+    no_drilling,
     no_tilt_along,
     no_turn_about,
+    slopes_or_tangents,
     space_tangent,
 )
+from skancf.supports.plane import check_planes
 
 
 def checked_kind(kind: str) -> str:
@@ -45,12 +48,16 @@ class Pin(Support):
 
 @dataclass(frozen=True)
 class Clamp(Support):
-    """Positions and normals (directors) held along an edge; at single points all of the node."""
+    """Positions and normals (directors) held along an edge.
+
+    At single points the position, the normal and the rotation about it are held; the surface may stretch there.
+    """
 
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        return held_along(geometry, self.where, np.eye(3)) + no_turn_about(geometry, self.where)
+        rows = held_along(geometry, self.where, np.eye(3)) + no_turn_about(geometry, self.where)
+        return rows + no_drilling(geometry, self.where)
 
 
 @dataclass(frozen=True)
@@ -121,12 +128,20 @@ class Roller(Support):
 
 @dataclass(frozen=True)
 class Symmetry(Support):
-    """The edge lies in a plane of symmetry of the undeformed body and stays in it."""
+    """The edge lies in a plane of symmetry of the undeformed body and stays in it; edges that meet in a corner have theirs.
+
+    Raises
+    ------
+    InputError
+        On a mesh: for a point, an edge that lies in no plane or along which the surface is not normal to it, and in the thin
+        theory where lines of the parameters do not cross the edge at right angles.
+    """
 
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
         rows = []
+        check_planes(geometry, self.where)
         for node, tangents in edges(geometry, self.where).items():
             if not tangents:
                 raise InputError(f"Symmetry({self.where!r}): a plane of symmetry needs an edge, not a point")
@@ -137,20 +152,19 @@ class Symmetry(Support):
     def _rows_at(self, geometry: Geometry, node: int, along: np.ndarray) -> list[Row]:
         normal, tangent = geometry.normal_at(node), space_tangent(geometry, node, along)
         out = np.cross(tangent, normal)
-        slopes = geometry.undeformed_at(node)[[R_X, R_Y]]
+        slopes, own = slopes_or_tangents(geometry, node)
         rows = [Row(node, condition({R: 1.0}, out)), Row(node, condition({R_X: along[0], R_Y: along[1]}, out))]
         if geometry.theory.twist:
             kind = across(along)
-            slope = slopes[kind - 1]
+            slope = geometry.undeformed_at(node)[kind]
             if np.linalg.norm(np.cross(slope, out)) > 1e-6 * np.linalg.norm(slope):
                 raise InputError(f"Symmetry({self.where!r}): the lines of the parameter {'xy'[kind - 1]} do not cross the "
                                  "edge at right angles; use a surface on which they do")  # fmt: skip
             return rows + [Row(node, condition({k: 1.0}, v)) for k in (kind, FOURTH) for v in (tangent, normal)]
         # The combination of slopes that is across the plane in the undeformed state.
-        pole = geometry.ties.poles.get(int(geometry.ties.node_of[node]))
-        x, y = np.linalg.lstsq((slopes if pole is None else pole).T, out, rcond=None)[0]
+        x, y = np.linalg.lstsq(slopes.T, out, rcond=None)[0]
         rows.append(Row(node, condition({FOURTH: 1.0}, out)))
-        return rows + [Row(node, condition({R_X: x, R_Y: y}, v), own=pole is not None) for v in (tangent, normal)]
+        return rows + [Row(node, condition({R_X: x, R_Y: y}, v), own=own) for v in (tangent, normal)]
 
 
 @dataclass(frozen=True)

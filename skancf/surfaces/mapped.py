@@ -8,6 +8,7 @@ import numpy as np
 
 from skancf.errors import InputError, finite, positive
 from skancf.surfaces.differences import POINTS, difference
+from skancf.surfaces.kinks import check_kinks
 from skancf.surfaces.protocol import Interval, parameters
 
 # A parameter may miss the bounds by this fraction of their range.
@@ -46,9 +47,9 @@ class MappedSurface:
     Raises
     ------
     InputError
-        For bounds that do not increase, a function whose values are no three finite components (the point is named), a
-        closed direction that does not close or has a kink there, exact derivatives that are those of another function,
-        and parameters outside the bounds.
+        For bounds that do not increase, a function whose values are no three finite components (the point is named) or that
+        has a kink, a closed direction that does not close or has a kink there, exact derivatives that are those of another
+        function, and parameters outside the bounds.
     """
 
     function: Callable[[np.ndarray, np.ndarray], Any]
@@ -123,6 +124,7 @@ class MappedSurface:
         for axis, closed in enumerate(self.closed):
             if closed:
                 _check_seam(axis, jet)
+        check_kinks(self._value, self.bounds)
         if self.exact_derivatives is not None:
             differences = [self._along_x(self._value, x, y), self._along_y(self._value, x, y)]
             for name, exact, near in zip(("X_x", "X_y"), jet[1:], differences, strict=True):

@@ -1,0 +1,144 @@
+"""Which nodes and edges of a mesh a place means: see :mod:`skancf.supports.conditions`."""
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.assembly.ties import SAME, Ties
+from skancf.errors import InputError, vector
+from skancf.surfaces import Interval, Surface, closed_directions
+
+Found = tuple[np.ndarray, np.ndarray]
+NONE = np.empty(0, dtype=int)
+
+
+class Places:
+    """The places of a mesh on a surface.
+
+    Attributes
+    ----------
+    mesh : skfem.MeshQuad
+    surface : Surface
+    ties : Ties
+        Which nodes of the mesh are one.
+    """
+
+    mesh: skfem.MeshQuad
+    surface: Surface
+    ties: Ties
+
+    def nodes_on(self, where: Any) -> np.ndarray:
+        """Numbers of the nodes that ``where`` means: see :class:`~skancf.supports.Support`."""
+        return np.unique(self.points_and_facets(where)[0])
+
+    def facets_on(self, where: Any) -> np.ndarray:
+        """Numbers of the boundary facets that ``where`` means."""
+        facets = self.points_and_facets(where)[1]
+        if not len(facets):
+            raise InputError(f"{where!r} means no edge of the boundary; known names: {self.names()}")
+        return facets
+
+    def names(self) -> list[str]:
+        return sorted({*(self.mesh.boundaries or {}), "boundary", "corners"})
+
+    def points_and_facets(self, where: Any) -> Found:
+        """Nodes and boundary facets of a name, points, or a function of (x, y); never without a node.
+
+        Raises
+        ------
+        InputError
+            For a place that is none of these, an unknown name, and a place without a node.
+        """
+        if isinstance(where, str):
+            return self._named(where)
+        if callable(where):
+            return self._where_true(where)
+        if not (isinstance(where, Sequence | np.ndarray) and len(where)):
+            raise InputError(f"place {where!r}: give the name of a boundary, one of {self.names()}, a point (x, y), a list "
+                             "of names and points, or a function of (x, y)")  # fmt: skip
+        if all(isinstance(x, int | float | np.number) for x in where):
+            return np.array([self.node_at(where)]), NONE
+        nodes, facets = zip(*[self.points_and_facets(place) for place in where], strict=True)
+        return np.unique(np.concatenate(nodes)), np.unique(np.concatenate(facets))
+
+    def _named(self, name: str) -> Found:
+        boundaries = self.mesh.boundaries or {}
+        if name in boundaries:
+            facets = np.asarray(boundaries[name])
+            if not facets.size:
+                raise InputError(f"boundary {name!r} has no edge on this mesh; the mesh's own names are at fault")
+            return np.unique(self.ends(facets)), facets[~self._at_a_pole(facets)]
+        if name == "boundary":
+            if not len(self.boundary):
+                raise InputError("place 'boundary': this surface has none, it is closed all around; give a point (x, y) or "
+                                 "a function of (x, y)")  # fmt: skip
+            return np.unique(self.ends(self.boundary)), self.boundary
+        if name == "corners":
+            if not len(self.corners):
+                raise InputError("place 'corners': this surface has none, no node belongs to one element only; give a point "
+                                 "(x, y) or a function of (x, y)")  # fmt: skip
+            return self.corners, NONE
+        raise InputError(f"no boundary {name!r} on this mesh; it has {self.names()}")
+
+    def _where_true(self, function: Callable[[np.ndarray, np.ndarray], Any]) -> Found:
+        """A node is meant where the function is true at any of its places in the parameter plane."""
+        mask = np.broadcast_to(np.asarray(function(*self.mesh.p), dtype=bool), self.mesh.p.shape[1:])
+        if not mask.any():
+            raise InputError("the function given as a place is true at no node; give a tolerance, as in "
+                             "lambda x, y: abs(x) < 1e-9")  # fmt: skip
+        boundary = self.boundary
+        return np.unique(self.ties.node_of[mask]), boundary[mask[self.mesh.facets[:, boundary]].all(axis=0)]
+
+    def ends(self, facets: np.ndarray) -> np.ndarray:
+        """Nodes at the ends of facets, (2, m)."""
+        return np.asarray(self.ties.node_of[self.mesh.facets[:, facets]])
+
+    def facet_directions(self, facets: np.ndarray) -> np.ndarray:
+        """Directions of facets in the parameter plane, (2, m), of unit length."""
+        ends = self.mesh.p[:, self.mesh.facets[:, facets]]
+        along = ends[:, 1] - ends[:, 0]
+        return along / np.linalg.norm(along, axis=0)
+
+    @cached_property
+    def boundary(self) -> np.ndarray:
+        """Facets on the boundary of the surface: of one element only, no seam and no pole."""
+        facets = self.mesh.boundary_facets()
+        inner = self._at_a_pole(facets)
+        for axis, (low, high) in self.closed_bounds().items():
+            at = self.mesh.p[axis, self.mesh.facets[:, facets]]
+            for end in (low, high):
+                inner |= (np.abs(at - end) <= SAME * (high - low)).all(axis=0)
+        return np.asarray(facets[~inner])
+
+    def closed_bounds(self) -> dict[int, Interval]:
+        """Bounds of the parameters that are closed, by their number."""
+        closed = closed_directions(self.surface)
+        return {axis: self.surface.bounds[axis] for axis in (0, 1) if closed[axis]}  # type: ignore[attr-defined]
+
+    def _at_a_pole(self, facets: np.ndarray) -> np.ndarray:
+        one, two = self.ends(facets)
+        return np.asarray(one == two)
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """Nodes of one element only, which is convex, so that the boundary turns there.
+
+        Corners that several elements share are not found, such as those that point inwards.
+        """
+        quads = self.ties.node_of[self.mesh.t]
+        return np.flatnonzero(np.bincount(quads.ravel()) == 1)
+
+    def node_at(self, at: Any) -> int:
+        """The node at a point of the parameter plane."""
+        point = vector("point", at, 2)
+        distance = np.linalg.norm(self.mesh.p - point[:, None], axis=0)
+        nearest = int(np.argmin(distance))
+        if distance[nearest] > 1e-8 * np.ptp(self.mesh.p, axis=1).max():
+            raise InputError(
+                f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
+                f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"
+            )
+        return int(self.ties.node_of[nearest])

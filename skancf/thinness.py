@@ -18,7 +18,9 @@ from skancf.theories.kirchhoff import legendre, local_frame
 from skancf.theories.kirchhoff_point import dual
 
 
-def shear_forces(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+def shear_forces(
+    system: System, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
+) -> np.ndarray:
     r"""Transverse shear forces per length that balance the moments of a thin state: (n_elements, 2, n) (N/m).
 
     .. math::
@@ -34,12 +36,14 @@ def shear_forces(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarra
     q : (n_dofs,) array
     points : (2, n) array
         Of the reference square.
+    factor, time : float
+        Of the temperature change, whose moments count: see :meth:`~skancf.assembly.system.System.section_forces`.
     """
     geometry, theory = system.geometry, system.geometry.theory
     if not theory.twist:
         raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
     places, weights = square_quadrature(2)
-    moments = system.assembly.section_forces(q.reshape(-1, 4, 3), places)[:, 3:]
+    moments = system.section_forces(q, places, factor, time)[:, 3:]
     fit = np.einsum("ekp,p,pf->ekf", moments, weights, legendre(places, (2, 2)))
     values = legendre(points, (2, 2))
     slopes = [legendre(points + d, (2, 2)) - values for d in (np.array([[1.0], [0.0]]), np.array([[0.0], [1.0]]))]
@@ -76,6 +80,16 @@ def shear_energy(system: System, Q: np.ndarray, weights: np.ndarray, points: np.
     return float(0.5 * np.einsum("eip,ij,ejp,ep->", Q, compliance, Q, areas))
 
 
+def shear_share(system: System, Q: np.ndarray, weights: np.ndarray, points: np.ndarray, energy: float, heat: float) -> float:
+    """Energy of shear forces (n_elements, 2, n) over the strain energy; zero where a temperature change of the energy
+    ``heat`` strains a body freely, so that both are rounding."""
+    return 0.0 if energy <= FREE * heat else shear_energy(system, Q, weights, points) / energy
+
+
+FREE = 1e-9
+"""Of the energy of a temperature change that is held back: less than this is none."""
+
+
 @dataclass(frozen=True)
 class Choice:
     """Which theory was taken, and why.
@@ -106,13 +120,13 @@ def choose(system: System, tolerance: float) -> Choice:
         change = system.linear_change()
     except SingularMatrix as free:
         raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
-    energy = 0.5 * float(change @ (system.stiffness() @ change))
-    if not energy > 0:
+    energy, heat = system.linear_energy(change), system.thermal_energy()
+    if not (energy > 0 or heat > 0):
         raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")
     points, weights = square_quadrature(2)
     inside = system.geometry.inside(points)
-    Q = system.linear_part(lambda q: shear_forces(system, q, inside), change)
-    share = shear_energy(system, Q, weights, points) / energy
+    Q = system.linearised(lambda q: shear_forces(system, q, inside), change)
+    share = shear_share(system, Q, weights, points, energy, heat)
     name, than = ("kirchhoff", "no more than") if share <= tolerance else ("full", "more than")
     reason = (f"theory '{name}': leaving transverse shear out changes the strain energy by {100 * share:.3g} %, "
               f"{than} the {100 * tolerance:.3g} % asked")  # fmt: skip

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, vector
 from skancf.history import History

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.errors import vector
 from skancf.history import History, check_history
 from skancf.loads.acting import DeadLoad, check_distributed, over_elements, values_at

@@ -147,7 +147,17 @@ class Section:
         middle, gradient = finite("temperature_mid", temperature_mid), finite("temperature_gradient", temperature_gradient)
         return np.multiply.outer(by_mid, middle) + np.multiply.outer(by_gradient, gradient)
 
-    def thermal_strain(self, z: Any, temperature_mid: float, temperature_gradient: float = 0.0) -> np.ndarray:
+    def thermal_energy(self, temperature_mid: Any, temperature_gradient: Any) -> np.ndarray:
+        r"""Energy per area of a temperature change that is not allowed to strain the section, (...) (J/m2).
+
+        .. math:: \tfrac12 \int \alpha \cdot Q \alpha \, (T_0 + z T_1)^2 \, dz
+        """
+        alpha = self.expansion[:, IN_PLANE]
+        first, second, third = self._powers() @ np.einsum("li,lij,lj->l", alpha, self.in_plane(), alpha)
+        middle, gradient = finite("temperature_mid", temperature_mid), finite("temperature_gradient", temperature_gradient)
+        return np.asarray(first * middle**2 / 2 + second * middle * gradient + third * gradient**2 / 2)
+
+    def thermal_strain(self, z: Any, temperature_mid: Any, temperature_gradient: Any = 0.0) -> np.ndarray:
         r"""Free strain :math:`\alpha \, (T_0 + z T_1)` at depths z: (..., 6)."""
         change = temperature_mid + np.asarray(z, dtype=float) * temperature_gradient
         return self.expansion[self.layer_at(z)] * change[..., None]

@@ -5,6 +5,7 @@ A thin plate has no transverse shear strain, but its moments need transverse she
 relative error of leaving shear out, known before any thick calculation.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,7 @@ from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.nodal import nodal_jacobian
 from skancf.elements.quad_ancf import square_quadrature
-from skancf.errors import InputError, SingularMatrix
+from skancf.errors import InputError, OutOfDepth, SingularMatrix
 from skancf.theories.kirchhoff import legendre, local_frame
 from skancf.theories.kirchhoff_point import dual
 
@@ -24,12 +25,13 @@ def shear_forces(
     r"""Transverse shear forces per length that balance the moments of a thin state: (n_elements, 2, n) (N/m).
 
     .. math::
-        Q_1 = M_{11,1} + M_{12,2} + \omega_2 (M_{11} - M_{22}) - 2 \omega_1 M_{12}, \qquad
-        Q_2 = M_{12,1} + M_{22,2} + \omega_1 (M_{11} - M_{22}) + 2 \omega_2 M_{12}
+        Q_1 = M_{11,1} + M_{12,2} + \omega_2 (M_{11} - M_{22}) - 2 \omega_1 M_{12} + s \cdot r_{,1}, \qquad
+        Q_2 = M_{12,1} + M_{22,2} + \omega_1 (M_{11} - M_{22}) + 2 \omega_2 M_{12} + s \cdot r_{,2}
 
-    in the local frame of the undeformed surface, which turns by :math:`\omega_a` per length along direction a. In each
-    element the moments are bilinear through the 2 x 2 Gauss points, where those of the bicubic element are most accurate;
-    the shear force is of second order in the middle of an element and of first order elsewhere.
+    in the local frame of the undeformed surface, which turns by :math:`\omega_a` per length along direction a; s is the
+    force per area times its height, of weight whose centre is not in the reference surface. In each element the moments are
+    bilinear through the 2 x 2 Gauss points, where those of the bicubic element are most accurate; the shear force is of
+    second order in the middle of an element and of first order elsewhere.
 
     Parameters
     ----------
@@ -37,7 +39,7 @@ def shear_forces(
     points : (2, n) array
         Of the reference square.
     factor, time : float
-        Of the temperature change, whose moments count: see :meth:`~skancf.assembly.system.System.section_forces`.
+        Of the loads: a temperature change and eccentric weight have moments of their own.
     """
     geometry, theory = system.geometry, system.geometry.theory
     if not theory.twist:
@@ -55,7 +57,12 @@ def shear_forces(
     d1, d2 = np.einsum("fgep,gkep->fkep", along, by_parameter)
     w1, w2 = np.einsum("fgep,gep->fep", along, _frame_turn(geometry, points, e2))
     turned = m11 - m22
-    return np.stack([d1[0] + d2[2] + w2 * turned - 2 * w1 * m12, d1[2] + d2[1] + w1 * turned + 2 * w2 * m12], axis=1)
+    Q = np.stack([d1[0] + d2[2] + w2 * turned - 2 * w1 * m12, d1[2] + d2[1] + w1 * turned + 2 * w2 * m12], axis=1)
+    couple = system.couple(time)
+    if couple is None:
+        return Q
+    now = theory.jets(geometry.local(q.reshape(-1, 4, 3)), points)[:2]
+    return np.asarray(Q + factor * np.einsum("fgep,gkep,k->efp", along, now, couple))
 
 
 def _frame_turn(geometry: Geometry, points: np.ndarray, e2: np.ndarray) -> np.ndarray:
@@ -88,6 +95,22 @@ def shear_share(system: System, Q: np.ndarray, weights: np.ndarray, points: np.n
 
 FREE = 1e-9
 """Of the energy of a temperature change that is held back: less than this is none."""
+
+
+def warn_if_mass_is_off(system: System) -> None:
+    """A warning where theory `kirchhoff` has mass in the reference surface that is more than a hundredth of the thickness
+    off it."""
+    if not (hasattr(system, "geometry") and system.geometry.theory.twist):
+        return
+    section = system.problem.section
+    off = section.first_moment / section.mass if section.mass else 0.0
+    if abs(off) > section.thickness / 100:
+        warnings.warn(
+            f"theory 'kirchhoff' has its mass in the reference surface, and the centre of mass is {off:.3g} m off, with a "
+            f"thickness of {section.thickness:.3g} m: take the surface through it (offset of a laminate), or theory 'full'",
+            OutOfDepth,
+            stacklevel=3,
+        )
 
 
 @dataclass(frozen=True)

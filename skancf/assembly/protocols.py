@@ -72,6 +72,9 @@ class Loading(Protocol):
     def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray | None:
         """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
 
+    def couple(self, time: float | None) -> np.ndarray | None:
+        """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
+
 
 class Prescription(Protocol):
     """Prescribed coordinates in time."""

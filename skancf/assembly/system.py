@@ -129,6 +129,10 @@ class System:
         """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
         return total(load.temperature(points, time) for load in self.loads)
 
+    def couple(self, time: float | None = None) -> np.ndarray | None:
+        """Dead forces per area times the height above the surface where they act, (3,) (N/m); None where they act on it."""
+        return total(load.couple(time) for load in self.loads)
+
     def section_forces(
         self, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
     ) -> np.ndarray:

@@ -30,6 +30,9 @@ class Acting:
     def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray | None:
         return None
 
+    def couple(self, time: float | None) -> np.ndarray | None:
+        return None
+
 
 class DeadLoad(Acting):
     """A force (n_nodes, 4, 3) that does not depend on the configuration."""

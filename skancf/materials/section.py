@@ -75,6 +75,12 @@ class Section:
         """Mass per area (kg/m2)."""
         return float(self.density @ self.thicknesses)
 
+    @property
+    def first_moment(self) -> float:
+        r""":math:`\int \rho z \, dz` (kg/m); zero where it is the rounding of heights."""
+        moment = float(self.density @ self._powers()[1])
+        return moment if abs(moment) > 1e-12 * self.mass * self.thickness else 0.0
+
     def layer_at(self, z: Any) -> np.ndarray:
         """The layer that each depth belongs to, an int array of z's shape; at an interface the lower one.
 

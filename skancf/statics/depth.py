@@ -2,14 +2,11 @@
 
 import warnings
 
+from skancf.errors import OutOfDepth
 from skancf.solution import Solution
 
 THICK = 0.05
 """From this share of shear energy on, a thin answer comes with a warning."""
-
-
-class OutOfDepth(UserWarning):
-    """An answer of a theory that leaves out what matters in it."""
 
 
 def warn_if_thick(solution: Solution) -> Solution:

@@ -12,6 +12,7 @@ from skancf.errors import DidNotConverge, InputError, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.soft import factor_shifted
+from skancf.thinness import warn_if_mass_is_off
 
 # Two eigenvalues that differ less than this, relatively, are not told apart when they are counted.
 SEPARATION = 1e-6
@@ -83,6 +84,7 @@ def modes(
     """
     if state is not None:
         require_same_mesh(system, state)
+    warn_if_mass_is_off(system)
     n = checked_count(n, system.constraints)
     stiffness = system.stiffness() if state is None else system.tangent(state.q, factor=state.load_factor)
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)

@@ -142,18 +142,25 @@ class Solution:
         return shear_share(self.system, self.shear_forces(points), weights, points, self.strain_energy, heat)
 
     def nodal_section_forces(self) -> np.ndarray:
-        """Section forces at the nodes, averaged over the elements that meet there: (n_nodes, 6)."""
+        """Section forces at the nodes of the mesh, averaged over the elements that meet there: (n_mesh_nodes, 6).
+
+        At a pole each node of the mesh has the frame of its own direction.
+        """
         return self._at_nodes(self.section_forces().swapaxes(1, 2))
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Averages (n_nodes, k) of values (n_elements, 4, k) at the corners."""
-        geometry = self.system.geometry
-        out = np.zeros((geometry.n_nodes, values.shape[2]))
-        np.add.at(out, geometry.nodes, values)
-        return out / np.bincount(geometry.nodes.ravel(), minlength=geometry.n_nodes)[:, None]
+        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners."""
+        ties, corners = self.system.geometry.ties, self.system.mesh.t.T
+        own = ties.representative[ties.node_of]
+        # At a pole the frames turn from one element to the next: those of one node of the mesh only.
+        at_pole = np.isin(ties.node_of, list(ties.poles))
+        own[at_pole] = np.flatnonzero(at_pole)
+        out = np.zeros((len(own), values.shape[2]))
+        np.add.at(out, own[corners], values)
+        return (out / np.maximum(np.bincount(own[corners].ravel(), minlength=len(own)), 1)[:, None])[own]
 
     def nodal_stresses(self, z: float = 0.0) -> np.ndarray:
-        """Second Piola-Kirchhoff stress at the nodes, averaged over the elements that meet there: (n_nodes, 6) (Pa)."""
+        """Second Piola-Kirchhoff stress (Pa), as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
         return self._at_nodes(self.stresses(CORNERS.T, z))
 
     @property

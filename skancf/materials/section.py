@@ -128,6 +128,18 @@ class Section:
         A, B, D = np.einsum("kl,lij->kij", self._powers(), self.in_plane())
         return np.block([[A, B], [B, D]])
 
+    @property
+    def bending_thickness(self) -> float:
+        r"""Thickness of a plate of one layer whose bending is as small against its membrane stiffness (m).
+
+        .. math:: t_b = \sqrt{12 \operatorname{tr}(D - B A^{-1} B) / \operatorname{tr} A}
+
+        The bending stiffness is that about the plane which bending does not strain.
+        """
+        abd = self.abd()
+        A, B, D = abd[:3, :3], abd[:3, 3:], abd[3:, 3:]
+        return float(np.sqrt(12 * np.trace(D - B @ np.linalg.solve(A, B)) / np.trace(A)))
+
     def thermal_resultants(self, temperature_mid: Any, temperature_gradient: Any) -> np.ndarray:
         r"""Resultants of a temperature change that is not allowed to strain the section, with the sign turned.
 

@@ -10,7 +10,8 @@ strains that cubics cannot make zero everywhere. The assumed membrane strain is 
     \quad \hat\varepsilon_{12} \in P_1(\xi) \otimes P_1(\eta),
 
 the projection in the metric of the 4 x 4 Gauss points. The rest :math:`\varepsilon - \hat\varepsilon` counts with the
-factors :math:`t^2 / (h_a h_b)`, thickness over lengths of the element, at most one: small against bending, and enough to
+factors :math:`t^2 / (h_a h_b)`, thickness over lengths of the element, at most one (of a laminate the thickness of a layer
+whose bending is as small against its membrane stiffness): small against bending, and enough to
 leave no motion free. Elements at a pole, whose metric starts from nothing, keep their membrane strains as they are.
 """
 

@@ -68,7 +68,7 @@ def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
         pairs=np.stack([k, l], axis=1),
         law=np.ascontiguousarray(law[:, k, l]),
         assumed=np.where(plain[representative], 0, 1),
-        rest=rest_factors(jets, section.thickness),
+        rest=rest_factors(jets, section.bending_thickness),
         turn=np.ascontiguousarray(np.moveaxis(turn, 2, 0)),
         moments=np.stack([section.mass * areas, section.first_moment * areas], axis=1),
         areas=areas,

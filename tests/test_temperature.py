@@ -247,3 +247,10 @@ def test_shear_force_of_a_held_gradient():
     supports = [sk.Clamp(["left", "right"]), sk.Symmetry("top"), sk.Symmetry("bottom")]
     solution = sk.solve_linear(system_on("kirchhoff", strip, supports, load, (8, 2), law))
     assert np.allclose(solution.shear_forces()[:, 0], -E * T**3 / 12 * ALPHA * 1e2, rtol=1e-6)
+
+
+def test_section_forces_of_the_three_dimensional_law():
+    """A free plate has none, with the thickness strain that the law couples to those in the plane."""
+    law = sk.Isotropic(E, NU, 2000.0, kind="3d", expansion=ALPHA)
+    solution = sk.solve(system_on("full", PLATE, JUST_HELD, sk.Temperature(50.0), material=law), rtol=1e-12).unwrap()
+    assert np.abs(solution.section_forces(INSIDE)).max() < 1e-9 * E * T * ALPHA * 50.0

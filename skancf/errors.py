@@ -22,6 +22,10 @@ class DidNotConverge(SkancfError):
         super().__init__(message)
 
 
+class OutOfDepth(UserWarning):
+    """An answer of a theory that leaves out what matters in it."""
+
+
 class SingularMatrix(SkancfError):
     """A matrix that has no factors."""
 

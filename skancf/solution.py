@@ -11,7 +11,7 @@ from skancf.assembly.system import System
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number
-from skancf.thinness import shear_energy, shear_forces
+from skancf.thinness import shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 
@@ -80,8 +80,8 @@ class Solution:
         Order 11, 22, 33, 23, 13, 12, shear strains doubled. In theory `kirchhoff` the strain 33 (and 23, 13 of an oblique
         law) is the one that leaves no stress.
         """
-        free = self._free_strains(points, self._depth(z))
         assembly, inside = self.system.assembly, self.system.geometry.inside(points)
+        free = self._free_strains(inside, self._depth(z))
         return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, z, free))
 
     def stresses(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
@@ -90,13 +90,15 @@ class Solution:
         The law is that of the layer at z, of the lower one at an interface.
         """
         section = self.system.problem.section
-        elastic = self.strains(points, z) - self._free_strains(points, z)
+        elastic = self.strains(points, z) - self._free_strains(self.system.geometry.inside(points), z)
         return np.asarray(elastic @ section.stiffness[section.layer_at(z)])
 
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
-        parts = [load.free_strain(points, z, self.time) for load in self.system.loads if hasattr(load, "free_strain")]
-        return self.load_factor * sum(parts, np.zeros(6))
+        heat = self.system.temperature(points, self.time)
+        if heat is None:
+            return np.zeros(6)
+        return self.load_factor * self.system.problem.section.thermal_strain(z, *heat)
 
     def section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         r"""Membrane forces and moments per length in the local frame at points of every element: (n_elements, 6, n).
@@ -109,21 +111,14 @@ class Solution:
         points : (2, n) array, optional
             In the reference square. Default: the four corners.
         """
-        geometry = self.system.geometry
-        points = CORNERS.T if points is None else points
-        inside = geometry.inside(points)
-        forces = self._of_state(lambda q: self.system.assembly.section_forces(q.reshape(-1, 4, 3), inside))
-        for load in self.system.loads:
-            if hasattr(load, "resultants"):
-                forces = forces - self.load_factor * load.resultants(points, self.time)
-        return forces
+        inside = self.system.geometry.inside(CORNERS.T if points is None else points)
+        return self._of_state(lambda q: self.system.section_forces(q, inside, self.load_factor, self.time))
 
     def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
         if not self.linear:
             return quantity(self.q)
-        start = self.system.undeformed
-        return quantity(start) + self.system.linear_part(quantity, self.q - start)
+        return self.system.linearised(quantity, self.q - self.system.undeformed)
 
     def shear_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         """Transverse shear forces Q1, Q2 per length that balance the moments, theory `kirchhoff`: (n_elements, 2, n) (N/m).
@@ -135,46 +130,56 @@ class Solution:
             :func:`skancf.thinness.shear_forces`.
         """
         inside = self.system.geometry.inside(np.array([[0.5], [0.5]]) if points is None else points)
-        return self._of_state(lambda q: shear_forces(self.system, q, inside))
+        return self._of_state(lambda q: shear_forces(self.system, q, inside, self.load_factor, self.time))
 
     @property
     def shear_share(self) -> float:
         """How much theory `kirchhoff` leaves out: energy of the shear forces over the strain energy; zero in `full`."""
-        if not self.system.geometry.theory.twist or not self.strain_energy > 0:
+        if not self.system.geometry.theory.twist:
             return 0.0
         points, weights = square_quadrature(2)
-        return shear_energy(self.system, self.shear_forces(points), weights, points) / self.strain_energy
+        heat = self.load_factor**2 * self.system.thermal_energy(self.time)
+        return shear_share(self.system, self.shear_forces(points), weights, points, self.strain_energy, heat)
 
     def nodal_section_forces(self) -> np.ndarray:
-        """Section forces at the nodes, averaged over the elements that meet there: (n_nodes, 6)."""
+        """Section forces at the nodes of the mesh, averaged over the elements that meet there: (n_mesh_nodes, 6).
+
+        At a pole each node of the mesh has the frame of its own direction.
+        """
         return self._at_nodes(self.section_forces().swapaxes(1, 2))
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Averages (n_nodes, k) of values (n_elements, 4, k) at the corners."""
-        geometry = self.system.geometry
-        out = np.zeros((geometry.n_nodes, values.shape[2]))
-        np.add.at(out, geometry.nodes, values)
-        return out / np.bincount(geometry.nodes.ravel(), minlength=geometry.n_nodes)[:, None]
+        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners."""
+        ties, corners = self.system.geometry.ties, self.system.mesh.t.T
+        own = ties.representative[ties.node_of]
+        # At a pole the frames turn from one element to the next: those of one node of the mesh only.
+        at_pole = np.isin(ties.node_of, list(ties.poles))
+        own[at_pole] = np.flatnonzero(at_pole)
+        out = np.zeros((len(own), values.shape[2]))
+        np.add.at(out, own[corners], values)
+        return (out / np.maximum(np.bincount(own[corners].ravel(), minlength=len(own)), 1)[:, None])[own]
 
     def nodal_stresses(self, z: float = 0.0) -> np.ndarray:
-        """Second Piola-Kirchhoff stress at the nodes, averaged over the elements that meet there: (n_nodes, 6) (Pa)."""
+        """Second Piola-Kirchhoff stress (Pa), as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
         return self._at_nodes(self.stresses(CORNERS.T, z))
 
     @property
     def strain_energy(self) -> float:
-        """Strain energy (J)."""
+        """Strain energy (J), that of the stress: free expansion has none."""
         if self.linear:
-            change = self.q - self.system.undeformed
-            return 0.5 * float(change @ (self.system.stiffness() @ change))
-        return self.system.strain_energy(self.q)
+            return self.system.linear_energy(self.q - self.system.undeformed, self.load_factor, self.time)
+        return self.system.strain_energy(self.q, self.load_factor, self.time)
 
     @property
     def work(self) -> float:
-        """Work of the loads on the displacements (J), as if they were as large all the way; half of it when linear."""
+        """Work of the loads on the displacements (J), as if they were as large all the way; half of it when linear.
+
+        A temperature change is no load from outside, and does none.
+        """
         system, change = self.system, self.q - self.system.undeformed
         if self.linear:
-            return 0.5 * float(system.external_force(system.undeformed) @ change)
-        return self.load_factor * float(system.external_force(self.q, self.time) @ change)
+            return 0.5 * float(system.applied_force(system.undeformed) @ change)
+        return self.load_factor * float(system.applied_force(self.q, self.time) @ change)
 
     @property
     def kinetic_energy(self) -> float:

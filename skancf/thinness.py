@@ -5,6 +5,7 @@ A thin plate has no transverse shear strain, but its moments need transverse she
 relative error of leaving shear out, known before any thick calculation.
 """
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,33 +14,38 @@ from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.nodal import nodal_jacobian
 from skancf.elements.quad_ancf import square_quadrature
-from skancf.errors import InputError, SingularMatrix
+from skancf.errors import InputError, OutOfDepth, SingularMatrix
 from skancf.theories.kirchhoff import legendre, local_frame
 from skancf.theories.kirchhoff_point import dual
 
 
-def shear_forces(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+def shear_forces(
+    system: System, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
+) -> np.ndarray:
     r"""Transverse shear forces per length that balance the moments of a thin state: (n_elements, 2, n) (N/m).
 
     .. math::
-        Q_1 = M_{11,1} + M_{12,2} + \omega_2 (M_{11} - M_{22}) - 2 \omega_1 M_{12}, \qquad
-        Q_2 = M_{12,1} + M_{22,2} + \omega_1 (M_{11} - M_{22}) + 2 \omega_2 M_{12}
+        Q_1 = M_{11,1} + M_{12,2} + \omega_2 (M_{11} - M_{22}) - 2 \omega_1 M_{12} + s \cdot r_{,1}, \qquad
+        Q_2 = M_{12,1} + M_{22,2} + \omega_1 (M_{11} - M_{22}) + 2 \omega_2 M_{12} + s \cdot r_{,2}
 
-    in the local frame of the undeformed surface, which turns by :math:`\omega_a` per length along direction a. In each
-    element the moments are bilinear through the 2 x 2 Gauss points, where those of the bicubic element are most accurate;
-    the shear force is of second order in the middle of an element and of first order elsewhere.
+    in the local frame of the undeformed surface, which turns by :math:`\omega_a` per length along direction a; s is the
+    force per area times its height, of weight whose centre is not in the reference surface. In each element the moments are
+    bilinear through the 2 x 2 Gauss points, where those of the bicubic element are most accurate; the shear force is of
+    second order in the middle of an element and of first order elsewhere.
 
     Parameters
     ----------
     q : (n_dofs,) array
     points : (2, n) array
         Of the reference square.
+    factor, time : float
+        Of the loads: a temperature change and eccentric weight have moments of their own.
     """
     geometry, theory = system.geometry, system.geometry.theory
     if not theory.twist:
         raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
     places, weights = square_quadrature(2)
-    moments = system.assembly.section_forces(q.reshape(-1, 4, 3), places)[:, 3:]
+    moments = system.section_forces(q, places, factor, time)[:, 3:]
     fit = np.einsum("ekp,p,pf->ekf", moments, weights, legendre(places, (2, 2)))
     values = legendre(points, (2, 2))
     slopes = [legendre(points + d, (2, 2)) - values for d in (np.array([[1.0], [0.0]]), np.array([[0.0], [1.0]]))]
@@ -51,7 +57,12 @@ def shear_forces(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarra
     d1, d2 = np.einsum("fgep,gkep->fkep", along, by_parameter)
     w1, w2 = np.einsum("fgep,gep->fep", along, _frame_turn(geometry, points, e2))
     turned = m11 - m22
-    return np.stack([d1[0] + d2[2] + w2 * turned - 2 * w1 * m12, d1[2] + d2[1] + w1 * turned + 2 * w2 * m12], axis=1)
+    Q = np.stack([d1[0] + d2[2] + w2 * turned - 2 * w1 * m12, d1[2] + d2[1] + w1 * turned + 2 * w2 * m12], axis=1)
+    couple = system.couple(time)
+    if couple is None:
+        return Q
+    now = theory.jets(geometry.local(q.reshape(-1, 4, 3)), points)[:2]
+    return np.asarray(Q + factor * np.einsum("fgep,gkep,k->efp", along, now, couple))
 
 
 def _frame_turn(geometry: Geometry, points: np.ndarray, e2: np.ndarray) -> np.ndarray:
@@ -74,6 +85,32 @@ def shear_energy(system: System, Q: np.ndarray, weights: np.ndarray, points: np.
     areas = np.linalg.norm(np.cross(jets[0], jets[1], axis=0), axis=0) * weights
     compliance = np.linalg.inv(system.problem.section.shear_stiffness())
     return float(0.5 * np.einsum("eip,ij,ejp,ep->", Q, compliance, Q, areas))
+
+
+def shear_share(system: System, Q: np.ndarray, weights: np.ndarray, points: np.ndarray, energy: float, heat: float) -> float:
+    """Energy of shear forces (n_elements, 2, n) over the strain energy; zero where a temperature change of the energy
+    ``heat`` strains a body freely, so that both are rounding."""
+    return 0.0 if energy <= FREE * heat else shear_energy(system, Q, weights, points) / energy
+
+
+FREE = 1e-9
+"""Of the energy of a temperature change that is held back: less than this is none."""
+
+
+def warn_if_mass_is_off(system: System) -> None:
+    """A warning where theory `kirchhoff` has mass in the reference surface that is more than a hundredth of the thickness
+    off it."""
+    if not (hasattr(system, "geometry") and system.geometry.theory.twist):
+        return
+    section = system.problem.section
+    off = section.first_moment / section.mass if section.mass else 0.0
+    if abs(off) > section.thickness / 100:
+        warnings.warn(
+            f"theory 'kirchhoff' has its mass in the reference surface, and the centre of mass is {off:.3g} m off, with a "
+            f"thickness of {section.thickness:.3g} m: take the surface through it (offset of a laminate), or theory 'full'",
+            OutOfDepth,
+            stacklevel=3,
+        )
 
 
 @dataclass(frozen=True)
@@ -106,13 +143,13 @@ def choose(system: System, tolerance: float) -> Choice:
         change = system.linear_change()
     except SingularMatrix as free:
         raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
-    energy = 0.5 * float(change @ (system.stiffness() @ change))
-    if not energy > 0:
+    energy, heat = system.linear_energy(change), system.thermal_energy()
+    if not (energy > 0 or heat > 0):
         raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")
     points, weights = square_quadrature(2)
     inside = system.geometry.inside(points)
-    Q = system.linear_part(lambda q: shear_forces(system, q, inside), change)
-    share = shear_energy(system, Q, weights, points) / energy
+    Q = system.linearised(lambda q: shear_forces(system, q, inside), change)
+    share = shear_share(system, Q, weights, points, energy, heat)
     name, than = ("kirchhoff", "no more than") if share <= tolerance else ("full", "more than")
     reason = (f"theory '{name}': leaving transverse shear out changes the strain energy by {100 * share:.3g} %, "
               f"{than} the {100 * tolerance:.3g} % asked")  # fmt: skip

@@ -402,3 +402,25 @@ def test_mistakes_are_named(case):
     make, message = MISTAKES[case]
     with pytest.raises(InputError, match="(?s)" + message):
         make()
+
+
+@pytest.mark.parametrize("offset", [0.0, 3 * T])
+def test_bending_thickness(offset):
+    """That of one layer is its own, off its surface too; of a sandwich that of its faces, sqrt(3) times their distance."""
+    assert np.isclose(laminate(30, 30, offset=offset).section().bending_thickness, T, rtol=1e-9)
+    face, core = sk.Isotropic(1e9, 0.3, 1.0), sk.Isotropic(1.0, 0.3, 1.0)
+    layers = [sk.Layer(face, 1e-4), sk.Layer(core, 0.01), sk.Layer(face, 1e-4)]
+    thickness = sk.Laminate(layers, offset).section().bending_thickness
+    # A = 2 E t, D = E t d^2 / 2 + E t^3 / 6.
+    assert np.isclose(thickness, np.sqrt(3 * 0.0101**2 + 1e-8), rtol=1e-6)
+
+
+def test_the_rest_of_the_membrane_strains_counts_as_bending_does():
+    """Between soft faces a stiff core is the thickness that bends."""
+    face, core = sk.Isotropic(1.0, 0.3, 1.0), sk.Isotropic(1e9, 0.3, 1.0)
+    material = sk.Laminate([sk.Layer(face, 0.05), sk.Layer(core, 0.01), sk.Layer(face, 0.05)])
+    surface = sk.CylinderSector(1.0, 1.0, 1.0)
+    system = sk.Problem(surface, material=material).on(sk.meshes.uniform(surface, 2, 2), "kirchhoff")
+    rest = system.assembly.sections.rest
+    # The core alone: 0.01 over elements of 0.5 x 0.5; an arc of cubics is 1e-4 shorter.
+    assert np.allclose(rest, 0.02, rtol=2e-4)

@@ -169,3 +169,88 @@ def test_tangent_is_the_derivative_of_the_residual(surface, theory, rng):
         assert np.abs(tangent - numeric).max() < 1e-7 * np.abs(tangent).max()
     cold = system.tangent(q, factor=0.0).to_scipy().toarray()
     assert np.abs(cold - tangent).max() > 1e-3 * np.abs(tangent).max()
+
+
+@theories
+def test_energy_is_that_of_the_stress(theory):
+    """None in a plate that expands freely, E alpha^2 T^2 V / 2 in a bar between walls; a quarter at half the load."""
+    change = 50.0
+    load = sk.Temperature(change)
+    held_back = E * ALPHA**2 * change**2 / (1 - NU) * 0.6 * T  # of the plate
+    for solve in (sk.solve_linear, lambda system: sk.solve(system, rtol=1e-12).unwrap()):
+        free = solve(system_on(theory, PLATE, JUST_HELD, load))
+        # The rounding of its parts, each as large as what is held back.
+        assert abs(free.strain_energy) < 1e-12 * held_back
+        assert free.work == 0 and free.shear_share == 0
+    supports = [sk.Roller(["left", "right"], (1, 0, 0)), sk.Prescribed((0.0, 0.0), (None, 0.0, None)),
+                sk.Roller("boundary")]  # fmt: skip
+    system = system_on(theory, sk.Rectangle(1.0, 0.1), supports, sk.Temperature(change, history=lambda t: t), (4, 1))
+    expected = E * ALPHA**2 * change**2 / 2 * 0.1 * T
+    assert np.isclose(sk.solve_linear(system).strain_energy, expected, rtol=1e-9)
+    for factor in (1.0, 0.5):
+        solution = sk.solve(system, rtol=1e-12, load_factor=factor).unwrap()
+        assert np.isclose(solution.strain_energy, factor**2 * expected, rtol=1e-9)
+    # Undeformed, expansion across is held back too, and in theory full that of the thickness.
+    rows = slice(0, 3 if theory == "full" else 2)
+    held = MATERIAL.stiffness()[rows, rows].sum() * ALPHA**2 * (0.5 * change) ** 2 / 2 * 0.1 * T
+    undeformed = sk.Solution(system, system.undeformed, time=0.5)
+    assert np.isclose(undeformed.strain_energy, held, rtol=1e-9)
+
+
+@theories
+def test_energy_is_that_of_the_residual(theory, rng):
+    """Its derivative is the internal force without that of the temperature, in a laminate on a curved surface."""
+    layers = [sk.Layer(sk.Isotropic(1e6, NU, 1.0, expansion=a), 0.05) for a in (1e-5, 3e-5)]
+    load = sk.Temperature(lambda x, y: 1e4 * (1 + x), 5e4, history=lambda t: t)
+    system = system_on(theory, sk.SphereSector(1.0, (0.6, 1.4), 0.9), [], load, (2, 1), sk.Laminate(layers), None)
+    q, eps = system.undeformed + 0.02 * rng.normal(size=system.n_dofs), 1e-6
+    step = eps * rng.normal(size=system.n_dofs)
+    difference = system.strain_energy(q + step, 0.7, 0.6) - system.strain_energy(q - step, 0.7, 0.6)
+    residual = system.internal_force(q) - 0.7 * system.external_force(q, 0.6)
+    # Rounding over the step.
+    assert np.isclose(difference / 2, residual @ step, rtol=1e-5)
+
+
+def test_energy_of_a_free_bimetal_is_that_of_its_own_stress():
+    """Layers of equal law that differ in expansion by d: half of it held, less the curvature 3 d / (2 t) they take.
+
+    With s = +-d T / 2 in the halves, the strain left is s - kappa z, and int (s - kappa z)^2 dz = (d T)^2 t / 16.
+    """
+    material = [sk.Orthotropic((E, E, E), (0, 0, 0), (E / 2, E / 2, E / 2), 1.0, expansion=(a, 0, 0)) for a in (1e-5, 3e-5)]
+    layers = [sk.Layer(law, T / 2) for law in material]
+    system = system_on("kirchhoff", PLATE, JUST_HELD, sk.Temperature(2.0), (4, 2), sk.Laminate(layers), None)
+    expected = E / 2 * (2e-5 * 2.0) ** 2 * T / 16 * 0.6
+    assert np.isclose(sk.solve_linear(system).strain_energy, expected, rtol=1e-8)
+
+
+def test_free_bending_has_no_shear_force():
+    """A gradient that grows along a strip bends it to w = -alpha g x^3 / 6 without moments, so without shear forces."""
+    law = sk.Orthotropic(young=(E, E, E), poisson=(0, 0, 0), shear=(E / 2, E / 2, E / 2), density=1.0,
+                         expansion=(ALPHA, 0, 0))  # fmt: skip
+    strip, load = sk.Rectangle(1.0, 0.2), sk.Temperature(gradient=lambda x, y: 1e2 * x)
+    solution = sk.solve_linear(system_on("kirchhoff", strip, [sk.Clamp("left")], load, (8, 2), law))
+    held = E * T**3 / 12 * ALPHA * 1e2  # moment at the end, and its slope
+    assert np.isclose(solution.displacement((1.0, 0.1))[2], -ALPHA * 1e2 / 6, rtol=1e-9)
+    # The linear part is a difference: rounding over a step of 1e-5.
+    assert np.abs(solution.section_forces(INSIDE)[:, 3:]).max() < 1e-8 * held
+    assert np.abs(solution.shear_forces(INSIDE)).max() < 1e-6 * held
+    assert solution.shear_share == 0
+    whole = system_on("auto", strip, [sk.Clamp("left")], load, (8, 2), law)
+    assert whole.choice.theory == "kirchhoff" and whole.choice.share == 0
+
+
+def test_shear_force_of_a_held_gradient():
+    """Both ends of a strip clamped, g = g1 x: M = D (kappa - alpha g) is linear in x by equilibrium, and the ends neither
+    turn nor move where kappa and x kappa have no mean; so M = -D alpha g1 x, and Q = -D alpha g1."""
+    law = sk.Isotropic(E, 0.0, 1.0, expansion=ALPHA)
+    strip, load = sk.Rectangle(1.0, 0.2), sk.Temperature(gradient=lambda x, y: 1e2 * x)
+    supports = [sk.Clamp(["left", "right"]), sk.Symmetry("top"), sk.Symmetry("bottom")]
+    solution = sk.solve_linear(system_on("kirchhoff", strip, supports, load, (8, 2), law))
+    assert np.allclose(solution.shear_forces()[:, 0], -E * T**3 / 12 * ALPHA * 1e2, rtol=1e-6)
+
+
+def test_section_forces_of_the_three_dimensional_law():
+    """A free plate has none, with the thickness strain that the law couples to those in the plane."""
+    law = sk.Isotropic(E, NU, 2000.0, kind="3d", expansion=ALPHA)
+    solution = sk.solve(system_on("full", PLATE, JUST_HELD, sk.Temperature(50.0), material=law), rtol=1e-12).unwrap()
+    assert np.abs(solution.section_forces(INSIDE)).max() < 1e-9 * E * T * ALPHA * 50.0

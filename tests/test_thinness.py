@@ -146,3 +146,9 @@ def test_energy_and_work_of_a_small_deflection():
     """Clapeyron: the strain energy is the work."""
     solution = sk.solve_linear(plate(0.01, 4, sk.Clamp("boundary")))
     assert solution.strain_energy == pytest.approx(solution.work, rel=1e-9)
+
+
+def test_share_of_an_answer_that_is_no_number_is_none():
+    system = plate(0.01, 2, sk.Clamp("boundary"))
+    assert np.isnan(sk.Solution(system, np.full(system.n_dofs, np.nan)).shear_share)
+    assert sk.Solution(system, system.undeformed).shear_share == 0

@@ -438,3 +438,36 @@ def test_folds_on_nodes_and_surfaces_without_area_are_no_poles(theory, n, functi
     surface = sk.MappedSurface(function, ((0.0, 1.0), (0.0, 1.0)))
     with pytest.raises(InputError, match=r"no tangent plane at .*a fold, or no area|folds at element"):
         system_on(surface, theory, sk.meshes.uniform(surface, n, n))
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff", "full"])
+def test_nodal_values_are_those_of_the_nodes_of_the_mesh(theory):
+    """A disc in tension along one diameter: N = cos^2 y, sin^2 y, -sin y cos y in polar directions, at the pole too."""
+    supports = [sk.Roller("outer"), sk.Pin((0.0, 0.0)), sk.Prescribed((1.0, 0.0), (None, 0.0, None))]
+    load = sk.EdgeLoad("outer", lambda x, y: np.stack([np.cos(y), 0 * y, 0 * y]))
+    system = system_on(DISC, theory, sk.meshes.uniform(DISC, 6, 16), supports, [load])
+    solution = sk.solve_linear(system)
+    x, y = system.mesh.p
+    N, stress = solution.nodal_section_forces(), solution.nodal_stresses()
+    expected = np.stack([np.cos(y) ** 2, np.sin(y) ** 2, -np.sin(y) * np.cos(y)], axis=1)
+    # Elements of 22 degrees, and values that are taken a hundredth of an element inside.
+    close = 0.03
+    assert np.abs(N[:, :3] - expected).max() < close
+    assert np.abs(0.05 * stress[:, [0, 1, 5]] - expected).max() < close
+    assert (x == 0).sum() == 17 and np.ptp(N[x == 0, 0]) > 0.9, "one frame for all would give 1 / 2 at the pole"
+    seam = [np.argmin(np.hypot(x - 0.5, y - end)) for end in (0.0, 2 * pi)]
+    assert np.array_equal(*N[seam]) and np.array_equal(*stress[seam])
+    assert len(sk.adapt.nodal_measure(solution)) == len(x)
+
+
+def test_stress_and_its_free_part_are_taken_at_the_same_points():
+    """Held back, a temperature that grows along the radius has its section forces where the surface is looked at."""
+    heated = sk.Problem(DISC, 0.05, sk.Isotropic(1e6, 0.3, 1.0, expansion=1e-5), loads=[sk.Temperature(lambda x, y: x)])
+    system = heated.on(sk.meshes.uniform(DISC, 2, 8), "kirchhoff")
+    held = sk.Solution(system, system.undeformed)
+    x, corners = system.mesh.p[0], np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
+    radius = system.geometry.parameters(system.geometry.inside(corners))[0]
+    assert np.abs(radius - x[system.mesh.t.T]).max() > 1e-3
+    expected = -1e6 * 1e-5 / 0.7 * radius
+    assert np.allclose(held.section_forces(corners)[:, 0], 0.05 * expected, rtol=1e-9)
+    assert np.allclose(held.stresses(corners)[:, :, 0], expected, rtol=1e-9)

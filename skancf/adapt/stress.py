@@ -16,7 +16,7 @@ COMPONENTS = {"in_plane": ("S11", "S22", "S12"), "normal": ("S11", "S22", "S33")
 def nodal_measure(
     solution: Solution, components: str | Sequence[str] = "in_plane", z: float = 0.0
 ) -> np.ndarray:
-    r""":math:`\sigma_i = \max_k |S_k|` over some components, (n_nodes,) (Pa).
+    r""":math:`\sigma_i = \max_k |S_k|` over some components, (n_mesh_nodes,) (Pa).
 
     Parameters
     ----------
@@ -56,12 +56,12 @@ def stress_regions(
     Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (5) and (6).
     """
     geometry = solution.system.geometry
-    mesh, node_of = geometry.mesh, geometry.ties.node_of
+    mesh = geometry.mesh
     cell = np.median(np.ptp(mesh.p[:, mesh.t], axis=1), axis=1)
-    positions = geometry.undeformed[node_of, 0].T
+    positions = geometry.undeformed[geometry.ties.node_of, 0].T
     sides = positions[:, np.roll(mesh.t, -1, axis=0)] - positions[:, mesh.t]
     regions = find_regions(
-        mesh.p, nodal_measure(solution, components, z)[node_of], positions=positions,
+        mesh.p, nodal_measure(solution, components, z), positions=positions,
         spacing=float(np.median(np.linalg.norm(sides, axis=0))), cell=(float(cell[0]), float(cell[1])), **search,
     )  # fmt: skip
     return Regions(regions, cell=(float(cell[0]), float(cell[1])))

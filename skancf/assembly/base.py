@@ -11,7 +11,7 @@ from skancf.materials import Section
 
 
 class CompiledAssembly:
-    """See :class:`skancf.assembly.system.Assembly`. A theory gives its kernels, sections, and what they read."""
+    """See :class:`skancf.assembly.protocols.Assembly`. A theory gives its kernels, sections, and what they read."""
 
     residual_kernel: ClassVar[Callable[..., None]]
     stress_kernel: ClassVar[Callable[..., None]]

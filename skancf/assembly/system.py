@@ -1,8 +1,8 @@
 """A problem on a mesh with a theory: what solvers know."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from skancf.assembly import local
 from skancf.assembly.full.assembly import FullAssembly
 from skancf.assembly.geometry import Geometry
+from skancf.assembly.protocols import Assembly, Loading, Prescription
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.thin.assembly import ThinAssembly
 from skancf.errors import InputError
@@ -17,72 +18,6 @@ from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.materials import Section
 
 ASSEMBLIES: dict[str, type] = {"full": FullAssembly, "kirchhoff": ThinAssembly}
-
-
-class Assembly(Protocol):
-    """A theory on a mesh. Nodal vectors q and forces have the shape (n_nodes, 4, 3); stresses hold the weights."""
-
-    geometry: Geometry
-    section: Section
-    sections: Any
-    schedule: Schedule
-
-    @property
-    def areas(self) -> np.ndarray:
-        """Weights times area of the undeformed elements at the integration points, (n_elements, n_points)."""
-
-    def internal_force(self, q: np.ndarray) -> np.ndarray:
-        """Derivative of the strain energy."""
-
-    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        """Forces that do the work of given stresses (n_elements, n_strains, n_points)."""
-
-    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
-        """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
-
-    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
-        """Add the tangent with given stresses to the upper blocks ``out``."""
-
-    @property
-    def mass_shapes(self) -> np.ndarray:
-        """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
-
-    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        """Stresses that hold back a temperature change T0 + z T1, each (n_elements, n_points)."""
-
-    def section_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """N and M in the local frame at points (2, n) of every element, without those of temperature: (n_elements, 6, n)."""
-
-    def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
-        """Strain in the local frame at a depth (n_elements, n, 6); ``free`` is the thermal part, which has no stress."""
-
-
-class Loading(Protocol):
-    """A load on a given mesh; :class:`skancf.loads.acting.Acting` has the defaults.
-
-    ``q`` has the shape (n_nodes, 4, 3); a time of None means the full amplitude.
-    """
-
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        """External force (n_nodes, 4, 3) in the configuration q."""
-
-    def add_stiffness(
-        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
-    ) -> None:
-        """Add the symmetric part of minus the force's derivative, times ``factor``, to the upper blocks ``out``."""
-
-    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
-        """Elements (m,) and skew parts (m, 48, 48) of minus the force's derivative, component by component; or None."""
-
-    def initial_stresses(self, time: float | None) -> np.ndarray | None:
-        """Stresses (n_elements, n_strains, n_points) that hold back a free strain; None if there are none."""
-
-
-class Prescription(Protocol):
-    """Prescribed coordinates in time."""
-
-    def values(self, time: float | None) -> np.ndarray:
-        """Change of the prescribed coordinates from the undeformed state, (n_dofs,), zero along free directions."""
 
 
 class System:
@@ -177,41 +112,79 @@ class System:
         return factor * total if total.nnz else None
 
     def external_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
-        """Loads at a time, (n_dofs,); without a time at their full amplitude."""
-        nodal = self._nodal(q)
-        total = np.zeros_like(self.geometry.undeformed)
-        for load in self.loads:
-            total += load.force(nodal, time)
+        """Loads at a time and the forces of held back free strains, (n_dofs,); without a time at their full amplitude."""
         held = self._initial_stresses(time)
-        return (total if held is None else total + self.assembly.force_of(nodal, held)).ravel()
+        applied = self.applied_force(q, time)
+        return applied if held is None else applied + self.assembly.force_of(self._nodal(q), held).ravel()
+
+    def applied_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
+        """Loads at a time without those of temperature, which do no work on the body from outside: (n_dofs,)."""
+        nodal = self._nodal(q)
+        return sum((load.force(nodal, time) for load in self.loads), np.zeros_like(nodal)).ravel()
 
     def _initial_stresses(self, time: float | None) -> np.ndarray | None:
-        parts = [part for part in (load.initial_stresses(time) for load in self.loads) if part is not None]
-        return sum(parts[1:], parts[0]) if parts else None
+        return total(load.initial_stresses(time) for load in self.loads)
+
+    def temperature(self, points: np.ndarray, time: float | None = None) -> np.ndarray | None:
+        """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
+        return total(load.temperature(points, time) for load in self.loads)
+
+    def couple(self, time: float | None = None) -> np.ndarray | None:
+        """Dead forces per area times the height above the surface where they act, (3,) (N/m); None where they act on it."""
+        return total(load.couple(time) for load in self.loads)
+
+    def section_forces(
+        self, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
+    ) -> np.ndarray:
+        """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n); the temperature change
+        counts with ``factor``."""
+        heat = self.temperature(points, time)
+        return self.assembly.section_forces(self._nodal(q), points, None if heat is None else factor * heat)
 
     def prescribed(self, time: float | None = None) -> np.ndarray:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
         return self.prescription.values(time)
 
-    def strain_energy(self, q: np.ndarray) -> float:
-        """Half of stress times strain, integrated, and the energy of springs and foundations."""
+    def strain_energy(self, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
+        r"""Half of stress times elastic strain, integrated, and the energy of springs and foundations (J).
+
+        .. math:: \tfrac12 \int (\varepsilon - \lambda \varepsilon_T) \cdot C (\varepsilon - \lambda \varepsilon_T)
+
+        with the free strain of the temperature change at a time, and its ``factor``.
+        """
         strains, stresses = self.assembly.stresses(self._nodal(q), None, keep_strains=True)
-        energy = 0.5 * float(np.vdot(strains, stresses))
+        energy, held = 0.5 * float(np.vdot(strains, stresses)), self._initial_stresses(time)
+        if held is not None:
+            energy += factor**2 * self.thermal_energy(time) - factor * float(np.vdot(held, strains))
         if self.foundation is not None:
             change = q - self.undeformed
             energy += 0.5 * float(change @ (self.foundation @ change))
         return energy
 
-    def linear_part(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
-        """First-order change of a quantity of the nodal coordinates along a change from the undeformed state.
+    def linear_energy(self, change: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
+        """:meth:`strain_energy` of a small change (n_dofs,) from the undeformed state."""
+        energy, held = 0.5 * float(change @ (self.stiffness() @ change)), self._initial_stresses(time)
+        if held is None:
+            return energy
+        force = self.assembly.force_of(self._nodal(self.undeformed), held).ravel()
+        return energy + factor**2 * self.thermal_energy(time) - factor * float(force @ change)
 
-        A central difference over a part of the change that is so small that its cubic term is below rounding.
+    def thermal_energy(self, time: float | None = None) -> float:
+        """Strain energy of the undeformed state under the temperature change at a time (J), the largest it can cause."""
+        heat = self.temperature(self.geometry.theory.quadrature[0], time)
+        return 0.0 if heat is None else self.assembly.thermal_energy(*heat)
+
+    def linearised(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
+        """A quantity of the nodal coordinates to first order in a change from the undeformed state.
+
+        The first-order part is a central difference over a part of the change that is so small that its cubic term is
+        below rounding.
         """
         positions_and_slopes = [np.abs(v.reshape(-1, 4, 3)[:, :3]).max(axis=(0, 2)) for v in (change, self.undeformed)]
         size = float((positions_and_slopes[0] / positions_and_slopes[1]).max())
         step = SMALL / size if size > 0 else 1.0
         ahead, behind = (quantity(self.undeformed + sign * step * change) for sign in (1, -1))
-        return np.asarray((ahead - behind) / (2 * step))
+        return np.asarray(quantity(self.undeformed) + (ahead - behind) / (2 * step))
 
     def linear_change(self, backend: str = "auto") -> np.ndarray:
         """Small-deflection answer, (n_dofs,): one solve with the tangent of the undeformed state."""
@@ -285,6 +258,12 @@ def _angles(normals: np.ndarray) -> np.ndarray:
     """Angles between the vectors of each element at its points: (3, m, n) -> (m, n, n)."""
     units = normals / np.linalg.norm(normals, axis=0)
     return np.asarray(np.arccos(np.clip(np.einsum("iep,ieq->epq", units, units), -1.0, 1.0)))
+
+
+def total(parts: Iterable[np.ndarray | None]) -> np.ndarray | None:
+    """Sum of the parts that are there; None if none is."""
+    found = [part for part in parts if part is not None]
+    return sum(found[1:], found[0]) if found else None
 
 
 def assemble(geometry: Geometry, section: Section) -> Assembly:

@@ -14,6 +14,7 @@ from skancf.dynamics.steps import FixedStep, LocalError
 from skancf.errors import InputError, finite, positive
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
+from skancf.thinness import warn_if_mass_is_off
 
 Quantity = Callable[[Solution], Any]
 
@@ -77,6 +78,7 @@ def simulate(
             raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")
     if start is not None:
         require_same_mesh(system, start)
+    warn_if_mass_is_off(system)
     begin = 0.0 if start is None or start.time is None else start.time
     times = _output_times(outputs, begin, begin + t_end)
     control = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))

@@ -5,13 +5,13 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, finite, vector
 from skancf.history import History, amplitude, check_history
 
 
 class Acting:
-    """A load on a given mesh; a kind of load overrides what it has. See :class:`skancf.assembly.system.Loading`."""
+    """A load on a given mesh; a kind of load overrides what it has. See :class:`skancf.assembly.protocols.Loading`."""
 
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         return np.zeros_like(q)
@@ -25,6 +25,12 @@ class Acting:
         return None
 
     def initial_stresses(self, time: float | None) -> np.ndarray | None:
+        return None
+
+    def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray | None:
+        return None
+
+    def couple(self, time: float | None) -> np.ndarray | None:
         return None
 
 
@@ -42,7 +48,7 @@ class Load(Protocol):
     """What a problem knows of a load."""
 
     def on(self, assembly: Assembly) -> Any:
-        """The load on a given mesh: see :class:`skancf.assembly.system.Loading`."""
+        """The load on a given mesh: see :class:`skancf.assembly.protocols.Loading`."""
 
 
 class Spread(NamedTuple):

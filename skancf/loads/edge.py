@@ -8,7 +8,7 @@ import numpy as np
 import skfem
 
 from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, vector
 from skancf.history import History

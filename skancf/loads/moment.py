@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly import local
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.errors import vector
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting

@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, vector
 from skancf.history import History, check_history
 from skancf.loads.acting import DeadLoad, point_forces

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.assembly.pressure_kernel import pressure_stiffness
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import number
 from skancf.history import History, amplitude, check_history

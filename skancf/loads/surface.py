@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.errors import vector
 from skancf.history import History, check_history
-from skancf.loads.acting import DeadLoad, check_distributed, over_elements, values_at
+from skancf.loads.acting import Acting, DeadLoad, check_distributed, over_elements, values_at
+from skancf.loads.eccentric import DeadLoadOnNormals
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class SurfaceLoad:
 
 @dataclass(frozen=True)
 class Gravity:
-    """Dead weight of the whole body under an acceleration (m/s2)."""
+    """Dead weight of the whole body under an acceleration (m/s2), at the centre of mass of each section."""
 
     acceleration: tuple[float, float, float] = (0.0, 0.0, -9.80665)
     history: History | None = None
@@ -46,8 +47,11 @@ class Gravity:
         check_history(self.history)
         vector("acceleration", self.acceleration, 3)
 
-    def on(self, assembly: Assembly) -> DeadLoad:
+    def on(self, assembly: Assembly) -> Acting:
         geometry = assembly.geometry
         moments = assembly.sections.moments[assembly.sections.shape][:, :2]
-        forces = np.einsum("evp,i->evip", moments, np.asarray(self.acceleration, float))
-        return DeadLoad(over_elements(geometry, forces), self.history)
+        acceleration = np.asarray(self.acceleration, float)
+        nodal = over_elements(geometry, np.einsum("evp,i->evip", moments, acceleration))
+        if geometry.theory.twist and assembly.section.first_moment:
+            return DeadLoadOnNormals(assembly, nodal, assembly.section.first_moment * acceleration, self.history)
+        return DeadLoad(nodal, self.history)

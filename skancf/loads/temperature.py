@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, finite
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
@@ -53,20 +53,11 @@ class Heating(Acting):
     """A temperature change on a mesh."""
 
     def __init__(self, assembly: Assembly, load: Temperature):
-        self.load, self.history, self.section = load, load.history, assembly.section
-        self.geometry = assembly.geometry
+        self.load, self.history, self.geometry = load, load.history, assembly.geometry
         self.held = assembly.thermal_stresses(*load.values(self.geometry.parameters(self.geometry.theory.quadrature[0])))
 
     def initial_stresses(self, time: float | None) -> np.ndarray:
         return np.asarray(amplitude(self.history, time) * self.held)
 
-    def free_strain(self, points: np.ndarray, z: float, time: float | None) -> np.ndarray:
-        """Strain without stress at local points (2, n) of every element and a depth: (n_elements, n, 6)."""
-        middle, gradient = self.load.values(self.geometry.parameters(points))
-        change = amplitude(self.history, time) * (middle + z * gradient)
-        return np.multiply.outer(change, self.section.expansion[self.section.layer_at(z)])
-
-    def resultants(self, points: np.ndarray, time: float | None) -> np.ndarray:
-        """Section forces that hold back the temperature change, at local points (2, n): (n_elements, 6, n)."""
-        values = self.load.values(self.geometry.parameters(points))
-        return np.asarray(amplitude(self.history, time) * np.moveaxis(self.section.thermal_resultants(*values), 0, 1))
+    def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray:
+        return np.asarray(amplitude(self.history, time) * np.stack(self.load.values(self.geometry.parameters(points))))

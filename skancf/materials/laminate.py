@@ -68,6 +68,10 @@ class Laminate:
     Each layer's law holds its own shear correction factor. That of a homogeneous plate, 5/6, is an approximation in a
     laminate, where it depends on the layup; too large a factor makes thick laminates with soft cores too stiff.
 
+    Weight acts at the centre of mass of the layers. In theory `kirchhoff` the mass is in the reference surface, whatever the
+    offset: vibration and motion come with a warning where that is more than a hundredth of the thickness off. Surface and
+    edge loads act at the reference surface.
+
     Examples
     --------
     >>> ply = sk.Orthotropic(young=(177e9, 10.8e9, 10.8e9), poisson=(0, 0, 0), shear=(7.6e9, 7.6e9, 8.5e9), density=1600)

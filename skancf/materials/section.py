@@ -75,6 +75,12 @@ class Section:
         """Mass per area (kg/m2)."""
         return float(self.density @ self.thicknesses)
 
+    @property
+    def first_moment(self) -> float:
+        r""":math:`\int \rho z \, dz` (kg/m); zero where it is the rounding of heights."""
+        moment = float(self.density @ self._powers()[1])
+        return moment if abs(moment) > 1e-12 * self.mass * self.thickness else 0.0
+
     def layer_at(self, z: Any) -> np.ndarray:
         """The layer that each depth belongs to, an int array of z's shape; at an interface the lower one.
 
@@ -122,6 +128,18 @@ class Section:
         A, B, D = np.einsum("kl,lij->kij", self._powers(), self.in_plane())
         return np.block([[A, B], [B, D]])
 
+    @property
+    def bending_thickness(self) -> float:
+        r"""Thickness of a plate of one layer whose bending is as small against its membrane stiffness (m).
+
+        .. math:: t_b = \sqrt{12 \operatorname{tr}(D - B A^{-1} B) / \operatorname{tr} A}
+
+        The bending stiffness is that about the plane which bending does not strain.
+        """
+        abd = self.abd()
+        A, B, D = abd[:3, :3], abd[:3, 3:], abd[3:, 3:]
+        return float(np.sqrt(12 * np.trace(D - B @ np.linalg.solve(A, B)) / np.trace(A)))
+
     def thermal_resultants(self, temperature_mid: Any, temperature_gradient: Any) -> np.ndarray:
         r"""Resultants of a temperature change that is not allowed to strain the section, with the sign turned.
 
@@ -147,7 +165,17 @@ class Section:
         middle, gradient = finite("temperature_mid", temperature_mid), finite("temperature_gradient", temperature_gradient)
         return np.multiply.outer(by_mid, middle) + np.multiply.outer(by_gradient, gradient)
 
-    def thermal_strain(self, z: Any, temperature_mid: float, temperature_gradient: float = 0.0) -> np.ndarray:
+    def thermal_energy(self, temperature_mid: Any, temperature_gradient: Any) -> np.ndarray:
+        r"""Energy per area of a temperature change that is not allowed to strain the section, (...) (J/m2).
+
+        .. math:: \tfrac12 \int \alpha \cdot Q \alpha \, (T_0 + z T_1)^2 \, dz
+        """
+        alpha = self.expansion[:, IN_PLANE]
+        first, second, third = self._powers() @ np.einsum("li,lij,lj->l", alpha, self.in_plane(), alpha)
+        middle, gradient = finite("temperature_mid", temperature_mid), finite("temperature_gradient", temperature_gradient)
+        return np.asarray(first * middle**2 / 2 + second * middle * gradient + third * gradient**2 / 2)
+
+    def thermal_strain(self, z: Any, temperature_mid: Any, temperature_gradient: Any = 0.0) -> np.ndarray:
         r"""Free strain :math:`\alpha \, (T_0 + z T_1)` at depths z: (..., 6)."""
         change = temperature_mid + np.asarray(z, dtype=float) * temperature_gradient
         return self.expansion[self.layer_at(z)] * change[..., None]

@@ -1,8 +1,8 @@
 """Equilibrium: Newton's method, load steps, paths, linear answers; buckling and vibration about it."""
 
+from skancf.errors import OutOfDepth
 from skancf.statics.buckling import BucklingResult, buckling
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, StepLength
-from skancf.statics.depth import OutOfDepth
 from skancf.statics.events import Event
 from skancf.statics.load_steps import HalveAndGrow, StaticResult, solve, solve_linear
 from skancf.statics.modes import Modes, modes

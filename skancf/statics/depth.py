@@ -2,14 +2,11 @@
 
 import warnings
 
+from skancf.errors import OutOfDepth
 from skancf.solution import Solution
 
 THICK = 0.05
 """From this share of shear energy on, a thin answer comes with a warning."""
-
-
-class OutOfDepth(UserWarning):
-    """An answer that leaves out what may matter in it: shear of a thick plate, or loads that may make it flutter."""
 
 
 def warn_if_thick(solution: Solution) -> Solution:

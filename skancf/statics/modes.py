@@ -13,6 +13,7 @@ from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.soft import factor_shifted
 from skancf.statics.tangents import state_tangent, warn_if_skew
+from skancf.thinness import warn_if_mass_is_off
 
 # Two eigenvalues that differ less than this, relatively, are not told apart when they are counted.
 SEPARATION = 1e-6
@@ -90,6 +91,7 @@ def modes(
     """
     if state is not None:
         require_same_mesh(system, state)
+    warn_if_mass_is_off(system)
     n = checked_count(n, system.constraints)
     stiffness = state_tangent(system, state)
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)

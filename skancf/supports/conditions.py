@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 
 R, R_X, R_Y, FOURTH = range(4)
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import Assembly
+from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, vector
 from skancf.supports.conditions import Support
 

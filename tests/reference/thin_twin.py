@@ -69,8 +69,12 @@ class Element:
         at = corners[0][:, None] + sides[0][:, None] * xi + sides[1][:, None] * eta
         self.reference = self.jet(undeformed)
         self.before = point.strain(self.reference)
-        self.D, self.A = self._law(surface.derivatives(*at)[0], section.abd()), self._generalised(
-            section.thickness if thickness is None else thickness, assumed)  # fmt: skip
+        abd = section.abd()
+        if thickness is None:
+            # Free of membrane forces, bending yields to the last block of the inverse.
+            thickness = np.sqrt(12 * np.trace(np.linalg.inv(np.linalg.inv(abd)[3:, 3:])) / np.trace(abd[:3, :3]))
+        self.D = self._law(surface.derivatives(*at)[0], abd)
+        self.A = self._generalised(thickness, assumed)
 
     def jet(self, q: np.ndarray) -> np.ndarray:
         """(5, 3, 16) of nodal vectors (4, 4, 3)."""

@@ -16,7 +16,7 @@ from skancf.theories.full import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, TERMS, D
 
 
 class FullAssembly(CompiledAssembly):
-    """See :class:`skancf.assembly.system.Assembly`."""
+    """See :class:`skancf.assembly.protocols.Assembly`."""
 
     residual_kernel, stress_kernel, tangent_kernel = residual, kernels.stresses, tangent_kernel.tangent
 
@@ -55,18 +55,35 @@ class FullAssembly(CompiledAssembly):
         )
 
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        geometry, section, (points, weights) = self.geometry, self.section, self.geometry.theory.quadrature
-        jets = geometry.theory.jets(geometry.undeformed_local, points)
-        z, thicknesses, layer = section.points(self.theory.n_thickness)
-        to_local, volume = covariant_to_local(jets, geometry.tangents(points), z)
-        temperature = (middle + np.multiply.outer(z, gradient)) * volume * weights * thicknesses[:, None, None]
+        section = self.section
+        z, _, layer = section.points(self.theory.n_thickness)
+        to_local, volume = self._through_thickness()
+        temperature = (middle + np.multiply.outer(z, gradient)) * volume
         free = np.einsum("zpq,zq->zp", section.stiffness[layer], section.expansion[layer])
         return np.ascontiguousarray(np.einsum("zpkev,zp,zev->ekv", to_local, free, temperature, optimize=True))
 
-    def section_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
+        section = self.section
+        z, _, layer = section.points(self.theory.n_thickness)
+        _, volume = self._through_thickness()
+        expansion = section.expansion[layer]
+        square = np.einsum("zp,zpq,zq->z", expansion, section.stiffness[layer], expansion)
+        return float(0.5 * np.einsum("z,zev,zev->", square, (middle + np.multiply.outer(z, gradient)) ** 2, volume))
+
+    def _through_thickness(self) -> tuple[np.ndarray, np.ndarray]:
+        """From the strains to those in the local frame, and volumes, at all integration points: the layers' points first."""
+        geometry, (points, weights) = self.geometry, self.geometry.theory.quadrature
+        z, thicknesses, _ = self.section.points(self.theory.n_thickness)
+        jets = geometry.theory.jets(geometry.undeformed_local, points)
+        to_local, volume = covariant_to_local(jets, geometry.tangents(points), z)
+        return to_local, volume * weights * thicknesses[:, None, None]
+
+    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
         z, w, layer = self.section.points(2)
-        stress = [self.strains(q, points, depth, np.zeros(6)) @ self.section.stiffness[k]
-                  for depth, k in zip(z, layer, strict=True)]  # fmt: skip
+        stress = []
+        for depth, k in zip(z, layer, strict=True):
+            free = np.zeros(6) if temperature is None else self.section.thermal_strain(depth, *temperature)
+            stress.append((self.strains(q, points, depth, free) - free) @ self.section.stiffness[k])
         plane = np.stack(stress)[..., [0, 1, 5]]
         return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
 

@@ -18,7 +18,7 @@ PLAIN = Kirchhoff(assumed=False)
 
 
 class ThinAssembly(CompiledAssembly):
-    """See :class:`skancf.assembly.system.Assembly`."""
+    """See :class:`skancf.assembly.protocols.Assembly`."""
 
     residual_kernel, stress_kernel, tangent_kernel = kernels.residual, kernels.stresses, kernels.tangent
 
@@ -49,11 +49,23 @@ class ThinAssembly(CompiledAssembly):
         return np.einsum("ap,bp,sp->sab", table, table, self.sections.moments[:, 0])
 
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        return self._held_back(self._free_strains(self.section.thermal_resultants(middle, gradient)))
+
+    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
         resultants = self.section.thermal_resultants(middle, gradient)
+        strains = self._free_strains(resultants)
+        # What is left in a section that strains freely: layers hold each other.
+        freed = 0.5 * np.einsum("iep,ij,jep->ep", resultants, np.linalg.inv(self.section.abd()), resultants)
+        left = self.section.thermal_energy(middle, gradient) - freed
+        areas = self.sections.areas[self.sections.shape]
+        return float(0.5 * np.vdot(strains, self._held_back(strains)) + np.vdot(areas, left))
+
+    def _free_strains(self, resultants: np.ndarray) -> np.ndarray:
+        """Covariant strains (n_elements, 6, n_points) at which held back resultants (6, n_elements, n_points) vanish."""
         free = np.tensordot(np.linalg.inv(self.section.abd()), resultants, 1)
         turn = np.moveaxis(self.sections.turn[self.sections.shape], 3, 1)
         covariant = np.linalg.solve(turn, np.moveaxis(free, 0, 2)[..., None])[..., 0]
-        return self._held_back(np.moveaxis(covariant, 1, 2))
+        return np.moveaxis(covariant, 1, 2)
 
     def _held_back(self, strains: np.ndarray) -> np.ndarray:
         """Stresses (n_elements, 6, n_points) of covariant strains, assumed as those of a motion are.
@@ -85,8 +97,11 @@ class ThinAssembly(CompiledAssembly):
         turn, _ = covariant_to_local(jets, geometry.tangents(points), geometry.side)
         return np.asarray(np.einsum("ikep,ekp->eip", turn, change))
 
-    def section_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
-        return np.asarray(np.einsum("ij,ejp->eip", self.section.abd(), self.section_strains(q, points)))
+    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
+        forces = np.einsum("ij,ejp->eip", self.section.abd(), self.section_strains(q, points))
+        if temperature is not None:
+            forces = forces - np.moveaxis(self.section.thermal_resultants(*temperature), 0, 1)
+        return np.asarray(forces)
 
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
         parts = self.section_strains(q, points)

@@ -31,8 +31,8 @@ class ThinSections:
         Roots of the factors of the rest of the membrane strains.
     turn : (n_shapes, 6, 6, n_points) array
         From covariant strains to those in the local frame.
-    moments : (n_shapes, 1, n_points) array
-        Mass of the section per point.
+    moments : (n_shapes, 2, n_points) array
+        Integrals of the density times 1, z through the thickness.
     areas : (n_shapes, n_points) array
         Area of the mid-surface.
     """
@@ -68,9 +68,9 @@ def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
         pairs=np.stack([k, l], axis=1),
         law=np.ascontiguousarray(law[:, k, l]),
         assumed=np.where(plain[representative], 0, 1),
-        rest=rest_factors(jets, section.thickness),
+        rest=rest_factors(jets, section.bending_thickness),
         turn=np.ascontiguousarray(np.moveaxis(turn, 2, 0)),
-        moments=(section.mass * areas)[:, None],
+        moments=np.stack([section.mass * areas, section.first_moment * areas], axis=1),
         areas=areas,
     )
 

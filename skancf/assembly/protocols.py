@@ -1,0 +1,87 @@
+"""What a system knows of a theory on a mesh, of loads, and of prescribed coordinates."""
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.schedule import Schedule
+from skancf.materials import Section
+
+
+class Assembly(Protocol):
+    """A theory on a mesh. Nodal vectors q and forces have the shape (n_nodes, 4, 3); stresses hold the weights."""
+
+    geometry: Geometry
+    section: Section
+    sections: Any
+    schedule: Schedule
+
+    @property
+    def areas(self) -> np.ndarray:
+        """Weights times area of the undeformed elements at the integration points, (n_elements, n_points)."""
+
+    def internal_force(self, q: np.ndarray) -> np.ndarray:
+        """Derivative of the strain energy."""
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Forces that do the work of given stresses (n_elements, n_strains, n_points)."""
+
+    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
+
+    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
+        """Add the tangent with given stresses to the upper blocks ``out``."""
+
+    @property
+    def mass_shapes(self) -> np.ndarray:
+        """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
+
+    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Stresses that hold back a temperature change T0 + z T1, each (n_elements, n_points)."""
+
+    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
+        """Energy of those stresses on the free strain of the temperature change, the largest it can have."""
+
+    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
+        """N and M in the local frame at points (2, n) of every element, (n_elements, 6, n).
+
+        The temperature change is T0 and T1 there, (2, n_elements, n), or None.
+        """
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
+        """Strain in the local frame at a depth (n_elements, n, 6); ``free`` is the thermal part, which has no stress."""
+
+
+class Loading(Protocol):
+    """A load on a given mesh; :class:`skancf.loads.acting.Acting` has the defaults.
+
+    ``q`` has the shape (n_nodes, 4, 3); a time of None means the full amplitude.
+    """
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        """External force (n_nodes, 4, 3) in the configuration q."""
+
+    def add_stiffness(
+        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
+    ) -> None:
+        """Add the symmetric part of minus the force's derivative, times ``factor``, to the upper blocks ``out``."""
+
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
+        """Elements (m,) and skew parts (m, 48, 48) of minus the force's derivative, component by component; or None."""
+
+    def initial_stresses(self, time: float | None) -> np.ndarray | None:
+        """Stresses (n_elements, n_strains, n_points) that hold back a free strain; None if there are none."""
+
+    def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray | None:
+        """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
+
+    def couple(self, time: float | None) -> np.ndarray | None:
+        """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
+
+
+class Prescription(Protocol):
+    """Prescribed coordinates in time."""
+
+    def values(self, time: float | None) -> np.ndarray:
+        """Change of the prescribed coordinates from the undeformed state, (n_dofs,), zero along free directions."""

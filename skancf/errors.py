@@ -23,7 +23,7 @@ class DidNotConverge(SkancfError):
 
 
 class OutOfDepth(UserWarning):
-    """An answer that leaves out what may matter in it: shear of a thick plate, mass off its surface, loads that may flutter."""
+    """An answer that leaves out what may matter: shear of a thick plate, mass off its surface, loads that may flutter."""
 
 
 class SingularMatrix(SkancfError):

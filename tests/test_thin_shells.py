@@ -200,3 +200,19 @@ def test_assumed_strains_do_not_make_shells_buckle_early(shell, mesh, lowest):
 def test_with_the_rest_of_a_flat_plate_a_cylinder_would_buckle_early(monkeypatch):
     monkeypatch.setattr(kirchhoff, "REST", 0.0)
     assert compressed_cylinder((8, 24), True) < 0.5
+
+
+def test_buckling_says_where_the_mesh_is_too_coarse_for_its_waves():
+    """A mode is judged by the work that membrane strains as they are would ask for it."""
+    surface, t = sk.CylinderSector(1.0, 1.0, 2 * pi, closed=True), 0.005
+    supports = [sk.Roller("left", (1, 0, 0)), sk.Roller("boundary", (0, 1, 0)), sk.Roller("boundary", (0, 0, 1))]
+    problem = sk.Problem(surface, t, STEEL, supports, [sk.EdgeLoad("right", (-1e6, 0, 0))])
+    coarse, fine = (sk.buckling(problem.on(sk.meshes.uniform(surface, *n), "kirchhoff"), 1) for n in ((6, 18), (24, 72)))
+    assert "too coarse for the waves of mode 0" in coarse.message and "finer mesh" in coarse.message
+    assert fine.message == ""
+    assert fine.load_factors[0] * 1e6 / (210e9 * t**2 / np.sqrt(3 * 0.91)) == pytest.approx(1, abs=0.03)
+    square, heat = sk.Rectangle(1.0, 1.0), sk.Isotropic(210e9, 0.3, 1.0, expansion=1e-5)
+    plate = sk.Problem(square, 0.01, heat, [sk.Pin("boundary")], [sk.Temperature(1.0)])
+    found = sk.buckling(plate.on(sk.meshes.uniform(square, 8, 8), "kirchhoff"), 1)
+    # Held all around: alpha T = pi^2 h^2 / (6 (1 + nu) a^2).
+    assert found.message == "" and found.load_factors[0] == pytest.approx(pi**2 * 1e-4 / 6 / 1.3 / 1e-5, rel=1e-4)

@@ -41,7 +41,15 @@ class CompiledAssembly:
         )
         return strains, out
 
-    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
+    def tangent(
+        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
+    ) -> None:
+        elements = self.plain_elements if plain else self._elements
         self.schedule.run(
-            type(self).tangent_kernel, q, stresses, self._rule, self.geometry.maps, self._elements, slots, out
+            type(self).tangent_kernel, q, stresses, self._rule, self.geometry.maps, elements, slots, out
         )
+
+    @property
+    def plain_elements(self) -> Any:
+        """What the kernels read where membrane strains are taken as they are; the same where none are assumed."""
+        return self._elements

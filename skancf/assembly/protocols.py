@@ -30,8 +30,10 @@ class Assembly(Protocol):
     def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
         """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
 
-    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray) -> None:
-        """Add the tangent with given stresses to the upper blocks ``out``."""
+    def tangent(
+        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
+    ) -> None:
+        """Add the tangent with given stresses to the upper blocks ``out``; ``plain``: with no membrane strain assumed."""
 
     @property
     def mass_shapes(self) -> np.ndarray:

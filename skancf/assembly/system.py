@@ -105,6 +105,13 @@ class System:
         """
         return self.tangent(self.undeformed, np.zeros_like(self.stresses(self.undeformed)), factor=0.0)
 
+    def plain_stiffness(self) -> BlockMatrix:
+        """The same with membrane strains as they are, not assumed ones: an upper bound that locks on coarse meshes."""
+        out = np.zeros((self.pattern.n_blocks, 12, 12))
+        none = np.zeros_like(self.stresses(self.undeformed))
+        self.assembly.tangent(self.geometry.undeformed, none, self._slots, out, plain=True)
+        return BlockMatrix(self.pattern, out if self.foundation is None else out + self.foundation.values)
+
     def skew(self, q: np.ndarray, time: float | None = None, factor: float = 1.0) -> sp.csr_matrix | None:
         """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
         found = [part for part in (load.skew(q.reshape(-1, 4, 3), time) for load in self.loads) if part is not None]

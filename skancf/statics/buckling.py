@@ -16,6 +16,8 @@ from skancf.statics.tangents import linear_tangent, warn_if_skew
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
+# Membrane strains as they are may ask for this much more of the load before a mesh is called too coarse.
+COARSE = 0.15
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,8 @@ class BucklingResult:
     linear : Solution
         The linear answer to the whole load, of which the stresses were used.
     message : str
-        That no load factor buckles the structure, if none does.
+        That no load factor buckles the structure, if none does; or that the mesh is too coarse for a mode, where assumed
+        membrane strains (theory `kirchhoff`) and those as they are do not agree in it.
     """
 
     load_factors: np.ndarray
@@ -93,8 +96,26 @@ def buckling(
         pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
         inverse, shapes = pencil.positive(n) if signs == "positive" else pencil.largest(n)
     order = np.argsort(-np.abs(inverse))[:n]
-    message = "" if order.size else "no positive load factor buckles this structure; the load only stiffens it"
+    message = "no positive load factor buckles this structure; the load only stiffens it"
+    if order.size:
+        message = _coarse(system, stiffness, shapes[order])
     return BucklingResult(1.0 / inverse[order], shapes[order], Solution(system, start + answer, linear=True), message)
+
+
+def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
+    """That the mesh is too coarse for some shapes: assumed membrane strains and those as they are do not agree in them."""
+    hook = getattr(system, "plain_stiffness", None)
+    if hook is None:
+        return ""
+    plain = hook()
+    ratios = np.array([float(x @ (plain @ x)) / float(x @ (stiffness @ x)) for x in shapes])
+    if ratios.max() < 1 + COARSE:
+        return ""
+    worst = int(np.argmax(ratios))
+    return (
+        f"the mesh is too coarse for the waves of mode {worst}: with membrane strains as they are it would need "
+        f"{ratios[worst]:.3g} times the load; the truth lies between, take a finer mesh"
+    )
 
 
 class _Pencil:

@@ -38,6 +38,11 @@ class ThinAssembly(CompiledAssembly):
         parts = self.sections
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.assumed, parts.rest)
 
+    @property
+    def plain_elements(self) -> kernels.Elements:
+        """Elements whose membrane strains are taken as they are."""
+        return self._elements._replace(assumed=np.zeros_like(self._elements.assumed))
+
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
         self.schedule.run(kernels.force_of, q, stresses, self._rule, self.geometry.maps, out)

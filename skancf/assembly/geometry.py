@@ -154,11 +154,11 @@ class Geometry(Places):
         return self.local(self.undeformed)
 
     def parameters(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
-        """Parameters (2, n_elements, n) of local points (2, n)."""
-        xi, eta = points
+        """Parameters (2, n_elements, n) of local points (2, n), or of those of each element, (n_elements, 2, n)."""
+        xi, eta = points.reshape(-1, *points.shape[-2:]).swapaxes(0, 1)
         bilinear = np.stack([np.where(a, xi, 1 - xi) * np.where(b, eta, 1 - eta) for a, b in CORNERS])
         corners = self.mesh.p[:, self.mesh.t if elements is None else self.mesh.t[:, elements]]
-        return np.einsum("dce,cn->den", corners, bilinear)
+        return np.einsum("dce,cen->den", corners, bilinear)
 
     def tangents(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
         """Tangent along the parameter x at local points (2, n): (3, n_elements, n)."""
@@ -210,8 +210,8 @@ class Geometry(Places):
         elements = self.mesh.f2t[0, facets]
         points, _, w = self.edge_points(facets, n)
         ends = self.mesh.p[:, self.mesh.facets[:, facets]]
-        at = np.stack([self.parameters(p, np.array([e]))[:, 0] for p, e in zip(points, elements, strict=True)], axis=1)
-        along = np.einsum("dm,dimn->imn", ends[:, 1] - ends[:, 0], np.stack(self.surface.derivatives(*at)))
+        slopes = np.stack(self.surface.derivatives(*self.parameters(points, elements)))
+        along = np.einsum("dm,dimn->imn", ends[:, 1] - ends[:, 0], slopes)
         return elements, points, w * np.linalg.norm(along, axis=0)
 
 

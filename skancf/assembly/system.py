@@ -103,13 +103,16 @@ class System:
         The computed strains of that state are rounding, 1e-16; as a prestress they would count against the bending of a
         plate of thickness t and side a with the factor (a / t)^2.
         """
-        return self.tangent(self.undeformed, np.zeros_like(self.stresses(self.undeformed)), factor=0.0)
+        return self._unstressed()
 
     def plain_stiffness(self) -> BlockMatrix:
         """The same with membrane strains as they are, not assumed ones: an upper bound that locks on coarse meshes."""
+        return self._unstressed(plain=True)
+
+    def _unstressed(self, plain: bool = False) -> BlockMatrix:
         out = np.zeros((self.pattern.n_blocks, 12, 12))
         none = np.zeros_like(self.stresses(self.undeformed))
-        self.assembly.tangent(self.geometry.undeformed, none, self._slots, out, plain=True)
+        self.assembly.tangent(self.geometry.undeformed, none, self._slots, out, plain)
         return BlockMatrix(self.pattern, out if self.foundation is None else out + self.foundation.values)
 
     def skew(self, q: np.ndarray, time: float | None = None, factor: float = 1.0) -> sp.csr_matrix | None:

@@ -24,8 +24,8 @@ class DeadLoadOnNormals(DeadLoad):
 
     def __init__(self, assembly: Assembly, nodal: np.ndarray, s: np.ndarray, history: History | None):
         super().__init__(nodal, history)
-        self.geometry, self.s, sections = assembly.geometry, s, assembly.sections
-        self.areas = sections.areas[sections.shape] * self.geometry.side[:, None]
+        self.geometry, self.s = assembly.geometry, s
+        self.areas = assembly.areas * self.geometry.side[:, None]
 
     @cached_property
     def slopes(self) -> np.ndarray:

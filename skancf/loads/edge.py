@@ -30,8 +30,7 @@ class EdgeLoad:
         geometry = assembly.geometry
         elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
         forces = np.zeros((len(elements), 2, 3, lengths.shape[1]))
-        at = np.stack([geometry.parameters(p, np.array([e]))[:, 0] for e, p in zip(elements, points, strict=True)], 1)
-        forces[:, 0] = values_at(self.force, at) * lengths[:, None]
+        forces[:, 0] = values_at(self.force, geometry.parameters(points, elements)) * lengths[:, None]
         return DeadLoad(Spread(elements, points, forces).nodal(geometry), self.history)
 
 

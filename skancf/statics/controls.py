@@ -130,10 +130,8 @@ class DisplacementControl:
     steps: StepLength = StepLength()
 
     def __post_init__(self) -> None:
-        vector("at", self.at, 2)
         number("to", self.to)
-        if not np.any(vector("direction", self.direction, 3)):
-            raise InputError("direction = (0, 0, 0): give the direction in which the displacement counts")
+        _check_place(self.at, self.direction)
         if not 0 < number("first", self.first) <= 1:
             raise InputError(f"first = {self.first}: a part of the whole way, more than 0 and at most 1")
 
@@ -165,10 +163,14 @@ class DisplacementReached:
     value: float
 
     def __post_init__(self) -> None:
-        vector("at", self.at, 2)
         number("value", self.value)
-        if not np.any(vector("direction", self.direction, 3)):
-            raise InputError("direction = (0, 0, 0): give the direction in which the displacement counts")
+        _check_place(self.at, self.direction)
+
+
+def _check_place(at: Any, direction: Any) -> None:
+    vector("at", at, 2)
+    if not np.any(vector("direction", direction, 3)):
+        raise InputError("direction = (0, 0, 0): give the direction in which the displacement counts")
 
 
 def end_of_path(system: Any, until: "float | DisplacementReached", origin: np.ndarray) -> Constraint:

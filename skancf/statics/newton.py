@@ -11,6 +11,7 @@ from enum import Enum
 from typing import Any, Protocol
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.errors import DidNotConverge, SingularMatrix
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
@@ -19,8 +20,9 @@ from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, 
 class System(Protocol):
     """All that statics knows of a model.
 
-    A model may also have ``skew(q, time, factor)``, the skew-symmetric part of its tangent as a sparse matrix or None, and
-    ``folded(q)``, the number and the place of an element that is turned inside out or None.
+    A model may also have ``skew(q, time, factor)``, the skew-symmetric part of its tangent as a sparse matrix or None;
+    ``folded(q)``, the number and the place of an element that folded or None; ``foundation``, its springs as a matrix or
+    None; and ``plain_stiffness()``, that of the undeformed state with membrane strains as they are.
     """
 
     constraints: Constraints
@@ -117,6 +119,12 @@ def work(change: np.ndarray, force: np.ndarray) -> float:
         return abs(float(change @ force))
 
 
+def skew_part(system: System, q: np.ndarray, load_factor: float) -> sp.csr_matrix | None:
+    """Skew-symmetric part of the tangent at (q, load factor); None if there is none."""
+    hook: Any = getattr(system, "skew", None)
+    return hook(q, None, load_factor) if hook and load_factor else None
+
+
 def factored(
     system: System, q: np.ndarray, load_factor: float, solver: DirectSolver, stresses: np.ndarray | None = None
 ) -> SkewSolver:
@@ -128,8 +136,7 @@ def factored(
     """
     matrix = system.tangent(q, stresses, factor=load_factor)
     solver.factor(matrix)
-    skew: Any = getattr(system, "skew", None)
-    return SkewSolver(matrix, skew(q, None, load_factor) if skew else None, solver)
+    return SkewSolver(matrix, skew_part(system, q, load_factor), solver)
 
 
 def along_load(system: System, q: np.ndarray, tangent: SkewSolver) -> np.ndarray:

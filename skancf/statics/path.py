@@ -180,7 +180,7 @@ class _Run:
         step = 1.0
         while len(self.points) <= steps:
             length = min(step * first, measure.left(point.q))
-            result, following, sharp = follower.step(point, length, self.points[-2] if len(self.points) > 1 else None)
+            result, following, sharp = follower.step(point, length)
             if following is None:
                 step = length / first / lengths.cut
                 if step < lengths.smallest:
@@ -270,4 +270,4 @@ def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -
             found = trace(system, ArcLength(first=first), start=start, steps=steps)
     except SkancfError:
         return None
-    return next((event.load_factor for event in found.events if event.kind == "limit point"), None)
+    return next((event.load_factor for event in found.events if event.kind == LIMIT), None)

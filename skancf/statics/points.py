@@ -48,7 +48,7 @@ class Follower:
         scale = self.measure.unit(along, None)
         return Point(q, load_factor, self.solver.negative_pivots, scale * along, scale)
 
-    def step(self, a: Point, length: float, before: Point | None) -> tuple[NewtonResult, Point | None, bool]:
+    def step(self, a: Point, length: float) -> tuple[NewtonResult, Point | None, bool]:
         """A step from ``a``: the solve, the point if it is on the path, and whether it was refused as too sharp."""
         constraint = self._constraint(a, length)
         result = self._solve(a, a.q + length * a.direction, a.load_factor + length * a.rate, constraint)

@@ -9,6 +9,7 @@ from skancf.assembly.system import System
 from skancf.errors import OutOfDepth
 from skancf.linear import BlockMatrix
 from skancf.solution import Solution
+from skancf.statics.newton import skew_part
 
 # A skew part so small against the stiffness is rounding, of edges that are held or lie in a plane of symmetry.
 ROUNDING = 1e-12
@@ -38,8 +39,7 @@ def state_tangent(system: System, state: Solution | None) -> BlockMatrix:
 
 def is_skew(system: Any, tangent: BlockMatrix, q: np.ndarray, load_factor: float) -> bool:
     """Has the loads' tangent a skew part on the free coordinates, the symmetric one scaled to unit diagonal?"""
-    hook = getattr(system, "skew", None)
-    skew = hook(q, None, load_factor) if hook and load_factor else None
+    skew = skew_part(system, q, load_factor)
     if skew is None:
         return False
     sizes = np.sqrt(np.abs(tangent.diagonal()))

@@ -1,5 +1,6 @@
 """What sectors of surfaces of revolution have in common."""
 
+from abc import ABC, abstractmethod
 from math import pi
 from typing import Any
 
@@ -12,7 +13,7 @@ from skancf.surfaces.protocol import parameters
 ROUNDING = 1e-12
 
 
-class Revolution:
+class Revolution(ABC):
     r"""A meridian :math:`(\rho(x), \zeta(x))` turned by the angle y about an axis,
 
     .. math:: \mathbf X = \rho(x) (\cos y\, \mathbf e_1 + \sin y\, \mathbf e_2) + \zeta(x)\, \mathbf e_3 .
@@ -21,9 +22,9 @@ class Revolution:
     # e_1, e_2, e_3 as columns.
     axes = np.eye(3)
 
+    @abstractmethod
     def meridian(self, x: np.ndarray) -> np.ndarray:
         """rho and zeta, their first and their second derivatives, shape (3, 2, ...)."""
-        raise NotImplementedError
 
     def position(self, x: Any, y: Any) -> np.ndarray:
         x, y = parameters(x, y)

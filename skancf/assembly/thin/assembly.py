@@ -62,8 +62,7 @@ class ThinAssembly(CompiledAssembly):
         # What is left in a section that strains freely: layers hold each other.
         freed = 0.5 * np.einsum("iep,ij,jep->ep", resultants, np.linalg.inv(self.section.abd()), resultants)
         left = self.section.thermal_energy(middle, gradient) - freed
-        areas = self.sections.areas[self.sections.shape]
-        return float(0.5 * np.vdot(strains, self._held_back(strains)) + np.vdot(areas, left))
+        return float(0.5 * np.vdot(strains, self._held_back(strains)) + np.vdot(self.areas, left))
 
     def _free_strains(self, resultants: np.ndarray) -> np.ndarray:
         """Covariant strains (n_elements, 6, n_points) at which held back resultants (6, n_elements, n_points) vanish."""

@@ -44,8 +44,8 @@ class Solution:
     @property
     def displacements(self) -> np.ndarray:
         """Displacements of the nodes of the mesh, (3, n_mesh_nodes) (m)."""
-        change = (self.q - self.system.undeformed).reshape(-1, 4, 3)[:, 0]
-        return np.asarray(change[self.system.geometry.ties.node_of].T)
+        change = (self.q - self.system.undeformed).reshape(-1, 4, 3)
+        return np.asarray(self.system.geometry.at_mesh_nodes(change)[:, 0].T)
 
     def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""

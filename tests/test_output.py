@@ -10,9 +10,8 @@ import pytest
 from PIL import Image
 
 import skancf as sk
-from skancf import output
+from skancf import atomic, output
 from skancf.errors import InputError, SkancfError
-from skancf.output import atomic
 from skancf.output.fields import readable_unit, unit, values, von_mises
 from skancf.output.files import FILE_ORDER
 from skancf.output.plane import subdivided

@@ -58,7 +58,7 @@ def stress_regions(
     geometry = solution.system.geometry
     mesh = geometry.mesh
     cell = np.median(np.ptp(mesh.p[:, mesh.t], axis=1), axis=1)
-    positions = geometry.undeformed[geometry.ties.node_of, 0].T
+    positions = geometry.at_mesh_nodes(geometry.undeformed)[:, 0].T
     sides = positions[:, np.roll(mesh.t, -1, axis=0)] - positions[:, mesh.t]
     regions = find_regions(
         mesh.p, nodal_measure(solution, components, z), positions=positions,

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.assembly.hanging import Hanging
 from skancf.assembly.maps import local_maps
 from skancf.assembly.places import Places
 from skancf.assembly.ties import find_ties
@@ -28,8 +29,11 @@ class Geometry(Places):
     ----------
     ties : Ties
         Which nodes of the mesh are one.
+    hanging : Hanging
+        Which nodes of the mesh have no unknowns of their own.
     nodes : (n_elements, 4) int array
-        The nodes with the unknowns, of each element; those of the mesh are ``mesh.t``.
+        The nodes with the unknowns that an element depends on, one for each corner; the far end of the larger edge for one
+        that hangs. The corners' own are ``mesh.t``.
     points : (2, n_nodes) array
         Nodes in the parameter plane.
     undeformed : (n_nodes, 4, 3) array
@@ -47,11 +51,12 @@ class Geometry(Places):
         self.mesh, self.surface, self.theory = mesh, surface, theory
         check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
         self.ties = find_ties(mesh, surface, theory.twist)
-        self.nodes = np.ascontiguousarray(self.ties.node_of[mesh.t].T, dtype=np.int32)
+        self.hanging = Hanging.of(mesh, theory)
         self.points = mesh.p[:, self.ties.representative]
         jacobian = nodal_jacobian(mesh)
         self.side = np.sign(np.linalg.det(np.moveaxis(jacobian[:, :, 0], -1, 0)))
-        self.maps = local_maps(mesh, jacobian, theory, self.ties.mix, self.nodes)
+        self.maps = local_maps(mesh, jacobian, theory, self.ties, self.hanging)
+        self.nodes = self.maps.nodes
         self.undeformed = self._undeformed()
         self._check_fold()
 
@@ -82,7 +87,7 @@ class Geometry(Places):
 
     def _normal_at_pole(self, node: int, tangents: np.ndarray) -> np.ndarray:
         """The normal there, on the side of those beside it."""
-        element = int(np.flatnonzero((self.nodes == node).any(axis=1))[0])
+        element, _ = self.corner_of(node)
         beside = normal(self.surface, *self.parameters(np.array([[0.5], [0.5]]), np.array([element]))[:, 0])[:, 0]
         n = np.cross(*tangents)
         return np.asarray(n / np.linalg.norm(n) * np.sign(n @ beside))
@@ -109,6 +114,18 @@ class Geometry(Places):
         out = np.zeros((self.n_nodes, 4, 3))
         np.add.at(out, (node, kind), value[:, None] * local[index, row])
         return out
+
+    def at_mesh_nodes(self, q: np.ndarray) -> np.ndarray:
+        """r, r_x, r_y and the fourth vector at every node of the mesh, (n_mesh_nodes, 4, 3)."""
+        out = self.ties.mix @ q[self.ties.node_of]
+        h = self.hanging
+        out[h.nodes] = (h.weights @ out[h.ends]).sum(axis=0)
+        return np.asarray(out)
+
+    def corner_of(self, node: int) -> tuple[int, int]:
+        """An element and its corner at a node."""
+        corner, element = np.argwhere(self.mesh.t == self.ties.representative[node])[0]
+        return int(element), int(corner)
 
     def undeformed_at(self, mesh_node: int) -> np.ndarray:
         """r, r_x, r_y and the fourth vector of the undeformed surface at a node of the mesh, (4, 3)."""
@@ -173,19 +190,28 @@ class Geometry(Places):
 
         Across the seam of a closed parameter it goes on at the other end.
         """
-        point = self.within(vector("point", at, 2))
-        outside = InputError(
-            f"point {tuple(point.tolist())} lies outside the surface; in the parameter plane the mesh "
+        elements, local = self.locate_all(vector("point", at, 2)[:, None])
+        return int(elements[0]), local[0]
+
+    def locate_all(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The elements (n,) that hold points (2, n) of the parameter plane, and local coordinates (n, 2)."""
+        points = self.within(points)
+        try:
+            elements = np.asarray(self._finder(*points))
+        except ValueError as error:
+            raise self._outside(points) from error
+        local = _inverse_bilinear(self.mesh.p[:, self.mesh.t[:, elements]], points)
+        wrong = ((local < -1e-8) | (local > 1 + 1e-8)).any(axis=0)
+        if wrong.any():
+            raise self._outside(points[:, wrong])
+        return elements, np.clip(local, 0.0, 1.0).T
+
+    def _outside(self, points: np.ndarray) -> InputError:
+        which = f"point {tuple(points[:, 0].tolist())} lies" if points.shape[1] == 1 else "a point lies"
+        return InputError(
+            f"{which} outside the surface; in the parameter plane the mesh "
             f"spans {self.mesh.p.min(axis=1).tolist()} to {self.mesh.p.max(axis=1).tolist()}"
         )
-        try:
-            element = int(self._finder(point[:1], point[1:])[0])
-        except ValueError as error:
-            raise outside from error
-        local = _inverse_bilinear(self.mesh.p[:, self.mesh.t[:, element]], point)
-        if np.any((local < -1e-8) | (local > 1 + 1e-8)):
-            raise outside
-        return element, np.clip(local, 0.0, 1.0)
 
     def within(self, points: np.ndarray) -> np.ndarray:
         """The same points (2, ...) of the surface, closed parameters within their bounds."""
@@ -215,15 +241,16 @@ class Geometry(Places):
         return elements, points, w * np.linalg.norm(along, axis=0)
 
 
-def _inverse_bilinear(corners: np.ndarray, point: np.ndarray) -> np.ndarray:
-    """Local coordinates of a point in a quad (2, 4) by Newton's method."""
-    local = np.array([0.5, 0.5])
+def _inverse_bilinear(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Local coordinates (2, n) of points (2, n) in quads (2, 4, n) by Newton's method."""
+    local = np.full(points.shape, 0.5)
     for _ in range(30):
         xi, eta = local
-        shape = np.array([(1 - xi) * (1 - eta), xi * (1 - eta), xi * eta, (1 - xi) * eta])
-        slopes = np.array([[eta - 1, 1 - eta, eta, -eta], [xi - 1, -xi, xi, 1 - xi]])
-        step = np.linalg.solve(corners @ slopes.T, point - corners @ shape)
+        shape = np.stack([(1 - xi) * (1 - eta), xi * (1 - eta), xi * eta, (1 - xi) * eta])
+        slopes = np.stack([np.stack([eta - 1, 1 - eta, eta, -eta]), np.stack([xi - 1, -xi, xi, 1 - xi])])
+        jacobian = np.einsum("icn,jcn->nij", corners, slopes)
+        step = np.linalg.solve(jacobian, (points - np.einsum("icn,cn->in", corners, shape)).T[:, :, None])[:, :, 0].T
         local = local + step
-        if np.abs(step).max() < 1e-14:
+        if np.abs(step).max(initial=0.0) < 1e-14:
             break
     return local

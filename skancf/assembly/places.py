@@ -32,7 +32,7 @@ class Places:
 
     def nodes_on(self, where: Any) -> np.ndarray:
         """Numbers of the nodes that ``where`` means: see :class:`~skancf.supports.Support`."""
-        return np.unique(self.points_and_facets(where)[0])
+        return self._with_unknowns(self.points_and_facets(where)[0])
 
     def facets_on(self, where: Any) -> np.ndarray:
         """Numbers of the boundary facets that ``where`` means."""
@@ -70,7 +70,7 @@ class Places:
             facets = np.asarray(boundaries[name])
             if not facets.size:
                 raise InputError(f"boundary {name!r} has no edge on this mesh; the mesh's own names are at fault")
-            return np.unique(self.ends(facets)), facets[~self._at_a_pole(facets)]
+            return self._with_unknowns(self.ends(facets)), facets[~self._at_a_pole(facets)]
         if name == "boundary":
             if not len(self.boundary):
                 raise InputError("place 'boundary': this surface has none, it is closed all around; give a point (x, y) or "
@@ -89,8 +89,17 @@ class Places:
         if not mask.any():
             raise InputError("the function given as a place is true at no node; give a tolerance, as in "
                              "lambda x, y: abs(x) < 1e-9")  # fmt: skip
+        nodes = self._with_unknowns(self.ties.node_of[mask])
+        if not nodes.size:
+            raise InputError("the function given as a place is true at hanging nodes only, which move with the larger "
+                             "element's edge; refine the mesh there")  # fmt: skip
         boundary = self.boundary
-        return np.unique(self.ties.node_of[mask]), boundary[mask[self.mesh.facets[:, boundary]].all(axis=0)]
+        return nodes, boundary[mask[self.mesh.facets[:, boundary]].all(axis=0)]
+
+    def _with_unknowns(self, nodes: np.ndarray) -> np.ndarray:
+        """Each node once; hanging ones, which follow the ends of their edge, are left out."""
+        found = np.unique(nodes)
+        return np.asarray(found[found >= 0])
 
     def ends(self, facets: np.ndarray) -> np.ndarray:
         """Nodes at the ends of facets, (2, m)."""
@@ -129,7 +138,7 @@ class Places:
         Corners that several elements share are not found, such as those that point inwards.
         """
         quads = self.ties.node_of[self.mesh.t]
-        return np.flatnonzero(np.bincount(quads.ravel()) == 1)
+        return np.flatnonzero(np.bincount(quads[quads >= 0]) == 1)
 
     def node_at(self, at: Any) -> int:
         """The node at a point of the parameter plane."""
@@ -141,4 +150,7 @@ class Places:
                 f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
                 f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"
             )
+        if self.ties.node_of[nearest] < 0:
+            raise InputError(f"point {tuple(point.tolist())}: the node there hangs in the middle of a larger element's edge "
+                             "and cannot be held by itself; refine the mesh around it")  # fmt: skip
         return int(self.ties.node_of[nearest])

@@ -28,7 +28,7 @@ class Ties:
     Attributes
     ----------
     node_of : (n_mesh_nodes,) int array
-        The node with the unknowns.
+        The node with the unknowns; -1 where it hangs and has none.
     representative : (n_nodes,) int array
         A mesh node for each of those.
     mix : (n_mesh_nodes, 4, 4) array
@@ -52,10 +52,12 @@ def find_ties(mesh: skfem.MeshQuad, surface: Surface, twist: bool) -> Ties:
         side shrinks to a point that has no tangent plane, or another node has none.
     """
     first = np.arange(mesh.p.shape[1])
+    hanging = np.zeros(len(first), dtype=bool)
+    hanging[getattr(mesh, "hanging", [])] = True
     mix = np.tile(np.eye(4), (len(first), 1, 1))
     for axis, closed in enumerate(closed_directions(surface)):
         if closed:
-            _close(mesh, surface, axis, first)
+            _close(mesh, surface, axis, first, hanging)
     collapsed = _collapsed(mesh, surface)
     at_poles = np.concatenate([nodes for nodes, _ in collapsed]) if collapsed else np.empty(0, dtype=int)
     check_regular(surface, *np.delete(mesh.p, at_poles, axis=1))
@@ -64,15 +66,17 @@ def find_ties(mesh: skfem.MeshQuad, surface: Surface, twist: bool) -> Ties:
         root = int(first[nodes].min())
         first[nodes] = root
         tangents[root] = _pole(mesh, surface, nodes, axis, twist, mix)
-    representative, node_of = np.unique(first, return_inverse=True)
+    representative, number = np.unique(first[~hanging], return_inverse=True)
+    node_of = np.full(len(first), -1, dtype=np.int32)
+    node_of[~hanging] = number
     poles = {int(node_of[root]): t for root, t in tangents.items()}
-    return Ties(node_of.astype(np.int32), representative, mix, poles)
+    return Ties(node_of, representative, mix, poles)
 
 
-def _close(mesh: skfem.MeshQuad, surface: Surface, axis: int, first: np.ndarray) -> None:
+def _close(mesh: skfem.MeshQuad, surface: Surface, axis: int, first: np.ndarray, hanging: np.ndarray) -> None:
     low, high = surface.bounds[axis]  # type: ignore[attr-defined]
     slack, other = SAME * (high - low), mesh.p[1 - axis]
-    ends = [np.flatnonzero(np.abs(mesh.p[axis] - end) <= slack) for end in (low, high)]
+    ends = [np.flatnonzero((np.abs(mesh.p[axis] - end) <= slack) & ~hanging) for end in (low, high)]
     start, end = (nodes[np.argsort(other[nodes])] for nodes in ends)
     reach = SAME * np.ptp(other)
     if len(start) != len(end) or (np.abs(other[start] - other[end]) > reach).any():

@@ -69,9 +69,8 @@ class LineLoad:
         place = (cuts[:-1, None] + np.diff(cuts)[:, None] * s).ravel()
         share = (np.diff(cuts)[:, None] * w).ravel()
         at = geometry.within(start[:, None] + along[:, None] * place)
-        found = [geometry.locate(point) for point in at.T]
-        elements = np.array([element for element, _ in found])
-        points = np.stack([local for _, local in found])[:, :, None]
+        elements, points = geometry.locate_all(at)
+        points = points[:, :, None]
         slopes = np.stack(geometry.surface.derivatives(*at))
         lengths = share * np.linalg.norm(np.tensordot(along, slopes, 1), axis=0)
         forces = np.zeros((len(elements), 2, 3, 1))

@@ -47,7 +47,7 @@ class MomentOnDirectors(Acting):
 
     def __init__(self, assembly: Assembly, nodes: np.ndarray, moments: np.ndarray, history: History | None):
         self.geometry, self.nodes, self.moments, self.history = assembly.geometry, nodes, moments, history
-        found = [np.argwhere(self.geometry.nodes == node)[0] for node in nodes]
+        found = [self.geometry.corner_of(node) for node in nodes]
         self.elements = np.array([element for element, _ in found])
         self.rows = np.array([self.geometry.theory.rows[corner, 3] for _, corner in found])
 

@@ -74,10 +74,9 @@ class DiskForce:
                              "one; use a PointForce, or a SurfaceLoad that is zero elsewhere")  # fmt: skip
         points = np.asarray(self.at, float)[:, None] + np.linalg.solve(triangle, offsets)
         try:
-            located = [geometry.locate(point) for point in points.T]
+            elements, local = geometry.locate_all(points)
         except InputError as outside:
             raise InputError(f"disk at {tuple(self.at)} of radius {self.radius} m reaches over the edge of the surface; "
                              "make it smaller or move it") from outside  # fmt: skip
-        forces = np.tile(np.asarray(self.force, float) / len(located), (len(located), 1))
-        elements, local = zip(*located, strict=True)
-        return DeadLoad(point_forces(geometry, list(elements), np.array(local), forces), self.history)
+        forces = np.tile(np.asarray(self.force, float) / len(elements), (len(elements), 1))
+        return DeadLoad(point_forces(geometry, elements, local, forces), self.history)

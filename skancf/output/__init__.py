@@ -1,6 +1,6 @@
 """Results as files, pictures and charts. Viewers are imported by the functions that use them."""
 
-from skancf.output.atomic import check_folder
+from skancf.atomic import check_folder
 from skancf.output.charts import convergence_chart, field_chart, histories_chart, mesh_chart
 from skancf.output.files import read, write
 from skancf.output.panels import draw_cells

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, positive, vector
-from skancf.output.atomic import AnyPath, check_file, replacing
 from skancf.output.colours import colour_limits, colour_map
 
 INK, BAND = "#303030", "#D55E00"

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.atomic import AnyPath
 from skancf.errors import InputError, vector
 from skancf.meshes import Region
-from skancf.output.atomic import AnyPath
 from skancf.output.canvas import BAND, INK, contour_colours, new_figure, save
 from skancf.output.colours import line_style
 from skancf.output.curves import Curves, curve, panels_of

@@ -10,8 +10,8 @@ from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
+from skancf.atomic import check_folder, replacing
 from skancf.errors import InputError
-from skancf.output.atomic import check_folder, replacing
 from skancf.solution import Solution
 
 

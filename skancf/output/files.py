@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, number
-from skancf.output.atomic import AnyPath, check_file, replacing
 from skancf.output.collection import read_collection, write_collection
 from skancf.output.fields import von_mises
 from skancf.output.sampling import grid, sample_strain, sample_surface

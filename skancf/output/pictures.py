@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, finite, number, positive, vector
-from skancf.output.atomic import AnyPath, check_file, replacing
 from skancf.output.colours import colour_limits, colour_map
 from skancf.output.fields import check_name, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet

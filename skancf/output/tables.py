@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError
-from skancf.output.atomic import AnyPath, check_file, replacing
 
 
 def save_table(path: AnyPath, columns: Mapping[str, Any]) -> Path:

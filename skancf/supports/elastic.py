@@ -53,7 +53,7 @@ class Spring(Support):
             parts.append((elements, spring_matrices(table, lengths[:, :, None, None] * k)))
         alone = np.setdiff1d(nodes, geometry.ends(facets))
         for node in alone:
-            element, corner = np.argwhere(geometry.nodes == node)[0]
+            element, corner = geometry.corner_of(node)
             table = np.zeros((1, 16, 1))
             table[0, geometry.theory.rows[corner, 0]] = 1.0
             parts.append((np.array([element]), spring_matrices(table, k[None, None])))

@@ -1,0 +1,309 @@
+"""Meshes of aligned rectangles that are refined and coarsened element by element, with hanging nodes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.elements.nodal import require_aligned
+from skancf.errors import InputError
+from skancf.meshes.check import check_mesh
+from skancf.meshes.forest import BOTTOM, DEEPEST, LEFT, RIGHT, TOP, Forest, Leaves
+from skancf.meshes.names import Names
+from skancf.surfaces import Surface, closed_directions
+
+# Of the extent of the mesh: coordinates that are closer are one line.
+SAME = 1e-9
+
+
+@dataclass(repr=False)
+class MeshQuadTree(skfem.MeshQuad):
+    r"""A mesh grown from coarse rectangles by quartering elements, with hanging nodes.
+
+    Neighbours differ by one level at most, over edges and corners, so that a hanging node lies in the middle of a larger
+    element's edge. The space of bicubic Hermite functions on it is C1, and that of a refined mesh contains it. Make one by
+    :func:`quadtree`; :meth:`refined`, :meth:`coarsened` and :meth:`adapted` give new ones.
+
+    A node of the coarse mesh keeps its number. An edge between elements of two levels is represented by its halves:
+    ``f2t`` names both neighbours there; the larger element's whole edge has one neighbour only and is no boundary.
+
+    Attributes
+    ----------
+    leaves : Leaves
+        The elements as cells of a forest of quadtrees.
+    """
+
+    leaves: Any = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        forest = self.leaves.forest if self.leaves else None
+        n = forest.points.shape[1] if forest else 0
+        if forest is None or self.t.shape[1] != len(self.leaves) or not np.array_equal(self.p[:, :n], forest.points):
+            raise InputError("a quadtree mesh grows from a coarse one by quadtree(mesh), and what moves or cuts it leaves "
+                             "the tree: change the coarse mesh, or take the plain() copy")  # fmt: skip
+
+    @property
+    def levels(self) -> np.ndarray:
+        """How often the coarse element was quartered, for each element."""
+        return np.asarray(self.leaves.cells.level)
+
+    def plain(self) -> skfem.MeshQuad:
+        """The same points and elements as a plain scikit-fem mesh, to which hanging nodes are nothing special."""
+        return skfem.MeshQuad(self.p, self.t)
+
+    # What differs from a conforming mesh
+
+    @property
+    def hanging(self) -> np.ndarray:
+        """Nodes in the middle of a larger element's edge, (m,)."""
+        return self._meeting().nodes
+
+    @property
+    def hanging_ends(self) -> np.ndarray:
+        """The ends of that edge, (2, m) nodes, on the side of the smaller elements."""
+        return self._meeting().ends
+
+    def _meeting(self) -> "_Meeting":
+        if not hasattr(self, "_cached_meeting"):
+            self._cached_meeting = _Meeting.of(self)
+        return self._cached_meeting
+
+    def _init_facets(self) -> None:
+        first, second = np.sort(np.stack([self.t, np.roll(self.t, -1, axis=0)]), axis=0).astype(np.int64)
+        n = self.p.shape[1]
+        keys, inverse = np.unique(first * n + second, return_inverse=True)
+        self._facets = np.stack(np.divmod(keys, n)).astype(np.int32)
+        self._t2f = inverse.reshape(self.t.shape).astype(np.int32)
+
+    @property
+    def f2t(self) -> np.ndarray:
+        """Elements on both sides of each facet, (2, n_facets); -1 for none."""
+        if not hasattr(self, "_f2t"):
+            inverse, meeting = self.build_inverse(self.t, self.t2f), self._meeting()
+            halves = self.t2f[meeting.sides, meeting.small][~meeting.seam]
+            inverse[1, halves] = meeting.large[~meeting.seam]
+            self._f2t = inverse
+        return self._f2t
+
+    def boundary_facets(self) -> np.ndarray:
+        """Facets on the boundary of the domain."""
+        alone = self.f2t[1] == -1
+        alone[self._halved()] = False
+        return np.flatnonzero(alone).astype(np.int32)
+
+    def _halved(self) -> np.ndarray:
+        """Whole edges of larger elements that smaller ones lie beside in the parameter plane."""
+        meeting = self._meeting()
+        opposite = (meeting.sides + 2) % 4
+        return np.asarray(self.t2f[opposite, meeting.large][~meeting.seam])
+
+    # Change
+
+    def _uniform(self) -> "MeshQuadTree":
+        return self._adaptive(np.arange(self.nelements))
+
+    def _adaptive(self, elements: Any) -> "MeshQuadTree":
+        marked = self._numbers("refined", elements)
+        split = self.leaves.closure(marked)
+        deep = split[self.levels[split] >= DEEPEST]
+        if deep.size:
+            where = self.p[:, self.t[:, deep[0]]].mean(axis=1)
+            raise InputError(f"element {deep[0]} at ({where[0]:.6g}, {where[1]:.6g}) has level {DEEPEST}, the deepest; "
+                             "begin with a finer coarse mesh")  # fmt: skip
+        return self._changed(self.leaves.split(split)) if split.size else self
+
+    def coarsened(self, elements: Any) -> "MeshQuadTree":
+        """A mesh in which sisters that are all among these elements are merged, once.
+
+        Those whose parent would be more than one level larger than a neighbour stay, and those that a named boundary or
+        subdomain covers in part, so that names stay exact.
+        """
+        sisters = self.leaves.families(self._numbers("coarsened", elements))
+        sisters = sisters[:, Names.of(self).uniform(sisters)]
+        # A family that stays may leave its neighbours' families without room.
+        while sisters.size:
+            again = self.leaves.families(np.unique(sisters))
+            if again.shape == sisters.shape:
+                break
+            sisters = again
+        return self._changed(self.leaves.merged(sisters)) if sisters.size else self
+
+    def adapted(self, refine: Any, coarsen: Any = ()) -> "MeshQuadTree":
+        """Refined where asked and needed for balance, then coarsened where asked and possible."""
+        finer = self.refined(self._numbers("refined", refine))
+        kept = finer.leaves.find(self.leaves.cells.take(self._numbers("coarsened", coarsen)))
+        return finer.coarsened(kept[kept >= 0])
+
+    def _changed(self, leaves: Leaves) -> "MeshQuadTree":
+        return grown(leaves, Names.of(self).carried(self.leaves, leaves))
+
+    def _numbers(self, what: str, elements: Any) -> np.ndarray:
+        found = np.asarray(self.normalize_elements(elements) if len(np.shape(elements)) == 0 else elements)
+        if found.dtype == bool and found.shape == (self.nelements,):
+            return np.flatnonzero(found)
+        whole = np.issubdtype(found.dtype, np.integer)
+        if found.size and not (whole and found.min() >= 0 and found.max() < self.nelements):
+            raise InputError(f"{what}: give element numbers from 0 to {self.nelements - 1}, not {found[:5]}")
+        return np.unique(found).astype(int)
+
+    # Where things are
+
+    def element_finder(self, mapping: Any = None) -> Any:
+        """A function of x and y, (n,) each, that gives the elements; ValueError where a point is in none."""
+        roots = self.leaves.forest
+
+        def finder(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+            root, local = self._roots_at(np.stack([x, y]))
+            found = roots.covering(self.leaves, root, *local)
+            if (found < 0).any():
+                raise ValueError("Point is outside of the mesh.")
+            return found
+
+        return finder
+
+    def _roots_at(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The root that holds each point (2, n), -1 for none, and the place in it, (2, n) in [0, 1]."""
+        forest = self.leaves.forest
+        low, high = forest.points[:, forest.corners[0]], forest.points[:, forest.corners[2]]
+        slack = SAME * np.ptp(forest.points, axis=1)[:, None, None]
+        inside = ((at[:, :, None] >= low[:, None] - slack) & (at[:, :, None] <= high[:, None] + slack)).all(axis=0)
+        root = np.where(inside.any(axis=1), inside.argmax(axis=1), -1)
+        local = (at - low[:, root]) / (high - low)[:, root]
+        return root, np.clip(local, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class _Meeting:
+    """Where smaller elements lie beside a larger one.
+
+    ``small``, ``sides``, ``large`` are (k,), two for each hanging node of one side; ``seam`` tells where the larger one is
+    across a closed seam. ``nodes`` (m,) are the hanging nodes and ``ends`` (2, m) the ends of the larger edge.
+    """
+
+    small: np.ndarray
+    sides: np.ndarray
+    large: np.ndarray
+    seam: np.ndarray
+    nodes: np.ndarray
+    ends: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: MeshQuadTree) -> "_Meeting":
+        leaves = mesh.leaves
+        small, sides, corner, large = leaves.larger_beside()
+        parents = leaves.cells.take(small).parents
+        keys = leaves.forest.point_keys(parents)
+        # The parent's corner is a corner of the sister there, or of her children.
+        far_keys = keys[corner, np.arange(len(small))]
+        own_keys, at = np.unique(leaves.forest.point_keys(leaves.cells), return_index=True)
+        far = mesh.t.ravel()[at[np.searchsorted(own_keys, far_keys)]]
+        nodes, first = np.unique(mesh.t[corner, small], return_index=True)
+        # The side's other corner is the near end.
+        one, two = sides, (sides + 1) % 4
+        near = mesh.t[np.where(corner == one, two, one), small]
+        middle = mesh.p[:, mesh.t[corner, small]]
+        low, high = mesh.p[:, mesh.t[0, large]], mesh.p[:, mesh.t[2, large]]
+        slack = SAME * np.ptp(mesh.p, axis=1)[:, None]
+        seam = ~((middle >= low - slack) & (middle <= high + slack)).all(axis=0)
+        return cls(small, sides, large, seam, nodes.astype(int), np.stack([near, far])[:, first].astype(int))
+
+
+def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTree:
+    """A quadtree mesh from a coarse mesh of aligned rectangles.
+
+    Parameters
+    ----------
+    mesh : skfem.MeshQuad
+        For example of :func:`uniform`, with openings or without. Its names of boundaries and subdomains are kept.
+    surface : Surface, optional
+        Tells in which directions the parameter plane is closed, so that the mesh fits across the seam.
+
+    Raises
+    ------
+    InputError
+        For an element that is no aligned rectangle, and for ends of a closed direction that do not match.
+    """
+    if isinstance(mesh, MeshQuadTree):
+        return mesh
+    check_mesh(mesh)
+    require_aligned(mesh)
+    points = _on_lines(mesh.p)
+    corners = _counter_clockwise(points, mesh.t)
+    coarse = skfem.MeshQuad(points, corners)
+    closed = closed_directions(surface) if surface is not None else (False, False)
+    forest = Forest(points, corners.astype(np.int64), coarse.t2f.astype(np.int64), _neighbours(coarse, closed))
+    names = Names.of(replace(coarse, _boundaries=_facets_by_ends(mesh, coarse), _subdomains=mesh.subdomains))
+    return grown(Leaves(forest, forest.roots), names)
+
+
+def grown(leaves: Leaves, names: Names) -> MeshQuadTree:
+    """The mesh of some leaves, with names by their sides and numbers."""
+    forest = leaves.forest
+    _, first, inverse = np.unique(forest.point_keys(leaves.cells), return_index=True, return_inverse=True)
+    points = np.ascontiguousarray(forest.places(leaves.cells).reshape(2, -1)[:, first])
+    # Of a moved vertex the forest's own coordinates, to the last bit.
+    points[:, : forest.points.shape[1]] = forest.points
+    mesh: Any = MeshQuadTree(points, np.ascontiguousarray(inverse.reshape(4, -1), dtype=np.int32), leaves=leaves)
+    boundaries, subdomains = names.on(mesh)
+    return replace(mesh, _boundaries=boundaries, _subdomains=subdomains) if boundaries or subdomains else mesh
+
+
+def _on_lines(points: np.ndarray) -> np.ndarray:
+    """Coordinates that are equal to rounding made equal."""
+    out = points.copy()
+    for row in out:
+        order = np.argsort(row)
+        new = np.diff(row[order], prepend=-np.inf) > SAME * np.ptp(row)
+        row[order] = row[order][new][np.cumsum(new) - 1]
+    return out
+
+
+def _counter_clockwise(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Corners of each rectangle from the lower left one on."""
+    place = points[:, quads]
+    above = (place > place.mean(axis=1, keepdims=True)).astype(int)
+    number = np.array([[0, 3], [1, 2]])[above[0], above[1]]
+    return np.take_along_axis(quads, np.argsort(number, axis=0), axis=0)
+
+
+def _neighbours(coarse: skfem.MeshQuad, closed: tuple[bool, bool]) -> np.ndarray:
+    """Root across each side, (4, n_roots + 1)."""
+    elements = np.arange(coarse.nelements)
+    out = np.full((4, len(elements) + 1), -1)
+    both = coarse.f2t[:, coarse.t2f]
+    out[:, :-1] = np.where(both[0] == elements, both[1], both[0])
+    out[:, :-1][out[:, :-1] == elements] = -1
+    for axis, (one, other) in enumerate([(LEFT, RIGHT), (BOTTOM, TOP)]):
+        if closed[axis]:
+            _across_seam(coarse, axis, one, other, out)
+    return out
+
+
+def _across_seam(coarse: skfem.MeshQuad, axis: int, one: int, other: int, out: np.ndarray) -> None:
+    at, along = coarse.p[axis], coarse.p[1 - axis]
+    starts = np.flatnonzero(at[coarse.t[0]] == at.min())
+    ends = np.flatnonzero(at[coarse.t[2]] == at.max())
+    starts, ends = (roots[np.argsort(along[coarse.t[0, roots]])] for roots in (starts, ends))
+    intervals = [along[coarse.t[[0, 2]][:, roots]] for roots in (starts, ends)]
+    if intervals[0].shape != intervals[1].shape or (intervals[0] != intervals[1]).any():
+        raise InputError(f"the surface is closed in {'xy'[axis]}, but the mesh has other edges at {at.min():.6g} than at "
+                         f"{at.max():.6g}; give both ends the same nodes")  # fmt: skip
+    out[one, starts], out[other, ends] = ends, starts
+
+
+def _facets_by_ends(mesh: skfem.MeshQuad, coarse: skfem.MeshQuad) -> Mapping[str, np.ndarray] | None:
+    """The named facets of a mesh in the numbers of another one with the same nodes."""
+    if mesh.boundaries is None:
+        return None
+    n = mesh.p.shape[1]
+    keys = coarse.facets[0].astype(np.int64) * n + coarse.facets[1]
+    order = np.argsort(keys)
+
+    def number(facets: np.ndarray) -> np.ndarray:
+        ends = np.sort(mesh.facets[:, facets], axis=0).astype(np.int64)
+        return order[np.searchsorted(keys[order], ends[0] * n + ends[1])]
+
+    return {name: number(np.asarray(facets)) for name, facets in mesh.boundaries.items()}

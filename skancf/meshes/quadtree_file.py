@@ -1,0 +1,118 @@
+"""Quadtree meshes as files of plain arrays."""
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from skancf.atomic import AnyPath, check_file, replacing
+from skancf.errors import InputError
+from skancf.meshes.forest import AROUND, DEEPEST, Cells, Forest, Leaves
+from skancf.meshes.names import Names
+from skancf.meshes.quadtree import MeshQuadTree, grown
+
+FORMAT = "skancf quadtree 1"
+ARRAYS = {"points": (2, -1), "corners": (4, -1), "facets": (4, -1), "neighbours": (4, -1), "cells": (4, -1)}
+
+
+def save(mesh: MeshQuadTree, path: AnyPath) -> Path:
+    """Write a mesh to ``*.npz``; an older file stays as it was until the new one is whole."""
+    file, names = check_file(path, ".npz"), Names.of(mesh)
+    forest = mesh.leaves.forest
+    with replacing(file) as part, part.open("wb") as stream:
+        np.savez_compressed(
+            stream, format=np.array(FORMAT), points=forest.points, corners=forest.corners, facets=forest.facets,
+            neighbours=forest.neighbours, cells=np.stack(mesh.leaves.cells),
+            sides=np.array(list(names.sides), dtype=str), side_masks=_stacked(names.sides, (4, len(mesh.leaves))),
+            parts=np.array(list(names.elements), dtype=str), part_masks=_stacked(names.elements, (len(mesh.leaves),)),
+        )  # fmt: skip
+    return file
+
+
+def _stacked(masks: dict[str, np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
+    return np.stack(list(masks.values())) if masks else np.zeros((0, *shape), dtype=bool)
+
+
+def load(path: AnyPath) -> MeshQuadTree:
+    """Read what :func:`save` wrote; no code in the file is run.
+
+    Raises
+    ------
+    InputError
+        For a file that is not there, is no such file, or holds no mesh that fits together; the reason is named.
+    """
+    file = Path(path)
+    if not file.is_file():
+        raise InputError(f"file '{file}': there is no such file")
+    try:
+        with np.load(file, allow_pickle=False) as data:
+            arrays = {name: data[name] for name in data.files}
+    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        raise InputError(f"file '{file}': is no quadtree mesh, or is damaged ({error}); write it again") from error
+    try:
+        return _mesh_of(arrays)
+    except _Unfit as reason:
+        raise InputError(f"file '{file}': {reason}; write it again") from reason
+
+
+class _Unfit(Exception):
+    """What does not fit in a file."""
+
+
+def _mesh_of(data: dict[str, Any]) -> MeshQuadTree:
+    if str(data.get("format")) != FORMAT:
+        raise _Unfit(f"is {data.get('format')}, this version reads '{FORMAT}'")
+    for name, shape in ARRAYS.items():
+        array = data.get(name)
+        kind = "f" if name == "points" else "iu"
+        if array is None or array.ndim != 2 or array.shape[0] != shape[0] or array.dtype.kind not in kind:
+            raise _Unfit(f"{name} is missing or has another shape than {shape}")
+    forest = Forest(data["points"], data["corners"], data["facets"], data["neighbours"])
+    _check_forest(forest)
+    cells = Cells(*data["cells"].astype(np.int64))
+    _check_cells(forest, cells)
+    leaves = Leaves(forest, cells)
+    if any((leaves.find(forest.beside(cells, *step).parents.parents) >= 0).any() for step in AROUND):
+        raise _Unfit("neighbouring elements differ by more than one level")
+    return grown(leaves, Names(*(_masks(data, *keys, shape) for keys, shape in (
+        (("sides", "side_masks"), (4, len(leaves))), (("parts", "part_masks"), (len(leaves),))))))  # fmt: skip
+
+
+def _check_forest(forest: Forest) -> None:
+    n, roots = forest.points.shape[1], forest.n_roots
+    if not np.isfinite(forest.points).all():
+        raise _Unfit("a point is not finite")
+    for name, array, low, high in (
+        ("corners", forest.corners, 0, n), ("facets", forest.facets, 0, 4 * roots),
+        ("neighbours", forest.neighbours, -1, roots),
+    ):  # fmt: skip
+        if array.shape[1] != roots + (name == "neighbours") or not ((array >= low) & (array < high)).all():
+            raise _Unfit(f"{name} names what is not there")
+    sizes = forest.points[:, forest.corners[2]] - forest.points[:, forest.corners[0]]
+    if not roots or not (sizes > 0).all():
+        raise _Unfit("a coarse element has no area")
+
+
+def _check_cells(forest: Forest, cells: Cells) -> None:
+    level = cells.level
+    if not ((cells.root >= 0) & (cells.root < forest.n_roots) & (level >= 0) & (level <= DEEPEST)).all():
+        raise _Unfit("an element has no root or a level out of range")
+    if not ((cells.x >= 0) & (cells.y >= 0) & (np.maximum(cells.x, cells.y) >> level == 0)).all():
+        raise _Unfit("an element lies outside of its root")
+    keys = cells.keys
+    ancestors = cells
+    covered = np.bincount(cells.root, 0.25**level, minlength=forest.n_roots)
+    overlap = len(np.unique(keys)) < len(keys)
+    for _ in range(int(level.max(initial=0))):
+        ancestors = ancestors.parents
+        overlap |= bool(np.isin(ancestors.keys[ancestors.root >= 0], keys).any())
+    if overlap or not (covered == 1).all():
+        raise _Unfit("the elements overlap or leave a gap")
+
+
+def _masks(data: dict[str, Any], names: str, masks: str, shape: tuple[int, ...]) -> dict[str, np.ndarray]:
+    found, values = data.get(names), data.get(masks)
+    if found is None or values is None or values.dtype != bool or values.shape != (len(found), *shape):
+        raise _Unfit(f"{names} and {masks} do not fit the elements")
+    return dict(zip(found.tolist(), values, strict=True))

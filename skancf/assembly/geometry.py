@@ -4,6 +4,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 import skfem
 
 from skancf.assembly.hanging import Hanging
@@ -165,6 +166,13 @@ class Geometry(Places):
         triple = maps.pointer[elements][index] + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         node = self.nodes[elements[index], maps.corners[triple]]
         return index, maps.rows[triple], node, maps.kinds[triple], maps.values[triple]
+
+    @cached_property
+    def local_matrix(self) -> sp.csr_matrix:
+        """From nodal vectors to the local vectors of all elements: (16 n_elements, 4 n_nodes)."""
+        index, row, node, kind, value = self._triples(np.arange(self.n_elements))
+        shape = (16 * self.n_elements, 4 * self.n_nodes)
+        return sp.csr_matrix((value, (16 * index + row, 4 * node.astype(int) + kind)), shape=shape)
 
     @cached_property
     def undeformed_local(self) -> np.ndarray:

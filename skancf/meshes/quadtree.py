@@ -239,7 +239,7 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     return grown(Leaves(forest, forest.roots), names)
 
 
-def grown(leaves: Leaves, names: Names) -> MeshQuadTree:
+def grown(leaves: Leaves, names: Names | None = None) -> MeshQuadTree:
     """The mesh of some leaves, with names by their sides and numbers."""
     forest = leaves.forest
     _, first, inverse = np.unique(forest.point_keys(leaves.cells), return_index=True, return_inverse=True)
@@ -247,7 +247,7 @@ def grown(leaves: Leaves, names: Names) -> MeshQuadTree:
     # Of a moved vertex the forest's own coordinates, to the last bit.
     points[:, : forest.points.shape[1]] = forest.points
     mesh: Any = MeshQuadTree(points, np.ascontiguousarray(inverse.reshape(4, -1), dtype=np.int32), leaves=leaves)
-    boundaries, subdomains = names.on(mesh)
+    boundaries, subdomains = names.on(mesh) if names else ({}, {})
     return replace(mesh, _boundaries=boundaries, _subdomains=subdomains) if boundaries or subdomains else mesh
 
 

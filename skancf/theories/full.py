@@ -136,6 +136,11 @@ class Full:
         """Values of the local functions of r and d at points (2, n): (2, 16, n)."""
         return position_table(points)
 
+    def nodal_table(self, points: np.ndarray) -> np.ndarray:
+        """r, r_1, r_2 and r_z of the local functions at points (2, n): (4, 16, n)."""
+        r, d = position_table(points)
+        return np.stack([r, *self.slope_table(points), d])
+
     def slope_table(self, points: np.ndarray) -> np.ndarray:
         """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""
         return jet_table(points)[[R1, R2]]

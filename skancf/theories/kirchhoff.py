@@ -96,6 +96,11 @@ class Kirchhoff:
             out[:, :3] = np.einsum("ecs,csp->ecp", inside[:, :3], self.interpolation(points))
         return out
 
+    def nodal_table(self, points: np.ndarray) -> np.ndarray:
+        """r and its derivatives 1, 2, 12 of the local functions at points (2, n): (4, 16, n)."""
+        orders = [(0, 0), (1, 0), (0, 1), (1, 1)]
+        return np.stack([hermite_functions(points[0], points[1], order).reshape(16, -1) for order in orders])
+
     def slope_table(self, points: np.ndarray) -> np.ndarray:
         """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""
         return jet_table(points)[:2]

@@ -39,6 +39,9 @@ class Theory(Protocol):
     def position_table(self, points: np.ndarray) -> np.ndarray:
         """Values of the local functions of r, and of r_z if there is one, at points (2, n): (1 or 2, 16, n)."""
 
+    def nodal_table(self, points: np.ndarray) -> np.ndarray:
+        """The four vectors of a node, in the reference square, of the local functions at points (2, n): (4, 16, n)."""
+
     def slope_table(self, points: np.ndarray) -> np.ndarray:
         """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""
 

@@ -8,7 +8,7 @@ from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.meshes import MeshQuadTree
-from skancf.meshes.forest import Cells, Leaves
+from skancf.meshes.forest import Leaves
 from skancf.meshes.quadtree import grown
 from skancf.solution import Solution
 
@@ -98,11 +98,7 @@ def _require_one_tree(old: Geometry, new: Geometry) -> None:
 
 def _is_finer(new: Leaves, old: Leaves) -> bool:
     """Does every leaf lie in one of the old ones?"""
-    cells, found = new.cells, old.find(new.cells) >= 0
-    for _ in range(int(cells.level.max())):
-        cells = cells.parents
-        found |= old.find(cells) >= 0
-    return bool(found.all())
+    return bool((ancestors_in(old, new) >= 0).all())
 
 
 def _common(one: Leaves, two: Leaves) -> Leaves:
@@ -148,7 +144,10 @@ def _in_blocks(matrix: sp.csr_matrix, system: System) -> BlockMatrix:
     return BlockMatrix(pattern, blocks.reshape(-1, 12, 12))
 
 
-def children_of(coarse: Leaves, fine: Leaves) -> np.ndarray:
-    """The coarse leaf in which each fine one lies, where it is the same or one level above."""
-    same = coarse.find(fine.cells)
-    return np.where(same >= 0, same, coarse.find(Cells(*fine.cells.parents)))
+def ancestors_in(coarse: Leaves, fine: Leaves) -> np.ndarray:
+    """The coarse leaf in which each fine one lies, (n_fine,)."""
+    cells, found = fine.cells, coarse.find(fine.cells)
+    while (found < 0).any() and cells.level.max() > 0:
+        cells = cells.parents
+        found = np.where(found < 0, coarse.find(cells), found)
+    return found

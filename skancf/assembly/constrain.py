@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Sequence
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -45,8 +46,8 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
         number = next(k for k, known in enumerate(histories) if known is history)
         for mesh_node, a, value, own in support.rows(geometry):
             on_node = a if own else (geometry.ties.mix[mesh_node].T @ a.reshape(4, 3)).ravel()
-            size = np.linalg.norm(on_node)
-            if size > PARALLEL * np.linalg.norm(a):  # a vector that a pole does not have needs no holding
+            size = sqrt(on_node @ on_node)
+            if size > PARALLEL * sqrt(a @ a):  # a vector that a pole does not have needs no holding
                 by_node[int(geometry.ties.node_of[mesh_node])].append((on_node / size, value / size, number))
     if geometry.theory.twist:
         for node in geometry.ties.poles:  # has three vectors only

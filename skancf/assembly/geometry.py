@@ -134,19 +134,28 @@ class Geometry(Places):
 
     def normal_at(self, mesh_node: int) -> np.ndarray:
         """Unit normal of the undeformed surface at a node of the mesh, (3,)."""
-        x, y = self.mesh.p[:, mesh_node]
-        return np.asarray(normal(self.surface, np.array([x]), np.array([y]))[:, 0])
+        return np.asarray(self._normals[mesh_node])
+
+    @cached_property
+    def _normals(self) -> np.ndarray:
+        """Those of all, (n_mesh_nodes, 3)."""
+        return normal(self.surface, *self.mesh.p).T
 
     def normal_slopes_at(self, mesh_node: int) -> np.ndarray:
         """Its derivatives n_x and n_y, (2, 3); zero at a pole, where they have no meaning."""
-        x, y = self.mesh.p[:, mesh_node]
-        slopes = np.stack(self.surface.derivatives(x, y))
-        xx, xy, yy = self.surface.second_derivatives(x, y)
-        bending = np.array([[xx, xy], [xy, yy]]) @ self.normal_at(mesh_node)
-        metric = slopes @ slopes.T
-        if np.linalg.det(metric) < 1e-18 * np.trace(metric) ** 2:
-            return np.zeros((2, 3))
-        return np.asarray(-bending @ np.linalg.solve(metric, slopes))
+        return np.asarray(self._normal_slopes[mesh_node])
+
+    @cached_property
+    def _normal_slopes(self) -> np.ndarray:
+        """Those of all, (n_mesh_nodes, 2, 3)."""
+        slopes = np.stack(self.surface.derivatives(*self.mesh.p)).transpose(2, 0, 1)
+        xx, xy, yy = (np.einsum("in,ni->n", v, self._normals) for v in self.surface.second_derivatives(*self.mesh.p))
+        bending = np.array([[xx, xy], [xy, yy]]).transpose(2, 0, 1)
+        metric = slopes @ slopes.swapaxes(1, 2)
+        out = np.zeros_like(slopes)
+        regular = np.linalg.det(metric) >= 1e-18 * np.trace(metric, axis1=1, axis2=2) ** 2
+        out[regular] = -bending[regular] @ np.linalg.solve(metric[regular], slopes[regular])
+        return out
 
     def dense_map(self, element: int) -> np.ndarray:
         """From the nodal vectors of an element, corner by corner, to its local vectors: (16, 16)."""

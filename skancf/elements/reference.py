@@ -5,19 +5,23 @@ to :math:`\xi, \eta`, so that these functions are the same for every element.
 """
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
-# One polynomial for each end of the unit interval.
-HERMITE_VALUE = (Polynomial([1, 0, -3, 2]), Polynomial([0, 0, 3, -2]))
-HERMITE_SLOPE = (Polynomial([0, 1, -2, 1]), Polynomial([0, 0, -1, 1]))
-LINEAR = (Polynomial([1, -1]), Polynomial([0, 1]))
+# One polynomial for each end of the unit interval: coefficients of 1, s, s^2, s^3.
+HERMITE_VALUE = ((1.0, 0.0, -3.0, 2.0), (0.0, 0.0, 3.0, -2.0))
+HERMITE_SLOPE = ((0.0, 1.0, -2.0, 1.0), (0.0, 0.0, -1.0, 1.0))
+LINEAR = ((1.0, -1.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
 
 
-def derivative(polynomial: Polynomial, s: np.ndarray, order: int) -> np.ndarray:
+def derivative(polynomial: tuple[float, ...], s: np.ndarray, order: int) -> np.ndarray:
     """The derivative of that order at ``s``, shaped like ``s``."""
-    return polynomial.deriv(order)(s) if order else polynomial(s)
+    for _ in range(order):
+        polynomial = tuple(k * c for k, c in enumerate(polynomial))[1:]
+    value = np.zeros_like(s)
+    for coefficient in reversed(polynomial):
+        value = value * s + coefficient
+    return value
 
 
 def ancf_functions(xi: np.ndarray, eta: np.ndarray, order: tuple[int, int] = (0, 0)) -> np.ndarray:

@@ -51,10 +51,11 @@ def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
     nodes, facets = geometry.points_and_facets(where)
     node_of = geometry.ties.node_of
     out: dict[int, list[np.ndarray]] = {int(n): [] for n in geometry.mesh.facets[:, facets].ravel()}
-    for facet, along in zip(facets, geometry.facet_directions(facets).T, strict=True):
-        for node in geometry.mesh.facets[:, facet]:
-            if all(abs(np.cross([*along, 0], [*known, 0])[2]) > 1e-8 for known in out[int(node)]):
-                out[int(node)].append(along)
+    for ends, along in zip(geometry.mesh.facets[:, facets].T.tolist(), geometry.facet_directions(facets).T, strict=True):
+        x, y = along.tolist()
+        for node in ends:
+            if all(abs(x * known[1] - y * known[0]) > 1e-8 for known in out[node]):
+                out[node].append(along)
     alone = np.setdiff1d(nodes, node_of[list(out)] if out else [])
     return {**out, **{int(n): [] for n in np.flatnonzero(np.isin(node_of, alone))}}
 

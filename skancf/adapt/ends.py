@@ -1,0 +1,57 @@
+"""Points where derivatives of a solution may have no limit."""
+
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.system import System
+from skancf.errors import InputError
+
+SAME = 1e-8
+
+
+def singular_points(system: System) -> np.ndarray:
+    """Places in the parameter plane, (2, n): corners of the boundary, ends of supported edges, point loads and supports."""
+    geometry, problem = system.geometry, system.problem
+    places = [_boundary_corners(geometry)]
+    for item in (*problem.supports, *problem.loads):
+        if hasattr(item, "where"):
+            places.append(_ends(geometry, item.where))
+        for name in ("at", "start", "end"):
+            if hasattr(item, name):
+                places.append(np.reshape(getattr(item, name), (2, 1)).astype(float))
+    found = np.hstack(places)
+    if not found.size:
+        return found
+    scale = SAME * np.ptp(geometry.mesh.p, axis=1)[:, None]
+    return np.asarray(found[:, np.unique(np.round(found / scale), axis=1, return_index=True)[1]])
+
+
+def _boundary_corners(geometry: Geometry) -> np.ndarray:
+    """Nodes of the boundary where it turns."""
+    mesh, facets = geometry.mesh, geometry.boundary
+    along = np.abs(geometry.facet_directions(facets))
+    along_x = np.bincount(mesh.facets[:, facets[along[0] > along[1]]].ravel(), minlength=mesh.p.shape[1])
+    along_y = np.bincount(mesh.facets[:, facets[along[0] <= along[1]]].ravel(), minlength=mesh.p.shape[1])
+    return np.asarray(mesh.p[:, (along_x > 0) & (along_y > 0)])
+
+
+def _ends(geometry: Geometry, where: Any) -> np.ndarray:
+    """Ends of the edges of a place, and its nodes that are on none."""
+    try:
+        nodes, facets = geometry.points_and_facets(where)
+    except InputError:
+        return np.empty((2, 0))
+    ends = geometry.mesh.facets[:, facets]
+    once = np.flatnonzero(np.bincount(ends.ravel(), minlength=geometry.mesh.p.shape[1]) == 1)
+    alone = np.setdiff1d(nodes, geometry.ties.node_of[ends])
+    return np.hstack([geometry.mesh.p[:, once], geometry.points[:, alone]])
+
+
+def touching(mesh: Any, points: np.ndarray) -> np.ndarray:
+    """Elements that hold any of the points (2, n), (m,)."""
+    slack = SAME * np.ptp(mesh.p, axis=1)[:, None]
+    low, high = mesh.p[:, mesh.t[0]] - slack, mesh.p[:, mesh.t[2]] + slack
+    inside = [((low <= point[:, None]) & (high >= point[:, None])).all(axis=0) for point in points.T]
+    return np.flatnonzero(np.any(inside, axis=0)) if inside else np.empty(0, dtype=int)

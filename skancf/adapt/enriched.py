@@ -1,0 +1,152 @@
+r"""A state in a richer space: every element quartered, one linear step, and where that step comes from.
+
+With the residual R and the tangent K of the refined system at the transferred state, the step :math:`\delta = -K^{-1} R`
+leads to the solution of the refined system, in linear problems exactly. What a quantity changes on the way is the estimate
+of its error. The residual vanishes on what the coarse mesh can do; the rest of a weight z is its surplus
+:math:`z - P I z` over its nodal interpolant, which lives in the bubbles of elements and edges.
+"""
+
+from types import TracebackType
+
+import numpy as np
+
+from skancf.adapt.transfer import ancestors_in, prolongation
+from skancf.assembly.system import System
+from skancf.linear import DirectSolver, SkewSolver
+from skancf.meshes import MeshQuadTree
+from skancf.solution import Solution
+from skancf.statics.newton import factored, newton, work
+
+CHORDS = 6
+"""Steps with one tangent before Newton's method takes over."""
+NEAR = 1e-3
+"""A correction of this size, in energy norm relative to the first, is the last one."""
+
+
+class Enriched:
+    """The refined system at a state, with factors of its tangent; a context manager, which gives their memory back.
+
+    Attributes
+    ----------
+    state : Solution
+        On the coarse mesh.
+    system : System
+        The same problem on the refined mesh.
+    start : (n_fine,) array
+        The state's nodal coordinates there.
+    residual : (n_fine,) array
+    """
+
+    def __init__(self, state: Solution, mesh: MeshQuadTree | None = None, backend: str = "auto"):
+        coarse = state.system
+        self.state, self.coarse = state, coarse
+        fine_mesh = coarse.mesh.refined() if mesh is None else mesh
+        self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
+        self._up = prolongation(coarse.geometry, self.system.geometry)
+        self._down = prolongation(self.system.geometry, coarse.geometry)
+        self._solver = DirectSolver(self.system.pattern, self.system.constraints, backend)
+        if state.linear:
+            self._start_linear()
+        else:
+            self._start_nonlinear()
+
+    def _start_linear(self) -> None:
+        fine = self.system
+        change = self.up(self.state.q - self.coarse.undeformed)
+        stiffness = fine.stiffness()
+        self.start = fine.undeformed + change
+        self.residual = stiffness @ change - fine.external_force(fine.undeformed)
+        moved = fine.constraints.fixed_part(fine.prescribed() - change)
+        self._solver.factor(stiffness)
+        self.stiffness = stiffness
+        self._step = self._solver.solve(-(self.residual + stiffness @ moved)) + moved
+
+    def _start_nonlinear(self) -> None:
+        fine, factor = self.system, self.state.load_factor
+        self.start = self.up(self.state.q) + self._turned_gap()
+        self.residual = self._residual(self.start)
+        moved = fine.constraints.fixed_part(fine.undeformed + factor * fine.prescribed() - self.start)
+        tangent = factored(fine, self.start, factor, self._solver)
+        self.stiffness = tangent.matrix
+        first = tangent.solve(-(self.residual + tangent.multiply(moved))) + moved
+        self._step = self._chord(first, tangent)
+
+    def _residual(self, q: np.ndarray) -> np.ndarray:
+        return self.system.internal_force(q) - self.state.load_factor * self.system.external_force(q)
+
+    def _chord(self, first: np.ndarray, tangent: SkewSolver) -> np.ndarray:
+        """The step with more of them by the same tangent, or by Newton's method where these do not shrink fast."""
+        step, largest, last = first, work(first, tangent.multiply(first)), np.inf
+        for _ in range(CHORDS):
+            more = tangent.solve(-self._residual(self.start + step))
+            size = work(more, tangent.multiply(more))
+            step = step + more
+            if size <= NEAR**2 * largest:
+                return step
+            if not size < last / 4:
+                break
+            last = size
+        result = newton(
+            self.system, self.start, self._solver, load_factor=self.state.load_factor, rtol=NEAR, stresses=None
+        )
+        self.stiffness = self.system.tangent(result.q, factor=self.state.load_factor)
+        self._solver.factor(self.stiffness)
+        return (result.q if result.converged else self.start + first) - self.start
+
+    def __enter__(self) -> "Enriched":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._solver.close()
+
+    def up(self, q: np.ndarray) -> np.ndarray:
+        """Nodal coordinates of the same field on the refined mesh."""
+        return np.asarray((self._up @ q.reshape(-1, 3)).ravel())
+
+    def down(self, q: np.ndarray) -> np.ndarray:
+        """Nodal coordinates on the coarse mesh of a field's interpolant."""
+        return np.asarray((self._down @ q.reshape(-1, 3)).ravel())
+
+    def _turned_gap(self) -> np.ndarray:
+        """What the refined undeformed surface has beyond the coarse one, turned as the surface has turned at each node.
+
+        The finer interpolation of a curved surface is another surface. Without this it would be strained against its own.
+        """
+        fine, coarse = self.system.geometry, self.coarse
+        before, now = self.up(coarse.undeformed).reshape(-1, 4, 3), self.up(self.state.q).reshape(-1, 4, 3)
+        gap = fine.undeformed - before
+        if np.abs(gap).max() < 1e-13 * np.abs(before).max():
+            return np.zeros(gap.size)
+        frames = [_frames(nodal) for nodal in (before, now)]
+        return np.asarray(np.einsum("nij,nkj,nvk->nvi", frames[1], frames[0], gap).ravel())
+
+    def solve(self, force: np.ndarray) -> np.ndarray:
+        """K^-1 force on the free coordinates."""
+        return self._solver.solve(force)
+
+    @property
+    def corrected(self) -> Solution:
+        """The state after that step."""
+        return Solution(self.system, self.start + self._step, load_factor=self.state.load_factor, linear=self.state.linear)
+
+    def surplus(self, weight: np.ndarray) -> np.ndarray:
+        """What of a field on the refined mesh the coarse one cannot have, (n_fine,)."""
+        return weight - self.up(self.down(weight))
+
+    def shares(self, products: np.ndarray) -> np.ndarray:
+        """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
+        geometry = self.system.geometry
+        sizes = np.abs(products.reshape(-1, 12).sum(axis=1))
+        nodes = geometry.ties.node_of[geometry.mesh.t]
+        valence = np.bincount(nodes[nodes >= 0], minlength=len(sizes))
+        parts = np.where(nodes >= 0, (sizes / np.maximum(valence, 1))[nodes], 0.0).sum(axis=0)
+        coarse = self.coarse.mesh
+        return np.bincount(ancestors_in(coarse.leaves, geometry.mesh.leaves), parts, minlength=coarse.nelements)
+
+
+def _frames(nodal: np.ndarray) -> np.ndarray:
+    """Orthonormal frames (n, 3, 3), columns along r_x, across it in the surface, and normal."""
+    first = nodal[:, 1] / np.linalg.norm(nodal[:, 1], axis=1, keepdims=True)
+    normal = np.cross(nodal[:, 1], nodal[:, 2])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normal, first), normal], axis=2)

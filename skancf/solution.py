@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
@@ -150,11 +151,7 @@ class Solution:
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
         """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners."""
-        ties, corners = self.system.geometry.ties, self.system.mesh.t.T
-        own = ties.representative[ties.node_of]
-        # At a pole the frames turn from one element to the next: those of one node of the mesh only.
-        at_pole = np.isin(ties.node_of, list(ties.poles))
-        own[at_pole] = np.flatnonzero(at_pole)
+        own, corners = averaging_nodes(self.system.geometry), self.system.mesh.t.T
         out = np.zeros((len(own), values.shape[2]))
         np.add.at(out, own[corners], values)
         return (out / np.maximum(np.bincount(own[corners].ravel(), minlength=len(own)), 1)[:, None])[own]
@@ -214,6 +211,16 @@ class Solution:
         if number("z", z):
             self.system.problem.section.layer_at(z)
         return float(z)
+
+
+def averaging_nodes(geometry: Geometry) -> np.ndarray:
+    """For each node of the mesh the one that gathers the values of the elements around it, (n_mesh_nodes,)."""
+    ties = geometry.ties
+    own = ties.representative[ties.node_of]
+    # At a pole the frames turn from one element to the next: those of one node of the mesh only.
+    at_pole = np.isin(ties.node_of, list(ties.poles))
+    own[at_pole] = np.flatnonzero(at_pole)
+    return np.asarray(own)
 
 
 def require_same_mesh(system: System, start: Solution) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adapt.regions import find_regions
+from skancf.adapt.regions import SAME, find_regions
 from skancf.errors import InputError
 from skancf.meshes import Regions
 from skancf.solution import STRESSES, Solution
@@ -30,6 +30,30 @@ def nodal_measure(
     if unknown or not names:
         raise InputError(f"components = {components!r}: choose {sorted(COMPONENTS)} or some of {list(STRESSES)}")
     return np.abs(solution.nodal_stresses(z)[:, [STRESSES.index(name) for name in names]]).max(axis=1)
+
+
+def stress_indicator(
+    solution: Solution, components: str | Sequence[str] = "in_plane", z: float = 0.0
+) -> np.ndarray:
+    r"""The largest measure at the corners of each element, 0 where it does not exceed the mean: (n_elements,) (Pa).
+
+    .. math:: \eta_K = \max_{i \in K} \sigma_i \quad \text{if} \quad \max_{i \in K} \sigma_i > \bar\sigma
+              = \tfrac1n \sum_i \sigma_i
+
+    Parameters
+    ----------
+    solution : Solution
+    components, z
+        Which stress: see :func:`nodal_measure`.
+
+    References
+    ----------
+    Research on local mesh refine method based on absolute nodal coordinate formulation: stress is concentrated where it
+    exceeds its mean over the nodes.
+    """
+    sigma = nodal_measure(solution, components, z)
+    largest = sigma[solution.system.mesh.t].max(axis=0)
+    return np.where(largest > sigma.mean() * (1 + SAME), largest, 0.0)
 
 
 def stress_regions(

@@ -1,5 +1,6 @@
 """Meshes that are the product of two rows of nodes, with their sides named."""
 
+from collections.abc import Sequence
 from operator import index
 from typing import Any
 
@@ -7,13 +8,15 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError, finite
+from skancf.meshes.openings import Opening, cut
 from skancf.surfaces import BoundedSurface, Interval, closed_directions
 
 
-def tensor(surface: BoundedSurface, x: Any, y: Any) -> skfem.MeshQuad:
+def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] = ()) -> skfem.MeshQuad:
     """Aligned rectangles between the node positions ``x`` and ``y``, with the boundaries named by ``surface.sides``.
 
-    Sides of a closed direction are one curve in space and no boundary; they get no name.
+    Sides of a closed direction are one curve in space and no boundary; they get no name. The edges of openings are the
+    boundary ``"opening"``; where an opening reaches a side, the rest of that side keeps its name.
 
     Parameters
     ----------
@@ -21,29 +24,34 @@ def tensor(surface: BoundedSurface, x: Any, y: Any) -> skfem.MeshQuad:
         Gives the bounds and the names of the four sides.
     x, y : (nx + 1,), (ny + 1,) array
         Increasing node positions from the lower to the upper bound (units of the parameter plane).
+    openings : sequence of ((x0, x1), (y0, y1))
+        Rectangles without elements, with sides on mesh lines. They may touch or overlap each other and the sides of the
+        surface. At the seam of a closed direction they lie on both sides of it.
 
     Returns
     -------
     skfem.MeshQuad
-        nx times ny rectangles, corners numbered clockwise (as ``MeshQuad.init_tensor`` does).
+        nx times ny rectangles less those in openings, corners numbered clockwise (as ``MeshQuad.init_tensor`` does).
 
     Raises
     ------
     InputError
-        For a surface without bounds, and for positions that do not increase from bound to bound.
+        For a surface without bounds, and for positions that do not increase from bound to bound. For an opening whose sides
+        are not on mesh lines or out of bounds, and for openings that leave nothing, or parts that meet at a node only.
     """
     x_bounds, y_bounds = bounds_of(surface)
     x, y = node_row("x", x, x_bounds), node_row("y", y, y_bounds)
     # The middle of a facet that lies on a side has exactly the coordinate of its two ends.
     places = [(0, x[0]), (0, x[-1]), (1, y[0]), (1, y[-1])]
     closed = closed_directions(surface)
-    return skfem.MeshQuad.init_tensor(x, y).with_boundaries(
+    mesh = skfem.MeshQuad.init_tensor(x, y).with_boundaries(
         {
             name: lambda middle, direction=direction, at=at: middle[direction] == at
             for name, (direction, at) in zip(surface.sides, places, strict=True)
             if not closed[direction]
         }
     )
+    return cut(mesh, x, y, openings, closed)
 
 
 def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:

@@ -1,0 +1,194 @@
+r"""Which elements an indicator marks, for refinement or for coarsening.
+
+Indicators :math:`\eta_K \ge 0` are one number per element. Those that add up, such as the squared error of each element,
+suit :class:`Doerfler`; any measure suits the others. Numbers of marked elements are ascending.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from skancf.errors import InputError, finite, number
+
+# Indicators of elements that are mirror images differ by rounding only.
+SAME = 1e-9
+
+
+class Marking(Protocol):
+    """A policy that marks elements."""
+
+    def marked(self, indicators: Any) -> np.ndarray:
+        """Numbers of the marked elements, ascending, of indicators (n,) that are not negative."""
+
+
+@dataclass(frozen=True)
+class Doerfler:
+    r"""The fewest elements that hold a share of the total.
+
+    .. math:: \sum_{K \in M} \eta_K \ge \text{share} \sum_K \eta_K
+
+    Values that equal the smallest one taken, to 1e-9, are all taken, so that symmetric problems keep symmetric meshes.
+
+    Parameters
+    ----------
+    share : float
+        Between 0 and 1; 1 takes every element whose indicator is not zero.
+
+    Raises
+    ------
+    InputError
+        For a share outside (0, 1].
+
+    References
+    ----------
+    W. Doerfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numer. Anal. 33 (1996) 1106-1124. His
+    share is that of squared errors, so the indicators are the squares.
+    """
+
+    share: float = 0.5
+
+    def __post_init__(self) -> None:
+        _check_share("share", self.share)
+
+    def marked(self, indicators: Any) -> np.ndarray:
+        """Numbers of the marked elements, ascending; none where all indicators are zero."""
+        values = check_indicators(indicators)
+        largest = np.sort(values)[::-1]
+        sums = np.cumsum(largest)
+        # The sum's own rounding must not ask for one element more.
+        wanted = self.share * sums[-1:] * (1 - SAME)
+        return _at_least(values, largest[np.searchsorted(sums, wanted)])
+
+
+@dataclass(frozen=True)
+class Maximum:
+    r"""Elements whose indicator is at least a factor of the largest one, :math:`\eta_K \ge \text{factor} \max_L \eta_L`.
+
+    Parameters
+    ----------
+    factor : float
+        Between 0 and 1; the larger, the fewer elements.
+
+    Raises
+    ------
+    InputError
+        For a factor outside (0, 1].
+
+    References
+    ----------
+    I. Babuska and M. Vogelius, Feedback and adaptive finite element solution of one-dimensional boundary value problems,
+    Numer. Math. 44 (1984) 75-102.
+    """
+
+    factor: float = 0.5
+
+    def __post_init__(self) -> None:
+        _check_share("factor", self.factor)
+
+    def marked(self, indicators: Any) -> np.ndarray:
+        """Numbers of the marked elements, ascending; none where all indicators are zero."""
+        values = check_indicators(indicators)
+        return _at_least(values, self.factor * values.max(initial=0.0))
+
+
+@dataclass(frozen=True)
+class FixedFraction:
+    r"""The largest indicators of a fraction of the elements, :math:`\lceil \text{fraction} \cdot n \rceil` of n.
+
+    Values that equal the smallest one taken, to 1e-9, are all taken; zeros never.
+
+    Parameters
+    ----------
+    fraction : float
+        Between 0 and 1.
+
+    Raises
+    ------
+    InputError
+        For a fraction outside (0, 1].
+    """
+
+    fraction: float = 0.2
+
+    def __post_init__(self) -> None:
+        _check_share("fraction", self.fraction)
+
+    def marked(self, indicators: Any) -> np.ndarray:
+        """Numbers of the marked elements, ascending; none where all indicators are zero."""
+        values = check_indicators(indicators)
+        n = values.size
+        # A product such as 0.07 * 100 is 7 and a rounding.
+        rank = n - int(np.ceil(self.fraction * n * (1 - SAME)))
+        return _at_least(values, np.partition(values, rank)[rank] if n else 0.0)
+
+
+@dataclass(frozen=True)
+class AllElements:
+    """Every element: uniform refinement."""
+
+    def marked(self, indicators: Any) -> np.ndarray:
+        """Numbers of all elements."""
+        return np.arange(check_indicators(indicators).size)
+
+
+@dataclass(frozen=True)
+class Below:
+    r"""For coarsening: elements whose indicator is less than a factor of the mean.
+
+    .. math:: \eta_K < \text{factor} \cdot \tfrac1n \sum_L \eta_L
+
+    Values that equal the bound, to 1e-9, are not taken.
+
+    Parameters
+    ----------
+    factor : float
+        Between 0 and 1; the smaller, the fewer elements.
+
+    Raises
+    ------
+    InputError
+        For a factor outside (0, 1].
+    """
+
+    factor: float = 0.01
+
+    def __post_init__(self) -> None:
+        _check_share("factor", self.factor)
+
+    def marked(self, indicators: Any) -> np.ndarray:
+        """Numbers of the marked elements, ascending; none where all indicators are zero."""
+        values = check_indicators(indicators)
+        bound = self.factor * values.mean() if values.size else 0.0
+        return np.flatnonzero(values < bound * (1 - SAME))
+
+
+@dataclass(frozen=True)
+class Never:
+    """No element: no coarsening."""
+
+    def marked(self, indicators: Any) -> np.ndarray:
+        """Nothing."""
+        check_indicators(indicators)
+        return np.empty(0, dtype=int)
+
+
+def check_indicators(indicators: Any) -> np.ndarray:
+    """Indicators as a float array (n,); :class:`InputError` where one is negative or not finite."""
+    values = finite("indicators", indicators)
+    if values.ndim != 1:
+        raise InputError(f"indicators has shape {values.shape}: give one number for each element, an array (n,)")
+    if values.min(initial=0.0) < 0:
+        worst = int(np.argmin(values))
+        raise InputError(f"indicators[{worst}] = {values[worst]}: an indicator must not be negative; take absolute values")
+    return values
+
+
+def _at_least(values: np.ndarray, bound: Any) -> np.ndarray:
+    """Numbers of the values that are at least a bound, to rounding, and not zero."""
+    return np.flatnonzero((values >= bound * (1 - SAME)) & (values > 0))
+
+
+def _check_share(name: str, value: float) -> None:
+    if not 0 < number(name, value) <= 1:
+        raise InputError(f"{name} = {value}: give a number greater than 0 and at most 1")

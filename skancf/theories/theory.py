@@ -39,6 +39,9 @@ class Theory(Protocol):
     def position_table(self, points: np.ndarray) -> np.ndarray:
         """Values of the local functions of r, and of r_z if there is one, at points (2, n): (1 or 2, 16, n)."""
 
+    def strain_forces(self, local: np.ndarray, points: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Derivative of the work of stresses (n_elements, n_strains, n) on these strains, (n_elements, 16, 3)."""
+
     def slope_table(self, points: np.ndarray) -> np.ndarray:
         """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""
 

@@ -116,6 +116,22 @@ def test_gradient_at_a_pole(theory, linear, rng):
         assert abs(gradient @ along - slope(quantity, solution, along)) < 1e-7 * np.linalg.norm(gradient * along)
 
 
+@theories
+def test_gradient_of_section_forces_of_a_laminate(theory, rng):
+    """Unsymmetric, oblique and off the reference surface: all strains make all forces."""
+    ply = sk.Orthotropic((2e6, 1e6, 1e6), (0.2, 0.2, 0.2), (4e5, 5e5, 6e5), 1.0)
+    laminate = sk.Laminate([sk.Layer(ply, 0.02, angle=0.3), sk.Layer(ply, 0.03, angle=1.1)], offset=0.01)
+    surface = SURFACES["curved"]
+    problem = sk.Problem(surface, material=laminate, supports=[sk.Clamp(held(surface))])
+    system = problem.on(sk.meshes.uniform(surface, 2, 2), theory=theory)
+    solution = sk.Solution(system, system.undeformed + bump(system, rng, 0.03))
+    along = bump(system, rng, 0.1)
+    for name in COMPONENTS:
+        for quantity in (SectionForce(name, at=share(surface, 0.4, 0.3)), SectionForce(name)):
+            gradient = quantity.gradient(solution)
+            assert abs(gradient @ along - slope(quantity, solution, along)) < 1e-7 * np.linalg.norm(gradient * along)
+
+
 def test_a_gradient_without_skew_stiffness_or_heat_would_be_seen(rng):
     """Parts that are easily forgotten are there: without them these gradients would pass as well."""
     solution = state("curved", "full", False)

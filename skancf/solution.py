@@ -150,11 +150,14 @@ class Solution:
         return self._at_nodes(self.section_forces().swapaxes(1, 2))
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners."""
-        own, corners = averaging_nodes(self.system.geometry), self.system.mesh.t.T
+        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners; halfway between the ends of its edge at a
+        hanging node, where the larger element has no corner."""
+        own, corners, hanging = averaging_nodes(self.system.geometry), self.system.mesh.t.T, self.system.geometry.hanging
         out = np.zeros((len(own), values.shape[2]))
         np.add.at(out, own[corners], values)
-        return (out / np.maximum(np.bincount(own[corners].ravel(), minlength=len(own)), 1)[:, None])[own]
+        out = (out / np.maximum(np.bincount(own[corners].ravel(), minlength=len(own)), 1)[:, None])[own]
+        out[hanging.nodes] = out[hanging.ends].mean(axis=0)
+        return out
 
     def nodal_stresses(self, z: float = 0.0) -> np.ndarray:
         """Second Piola-Kirchhoff stress (Pa), as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
@@ -217,6 +220,7 @@ def averaging_nodes(geometry: Geometry) -> np.ndarray:
     """For each node of the mesh the one that gathers the values of the elements around it, (n_mesh_nodes,)."""
     ties = geometry.ties
     own = ties.representative[ties.node_of]
+    own[geometry.hanging.nodes] = geometry.hanging.nodes
     # At a pole the frames turn from one element to the next: those of one node of the mesh only.
     at_pole = np.isin(ties.node_of, list(ties.poles))
     own[at_pole] = np.flatnonzero(at_pole)

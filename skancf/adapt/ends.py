@@ -18,9 +18,8 @@ def singular_points(system: System) -> np.ndarray:
     for item in (*problem.supports, *problem.loads):
         if hasattr(item, "where"):
             places.append(_ends(geometry, item.where))
-        for name in ("at", "start", "end"):
-            if hasattr(item, name):
-                places.append(np.reshape(getattr(item, name), (2, 1)).astype(float))
+        points = [getattr(item, name) for name in ("at", "start", "end") if hasattr(item, name)]
+        places += [np.reshape(point, (2, 1)).astype(float) for point in points]
     found = np.hstack(places)
     if not found.size:
         return found

@@ -92,8 +92,8 @@ def _require_one_tree(old: Geometry, new: Geometry) -> None:
     if one is not two and not (np.array_equal(one.points, two.points) and np.array_equal(one.corners, two.corners)):
         raise InputError("transfer: the meshes grow from different coarse meshes; refine or coarsen one and the same")
     if old.theory.name != new.theory.name:
-        raise InputError(f"transfer: the state is one of theory {old.theory.name!r}, the system of {new.theory.name!r}; their "
-                         "nodal vectors are different")  # fmt: skip
+        raise InputError(f"transfer: the state is one of theory {old.theory.name!r}, the system of {new.theory.name!r}; "
+                         "their nodal vectors are different")  # fmt: skip
 
 
 def _is_finer(new: Leaves, old: Leaves) -> bool:

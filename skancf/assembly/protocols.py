@@ -51,6 +51,11 @@ class Assembly(Protocol):
         The temperature change is T0 and T1 there, (2, n_elements, n), or None.
         """
 
+    def section_force_gradient(
+        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
+    ) -> np.ndarray:
+        """Derivative (n_nodes, 4, 3) of the sum of weights (m, 6, n) times N and M at points (2, n) of elements (m,)."""
+
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
         """Strain in the local frame at a depth (n_elements, n, 6); ``free`` is the thermal part, which has no stress."""
 

@@ -123,9 +123,13 @@ class System:
 
     def external_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
         """Loads at a time and the forces of held back free strains, (n_dofs,); without a time at their full amplitude."""
+        applied, held = self.applied_force(q, time), self.held_back_force(q, time)
+        return applied if held is None else applied + held
+
+    def held_back_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray | None:
+        """Forces of held back free strains at a time, (n_dofs,); None without any."""
         held = self._initial_stresses(time)
-        applied = self.applied_force(q, time)
-        return applied if held is None else applied + self.assembly.force_of(self._nodal(q), held).ravel()
+        return None if held is None else self.assembly.force_of(self._nodal(q), held).ravel()
 
     def applied_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
         """Loads at a time without those of temperature, which do no work on the body from outside: (n_dofs,)."""
@@ -173,10 +177,9 @@ class System:
 
     def linear_energy(self, change: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
         """:meth:`strain_energy` of a small change (n_dofs,) from the undeformed state."""
-        energy, held = 0.5 * float(change @ (self.stiffness() @ change)), self._initial_stresses(time)
-        if held is None:
+        energy, force = 0.5 * float(change @ (self.stiffness() @ change)), self.held_back_force(self.undeformed, time)
+        if force is None:
             return energy
-        force = self.assembly.force_of(self._nodal(self.undeformed), held).ravel()
         return energy + factor**2 * self.thermal_energy(time) - factor * float(force @ change)
 
     def thermal_energy(self, time: float | None = None) -> float:

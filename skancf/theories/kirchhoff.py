@@ -24,7 +24,7 @@ from numpy.polynomial.legendre import legvander
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import hermite_functions
 from skancf.surfaces import Surface
-from skancf.theories.kirchhoff_point import SECOND, dot, dual, strain, unit_normal
+from skancf.theories.kirchhoff_point import SECOND, dot, dual, gradient, strain, unit_normal
 
 REST, REST_FROM = 0.8, 0.9
 """g and x0 of :func:`rest_factors`, by measurement: buckling against locking."""
@@ -100,6 +100,20 @@ class Kirchhoff:
         """r and its derivatives 1, 2, 12 of the local functions at points (2, n): (4, 16, n)."""
         orders = [(0, 0), (1, 0), (0, 1), (1, 1)]
         return np.stack([hermite_functions(points[0], points[1], order).reshape(16, -1) for order in orders])
+
+    def strain_forces(self, local: np.ndarray, points: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Forces on the local vectors (n_elements, 16, 3) that do the work of stresses (n_elements, 6, n) on
+        :meth:`strains`."""
+        if not self.assumed:
+            return self._forces_of(local, points, stresses, slice(0, 6))
+        inside = self.quadrature[0]
+        spread = np.einsum("ecp,csp->ecs", stresses[:, :3], self.interpolation(points))
+        membrane = self._forces_of(local, inside, spread, slice(0, 3))
+        return membrane + self._forces_of(local, points, stresses[:, 3:], slice(3, 6))
+
+    def _forces_of(self, local: np.ndarray, points: np.ndarray, stresses: np.ndarray, rows: slice) -> np.ndarray:
+        on_jets = np.einsum("ekp,kjiep->jiep", stresses, gradient(self.jets(local, points))[rows], optimize=True)
+        return np.einsum("jap,jiep->eai", jet_table(points), on_jets, optimize=True)
 
     def slope_table(self, points: np.ndarray) -> np.ndarray:
         """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""

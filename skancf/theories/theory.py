@@ -42,6 +42,9 @@ class Theory(Protocol):
     def nodal_table(self, points: np.ndarray) -> np.ndarray:
         """The four vectors of a node, in the reference square, of the local functions at points (2, n): (4, 16, n)."""
 
+    def strain_forces(self, local: np.ndarray, points: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Derivative of the work of stresses (n_elements, n_strains, n) on these strains, (n_elements, 16, 3)."""
+
     def slope_table(self, points: np.ndarray) -> np.ndarray:
         """r_1 and r_2 of the local functions at points (2, n): (2, 16, n)."""
 

@@ -12,7 +12,7 @@ from skancf.assembly.full.sections import Sections, build_sections
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
 from skancf.materials import Section
-from skancf.theories.full import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, TERMS, D, Full, covariant_to_local, jet_table
+from skancf.theories.full import D1, D2, N_IN_PLANE, R1, R2, D, Full, covariant_to_local, jet_table
 
 
 class FullAssembly(CompiledAssembly):
@@ -29,18 +29,7 @@ class FullAssembly(CompiledAssembly):
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        theory, local = self.theory, self.geometry.local(q)
-        interpolation, _ = theory.sampling()
-        force = np.zeros_like(local)
-        inside, sampled = theory.quadrature[0], theory.samples
-        for points, first, last in ((inside, 0, N_IN_PLANE), (sampled, N_IN_PLANE, N_STRAINS)):
-            jets, on_jets = theory.jets(local, points), np.zeros((5, 3, len(local), points.shape[1]))
-            for k, a, b in TERMS[(TERMS[:, 0] >= first) & (TERMS[:, 0] < last)]:
-                stress = stresses[:, k] if first == 0 else stresses[:, k] @ interpolation[k - first].T
-                factor = 0.5 if a == b else 1.0
-                on_jets[a] += factor * stress * jets[b]
-                on_jets[b] += factor * stress * jets[a]
-            force += np.einsum("jap,jiep->eai", jet_table(points), on_jets, optimize=True)
+        force = self.theory.strain_forces(self.geometry.local(q), self.theory.quadrature[0], stresses)
         return self.geometry.nodal(force, np.arange(self.geometry.n_elements))
 
     @cached_property
@@ -86,6 +75,18 @@ class FullAssembly(CompiledAssembly):
             stress.append((self.strains(q, points, depth, free) - free) @ self.section.stiffness[k])
         plane = np.stack(stress)[..., [0, 1, 5]]
         return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
+
+    def section_force_gradient(
+        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
+    ) -> np.ndarray:
+        geometry, theory = self.geometry, self.theory
+        z, w, layer = self.section.points(2)
+        jets = theory.jets(geometry.undeformed_local[elements], points)
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), z)
+        plane = np.stack([w[k] * (weights[:, :3] + z[k] * weights[:, 3:]) for k in range(len(z))])
+        laws = self.section.stiffness[layer][:, [0, 1, 5]]
+        stresses = np.einsum("zvken,zcv,zecn->ekn", to_local, laws, plane, optimize=True)
+        return geometry.nodal(theory.strain_forces(geometry.local(q, elements), points, stresses), elements)
 
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
         geometry, theory = self.geometry, self.geometry.theory

@@ -93,7 +93,7 @@ class ThinAssembly(CompiledAssembly):
         """Membrane strains and curvature changes in the local frame at points (2, n): (n_elements, 6, n)."""
         geometry, theory = self.geometry, self.geometry.theory
         change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
-        plain = np.flatnonzero(self.sections.assumed[self.sections.shape] == 0)
+        plain = self._plain(np.arange(geometry.n_elements))
         if theory.assumed and len(plain):
             now, before = geometry.local(q, plain), geometry.undeformed_local[plain]
             change[plain] = PLAIN.strains(now, points) - PLAIN.strains(before, points)
@@ -106,6 +106,23 @@ class ThinAssembly(CompiledAssembly):
         if temperature is not None:
             forces = forces - np.moveaxis(self.section.thermal_resultants(*temperature), 0, 1)
         return np.asarray(forces)
+
+    def section_force_gradient(
+        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
+    ) -> np.ndarray:
+        geometry, theory = self.geometry, cast(Kirchhoff, self.geometry.theory)
+        jets = theory.jets(geometry.undeformed_local[elements], points)
+        turn, _ = covariant_to_local(jets, geometry.tangents(points, elements), geometry.side[elements])
+        stresses = np.einsum("ikep,ij,ejp->ekp", turn, self.section.abd(), weights, optimize=True)
+        local = geometry.local(q, elements)
+        forces = theory.strain_forces(local, points, stresses)
+        plain = self._plain(elements)
+        forces[plain] = PLAIN.strain_forces(local[plain], points, stresses[plain])
+        return geometry.nodal(forces, elements)
+
+    def _plain(self, elements: np.ndarray) -> np.ndarray:
+        """Which of some elements take their membrane strains as they are, as positions among them."""
+        return np.flatnonzero(self.sections.assumed[self.sections.shape[elements]] == 0)
 
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
         parts = self.section_strains(q, points)

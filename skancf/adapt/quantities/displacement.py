@@ -1,0 +1,49 @@
+"""The displacement at a point, in one direction."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from skancf.adapt.quantities.quantity import Smooth, unit_vector
+from skancf.errors import vector
+from skancf.solution import Solution, probe
+
+
+@dataclass(frozen=True)
+class Displacement(Smooth):
+    r"""Displacement :math:`d \cdot u(x, y)` of the reference surface along a unit direction d of space (m).
+
+    Parameters
+    ----------
+    at : (2,)
+        Point of the parameter plane.
+    direction : (3,)
+        Of any length.
+
+    Raises
+    ------
+    InputError
+        For a direction of length zero; with a state, for a point outside its surface.
+
+    Examples
+    --------
+    >>> tip = sk.adapt.Displacement(at=(1.0, 0.05))
+    >>> tip.value(solution), tip.gradient(solution)
+    """
+
+    at: tuple[float, float]
+    direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    unit: ClassVar[str] = "m"
+
+    def __post_init__(self) -> None:
+        vector("at", self.at, 2)
+        unit_vector("direction", self.direction)
+
+    def _value(self, state: Solution, q: np.ndarray) -> float:
+        return float(self._gradient(state, q) @ (q - state.system.undeformed))
+
+    def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
+        weights = probe(state.system, self.at).toarray()[0]
+        return np.outer(weights, unit_vector("direction", self.direction)).ravel()

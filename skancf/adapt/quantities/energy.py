@@ -1,0 +1,35 @@
+"""The strain energy."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from skancf.solution import Solution
+
+
+@dataclass(frozen=True)
+class StrainEnergy:
+    r"""Strain energy of a state (J), that of springs and foundations included:
+    :attr:`Solution.strain_energy <skancf.Solution.strain_energy>`.
+
+    .. math:: \tfrac12 \int (\varepsilon - \lambda \varepsilon_T) \cdot C (\varepsilon - \lambda \varepsilon_T) \, dV
+
+    Its gradient is the internal force without what holds back the free strain :math:`\lambda \varepsilon_T` of a temperature
+    change; for a small-deflection answer, whose energy is of second order, the stiffness times the change.
+    """
+
+    unit: ClassVar[str] = "J"
+
+    def value(self, state: Solution) -> float:
+        """The energy."""
+        return float(state.strain_energy)
+
+    def gradient(self, state: Solution) -> np.ndarray:
+        r""":math:`\partial J / \partial q`, (n_dofs,)."""
+        system, start = state.system, state.system.undeformed
+        if state.linear:
+            force, held = system.stiffness() @ (state.q - start), system.held_back_force(start, state.time)
+        else:
+            force, held = system.internal_force(state.q), system.held_back_force(state.q, state.time)
+        return np.asarray(force if held is None else force - state.load_factor * held)

@@ -1,0 +1,57 @@
+"""What a quantity of interest knows."""
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from skancf.errors import InputError, vector
+from skancf.solution import Solution
+
+
+class Quantity(Protocol):
+    """A number J(q) of a state, and how it changes with the nodal coordinates.
+
+    For a small-deflection answer both are of first order about the undeformed state, as its fields are: the gradient is
+    the one there, and the value the one there plus its product with the change. (The strain energy is of second order.)
+    """
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the value."""
+
+    def value(self, state: Solution) -> float:
+        """J of a state."""
+
+    def gradient(self, state: Solution) -> np.ndarray:
+        r""":math:`\partial J / \partial q`, (n_dofs,)."""
+
+
+class Smooth:
+    """A quantity that is a smooth function of the nodal coordinates, given by :meth:`_value` and :meth:`_gradient`."""
+
+    def value(self, state: Solution) -> float:
+        """J of a state."""
+        if not state.linear:
+            return self._value(state, state.q)
+        start = state.system.undeformed
+        return self._value(state, start) + float(self._gradient(state, start) @ (state.q - start))
+
+    def gradient(self, state: Solution) -> np.ndarray:
+        r""":math:`\partial J / \partial q`, (n_dofs,)."""
+        return self._gradient(state, state.system.undeformed if state.linear else state.q)
+
+    def _value(self, state: Solution, q: np.ndarray) -> float:
+        """With the loads and the time of a state, but nodal coordinates q."""
+        raise NotImplementedError
+
+    def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
+        raise NotImplementedError
+
+
+def unit_vector(name: str, value: Any) -> np.ndarray:
+    """A direction of space, of length one."""
+    direction = vector(name, value, 3)
+    length = float(np.linalg.norm(direction))
+    if not length:
+        raise InputError(f"{name} = {value}: this is no direction; give three components, not all zero")
+    return direction / length

@@ -1,0 +1,68 @@
+"""The force of the supports at a place, in one direction."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from skancf.adapt.quantities.quantity import unit_vector
+from skancf.assembly.system import System
+from skancf.solution import Solution
+
+
+@dataclass(frozen=True)
+class Reaction:
+    r"""Force of the supports at a place on the body, along a unit direction of space (N), springs included.
+
+    With the motion c of the nodes there by one along the direction, its part P c along the directions that supports hold,
+    the residual R and the stiffness F of the springs it is
+
+    .. math:: c \cdot (P R(q) - F (q - q_0)), \qquad \text{with the gradient} \qquad K^T P c - F c
+
+    and the tangent K of the state, that of follower loads included.
+
+    Parameters
+    ----------
+    where
+        Place, as for a support; None for all supports.
+    direction : (3,)
+        Of any length.
+
+    Raises
+    ------
+    InputError
+        For a direction of length zero; with a state, for a place that its mesh does not have, and for a state that moves:
+        see :meth:`Solution.reactions <skancf.Solution.reactions>`.
+    """
+
+    where: Any = None
+    direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+    unit: ClassVar[str] = "N"
+
+    def __post_init__(self) -> None:
+        unit_vector("direction", self.direction)
+
+    def value(self, state: Solution) -> float:
+        """The force in a state of rest."""
+        return float(state.reactions(self.where) @ unit_vector("direction", self.direction))
+
+    def gradient(self, state: Solution) -> np.ndarray:
+        r""":math:`\partial J / \partial q`, (n_dofs,)."""
+        system, motion = state.system, self._motion(state.system)
+        held = system.constraints.fixed_part(motion)
+        if state.linear:
+            out = system.stiffness() @ held
+        else:
+            out = system.tangent(state.q, time=state.time, factor=state.load_factor) @ held
+            skew = system.skew(state.q, state.time, state.load_factor)
+            if skew is not None:
+                out = out - skew @ held
+        return np.asarray(out if system.foundation is None else out - system.foundation @ motion)
+
+    def _motion(self, system: System) -> np.ndarray:
+        """The nodes of the place moved by one, (n_dofs,)."""
+        out = np.zeros((system.geometry.n_nodes, 4, 3))
+        nodes = slice(None) if self.where is None else system.geometry.nodes_on(self.where)
+        out[nodes, 0] = unit_vector("direction", self.direction)
+        return out.ravel()

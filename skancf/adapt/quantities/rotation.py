@@ -1,0 +1,92 @@
+"""The angle by which the normal tilts at a point."""
+
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from skancf.adapt.quantities.quantity import Smooth, unit_vector
+from skancf.assembly.geometry import Geometry
+from skancf.errors import InputError, vector
+from skancf.solution import Solution
+
+PARALLEL = 1e-6
+"""Sine of the angle between two directions that are taken as one."""
+
+
+class Place(NamedTuple):
+    """An element (1,), a local point (2, 1) in it, and n0 and t there."""
+
+    element: np.ndarray
+    point: np.ndarray
+    n0: np.ndarray
+    t: np.ndarray
+
+
+@dataclass(frozen=True)
+class Rotation(Smooth):
+    r"""Signed angle by which the normal (director) n tilts towards a direction of space (rad):
+
+    .. math:: \varphi = \operatorname{atan2}(n \cdot t,\ n \cdot n_0)
+
+    with the undeformed normal :math:`n_0` and the unit part t of the direction that is orthogonal to it. It is smooth
+    through zero, unlike :meth:`Solution.rotation <skancf.Solution.rotation>`, and leaves out tilts to the side.
+
+    Parameters
+    ----------
+    at : (2,)
+        Point of the parameter plane.
+    towards : (3,)
+        Direction of space, of any length.
+
+    Raises
+    ------
+    InputError
+        For a direction of length zero; with a state, for one that is parallel to the undeformed normal, and for a point
+        outside the surface.
+    """
+
+    at: tuple[float, float]
+    towards: tuple[float, float, float]
+
+    unit: ClassVar[str] = "rad"
+
+    def __post_init__(self) -> None:
+        vector("at", self.at, 2)
+        unit_vector("towards", self.towards)
+
+    def _value(self, state: Solution, q: np.ndarray) -> float:
+        geometry = state.system.geometry
+        place = self._place(geometry)
+        n = _normal(geometry, q, place.element, place.point)
+        return float(np.arctan2(n @ place.t, n @ place.n0))
+
+    def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
+        geometry = state.system.geometry
+        element, point, n0, t = self._place(geometry)
+        n = _normal(geometry, q, element, point)
+        by_normal = ((n @ n0) * t - (n @ t) * n0) / ((n @ n0) ** 2 + (n @ t) ** 2)
+        # The rate of the normal is linear in that of the local vectors: one column for each of their 48 components.
+        each = np.eye(48).reshape(48, 16, 3)
+        rates = geometry.theory.normal_rates(geometry.local(q.reshape(-1, 4, 3), element), each, point,
+                                             geometry.side[element])[:, :, 0]  # fmt: skip
+        return geometry.nodal((rates @ by_normal).reshape(1, 16, 3), element).ravel()
+
+    def _place(self, geometry: Geometry) -> Place:
+        number, at = geometry.locate(self.at)
+        element, point = np.array([number]), geometry.inside(at[:, None])
+        n0 = _normal(geometry, geometry.undeformed, element, point)
+        n0 = n0 / np.linalg.norm(n0)
+        towards = unit_vector("towards", self.towards)
+        across = towards - (towards @ n0) * n0
+        length = np.linalg.norm(across)
+        if length < PARALLEL:
+            raise InputError(f"Rotation at {tuple(self.at)}: towards = {tuple(self.towards)} is parallel to the undeformed "
+                             f"normal ({', '.join(f'{v:.4g}' for v in n0)}), which cannot tilt that way; give a direction "
+                             "with a part along the surface")  # fmt: skip
+        return Place(element, point, n0, across / length)
+
+
+def _normal(geometry: Geometry, q: np.ndarray, element: np.ndarray, point: np.ndarray) -> np.ndarray:
+    local = geometry.local(q.reshape(-1, 4, 3), element)
+    return np.asarray(geometry.theory.normals(local, point, geometry.side[element])[0, :, 0])

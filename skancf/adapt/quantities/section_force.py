@@ -1,0 +1,112 @@
+"""A membrane force or a moment, at a point or as a mean."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.adapt.quantities.quantity import Smooth
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.system import System
+from skancf.errors import InputError, finite, vector
+from skancf.solution import Solution
+
+COMPONENTS = ("N11", "N22", "N12", "M11", "M22", "M12")
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class SectionForce(Smooth):
+    r"""A membrane force (N/m) or moment (N) per length in the local frame, at a point or its mean over a region,
+
+    .. math:: \bar N_{11} = \frac{1}{A} \int_A N_{11} \, dA,
+
+    with the undeformed area of the integration points whose parameters lie in a rectangle.
+
+    At a point it is that of one element that holds it: section forces jump from one to the next, by less on finer meshes.
+    For a mean choose a rectangle of whole elements, so that all meshes mean the same region. A point may have no limit where
+    a mean has one: see :func:`skancf.adapt.no_limit`.
+
+    Parameters
+    ----------
+    component : {"N11", "N22", "N12", "M11", "M22", "M12"}
+    at : (2,), optional
+        Point of the parameter plane.
+    within : ((x0, x1), (y0, y1)), optional
+        Rectangle of the parameter plane. A closed parameter may run over its end. Without ``at`` and ``within`` the mean
+        over the whole surface.
+
+    Raises
+    ------
+    InputError
+        For an unknown component, for both a point and a rectangle, for a rectangle that is none; with a state, for a point
+        outside the surface and for a rectangle that holds no integration point.
+
+    Examples
+    --------
+    >>> sk.adapt.SectionForce("M11", at=(0.5, 0.5))
+    >>> sk.adapt.SectionForce("M11", within=((0.4, 0.6), (0.4, 0.6)))
+    """
+
+    component: str
+    at: tuple[float, float] | None = None
+    within: tuple[Range, Range] | None = None
+
+    def __post_init__(self) -> None:
+        if self.component not in COMPONENTS:
+            raise InputError(f"component = {self.component!r}: choose one of {list(COMPONENTS)}")
+        if self.at is not None:
+            vector("at", self.at, 2)
+            if self.within is not None:
+                raise InputError(f"at = {self.at} and within = {self.within}: give a point or a rectangle, not both")
+        if self.within is not None:
+            bounds = finite("within", self.within)
+            if bounds.shape != (2, 2) or not (bounds[:, 0] < bounds[:, 1]).all():
+                raise InputError(f"within = {self.within}: give a rectangle ((x0, x1), (y0, y1)) with x0 < x1 and y0 < y1")
+
+    @property
+    def unit(self) -> str:
+        """N/m of a membrane force, N of a moment."""
+        return "N/m" if self.component.startswith("N") else "N"
+
+    def _value(self, state: Solution, q: np.ndarray) -> float:
+        elements, points, weights = self._weights(state.system)
+        forces = state.system.section_forces(q, points, state.load_factor, state.time)
+        return float(np.vdot(forces[elements, self._row], weights))
+
+    def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
+        elements, points, weights = self._weights(state.system)
+        of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
+        of_all[:, self._row] = weights
+        return state.system.assembly.section_force_gradient(q.reshape(-1, 4, 3), elements, points, of_all).ravel()
+
+    @property
+    def _row(self) -> int:
+        return COMPONENTS.index(self.component)
+
+    def _weights(self, system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Elements (m,), local points (2, n) and weights (m, n) that sum to one."""
+        geometry = system.geometry
+        if self.at is not None:
+            element, point = geometry.locate(self.at)
+            return np.array([element]), geometry.inside(point[:, None]), np.ones((1, 1))
+        points, weights = geometry.theory.quadrature[0], system.assembly.areas
+        if self.within is not None:
+            weights = weights * self._inside(geometry, geometry.parameters(points))
+        elements = np.flatnonzero(weights.any(axis=1))
+        if not elements.size:
+            raise InputError(f"within = {self.within}: no integration point of the mesh lies there, which spans "
+                             f"{geometry.mesh.p.min(axis=1).tolist()} to {geometry.mesh.p.max(axis=1).tolist()}; give a "
+                             "rectangle of at least one element")  # fmt: skip
+        return elements, points, weights[elements] / weights.sum()
+
+    def _inside(self, geometry: Geometry, at: np.ndarray) -> np.ndarray:
+        """Which parameters (2, ...) lie in the rectangle."""
+        out = np.ones(at.shape[1:], bool)
+        closed = geometry.closed_bounds()
+        for axis, (low, high) in enumerate(finite("within", self.within)):
+            past = at[axis] - low
+            if axis in closed:
+                past = past % (closed[axis][1] - closed[axis][0])
+            out &= (past >= 0) & (past <= high - low)
+        return out

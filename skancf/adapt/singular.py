@@ -1,0 +1,90 @@
+"""Where fields of a plate are singular: point forces, supports of single points, and re-entrant corners."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from skancf.adapt.quantities.quantity import unit_vector
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.system import System
+from skancf.errors import finite
+from skancf.loads import PointForce
+from skancf.supports import Clamp, NoRotation, Pin, SimpleSupport, Symmetry
+from skancf.supports.conditions import R_X, R_Y, edges, single_points
+from skancf.surfaces import normal
+
+SAME_POINT = 1e-8
+"""Of the extent of the mesh: two points of the parameter plane closer than this are one."""
+ALONG = 1e-6
+"""Part of a unit vector that counts, cosine of a right angle."""
+TURNS_IN = np.radians(210)
+"""Material about a node of the boundary beyond which it is a re-entrant corner, not a vertex of a curved hole's polygon."""
+
+
+def reentrant_corners(geometry: Geometry) -> dict[int, float]:
+    """Nodes of the boundary at which it turns inwards, and the angle of material there in the parameter plane (rad)."""
+    corners = geometry.mesh.p[:, geometry.mesh.t]
+    after, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    cross, dot = after[0] * before[1] - after[1] * before[0], (after * before).sum(axis=0)
+    nodes, here = geometry.ties.node_of[geometry.mesh.t], np.abs(np.arctan2(cross, dot))
+    own = nodes >= 0  # hanging nodes are no corners
+    angles = np.bincount(nodes[own], here[own], minlength=geometry.n_nodes)
+    # At a pole the angles of the parameter plane are not those of the surface.
+    on_boundary = np.setdiff1d(geometry.ends(geometry.boundary), list(geometry.ties.poles))
+    return {int(node): float(angles[node]) for node in on_boundary if angles[node] > TURNS_IN}
+
+
+def point_forces(system: System) -> list[PointForce]:
+    return [load for load in system.problem.loads if isinstance(load, PointForce) and np.any(load.force)]
+
+
+def point_supports(system: System) -> Iterator[tuple[Any, int]]:
+    """Supports of single points and the mesh nodes they hold, without what an edge holds anyway."""
+    geometry = system.geometry
+    placed = [support for support in system.problem.supports if hasattr(support, "where")]
+    lines = [geometry.points_and_facets(s.where)[1] for s in placed if isinstance(s, Pin | Clamp | SimpleSupport)]
+    held = geometry.ends(np.concatenate([np.empty(0, int), *lines]))
+    for support in placed:
+        for node in single_points(geometry, support.where):
+            if isinstance(support, Clamp | NoRotation) or geometry.ties.node_of[node] not in held:
+                yield support, node
+
+
+def at_free_right_angle(system: System, at: Any) -> bool:
+    """Is there a right-angled corner of theory `kirchhoff` that no mirror makes a part of a longer edge?"""
+    geometry = system.geometry
+    for node in geometry.corners if geometry.theory.twist else ():
+        mesh_node = int(geometry.ties.representative[node])
+        if not same_point(geometry, geometry.mesh.p[:, mesh_node], at):
+            continue
+        x, y = geometry.undeformed_at(mesh_node)[[R_X, R_Y]]
+        mirrors = [s for s in system.problem.supports if isinstance(s, Symmetry | NoRotation)]
+        mirrored = any(edges(geometry, s.where).get(mesh_node) for s in mirrors)
+        return bool(abs(x @ y) < ALONG * np.linalg.norm(x) * np.linalg.norm(y)) and not mirrored
+    return False
+
+
+def has_part_along(geometry: Geometry, load: PointForce) -> bool:
+    """Does a force have a part along the undeformed surface?"""
+    force, n = unit_vector("force", load.force), normal_at(geometry, load.at)
+    return bool(np.linalg.norm(force - (force @ n) * n) > ALONG)
+
+
+def normal_at(geometry: Geometry, at: Any) -> np.ndarray:
+    """The undeformed normal, a little inside where a pole leaves none."""
+    element, point = geometry.locate(at)
+    x, y = geometry.parameters(geometry.inside(point[:, None]), np.array([element]))[:, 0]
+    return np.asarray(normal(geometry.surface, x, y)[:, 0])
+
+
+def same_point(geometry: Geometry, one: Any, two: Any) -> bool:
+    """Are two points of the parameter plane one, across the seam of a closed parameter and at a pole too?"""
+    apart, extent = finite("at", one) - finite("at", two), np.ptp(geometry.mesh.p, axis=1)
+    for axis, (low, high) in geometry.closed_bounds().items():
+        apart[axis] -= (high - low) * np.round(apart[axis] / (high - low))
+    if np.linalg.norm(apart / extent) < SAME_POINT:
+        return True
+    at = [geometry.surface.position(*geometry.within(finite("at", p))[:, None])[:, 0] for p in (one, two)]
+    size = SAME_POINT * np.ptp(geometry.undeformed[:, 0], axis=0).max()
+    return any(max(np.linalg.norm(p - geometry.undeformed[pole, 0]) for p in at) < size for pole in geometry.ties.poles)

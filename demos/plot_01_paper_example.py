@@ -102,10 +102,10 @@ def study(theory: sk.Full, size: Size) -> Study:
     series = [uniform(n) for n in size.uniform]
     coarse = series[size.uniform.index(size.coarse)]
     state = coarse.motion.at(T_STRESS)
-    regions = sk.adapt.stress_regions(state)
+    regions = sk.stress_regions(state)
     mesh = sk.meshes.graded(PLATE.surface, regions, nodes=coarse.nodes)
     graded = run("graded", mesh, theory, size.rtol)
-    return Study(regions, sk.adapt.nodal_measure(state), coarse, graded, uniform(size.fine), series)
+    return Study(regions, sk.nodal_measure(state), coarse, graded, uniform(size.fine), series)
 
 
 # %%

@@ -41,7 +41,7 @@ def main(size: str = "full", out: str = "out") -> dict:
     nr, na, finer = {"full": (6, 12, 4), "small": (4, 8, 3)}[size]
     uniform = sk.meshes.uniform(RING, nr, na)
     state = sk.solve(PLATE.on(uniform)).unwrap()
-    regions = [r for r in sk.adapt.stress_regions(state) if np.allclose(r.centre, LOAD)]
+    regions = [r for r in sk.stress_regions(state) if np.allclose(r.centre, LOAD)]
     assert regions, "no stress concentration was found at the load"
     graded = sk.meshes.graded(RING, regions, shape=(nr, na))
     meshes = {"uniform": uniform, "graded": graded, "fine": sk.meshes.uniform(RING, finer * nr, finer * na)}

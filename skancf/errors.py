@@ -14,6 +14,10 @@ class InputError(SkancfError, ValueError):
     """A value that cannot be used, found before any work was done."""
 
 
+class NoLimit(InputError):
+    """A number that has no limit as the mesh is refined; the message names the point, and a quantity that has one."""
+
+
 class DidNotConverge(SkancfError):
     """A solve that stopped without an answer; carries the history of its residual."""
 

@@ -55,22 +55,22 @@ def test_nodal_stress_at_a_depth_shows_bending():
 
 def test_measure_is_the_largest_chosen_component():
     solution = stretched()
-    assert sk.adapt.nodal_measure(solution) == pytest.approx(solution.nodal_stresses()[:, 0])
-    assert sk.adapt.nodal_measure(solution, ["S22", "S12"]).max() < 1e-6
-    normal = sk.adapt.nodal_measure(solution, ("S11", "S22", "S33"))
-    assert np.array_equal(sk.adapt.nodal_measure(solution, "normal"), normal)
+    assert sk.nodal_measure(solution) == pytest.approx(solution.nodal_stresses()[:, 0])
+    assert sk.nodal_measure(solution, ["S22", "S12"]).max() < 1e-6
+    normal = sk.nodal_measure(solution, ("S11", "S22", "S33"))
+    assert np.array_equal(sk.nodal_measure(solution, "normal"), normal)
     with pytest.raises(sk.InputError, match="in_plane"):
-        sk.adapt.nodal_measure(solution, "S44")
+        sk.nodal_measure(solution, "S44")
     with pytest.raises(sk.InputError, match="outside the plate"):
-        sk.adapt.nodal_measure(solution, z=1.0)
+        sk.nodal_measure(solution, z=1.0)
 
 
 def test_uniform_stress_has_no_regions():
-    assert len(sk.adapt.stress_regions(stretched())) == 0
+    assert len(sk.stress_regions(stretched())) == 0
 
 
 def test_regions_of_the_paper_are_load_and_corners(state):
-    regions = sk.adapt.stress_regions(state)
+    regions = sk.stress_regions(state)
     centres = {tuple(np.round(region.centre, 9)) for region in regions}
     assert centres == {(0.5, 0.5), (0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)}
     by_centre = {tuple(np.round(r.centre, 9)): r for r in regions}
@@ -81,12 +81,12 @@ def test_regions_of_the_paper_are_load_and_corners(state):
 
 
 def test_a_smaller_sphere_finds_no_fewer_regions(state):
-    wide, narrow = (sk.adapt.stress_regions(state, radius=r) for r in (4.0, 0.9))
+    wide, narrow = (sk.stress_regions(state, radius=r) for r in (4.0, 0.9))
     assert len(narrow) >= len(wide) >= 1
 
 
 def test_graded_mesh_has_the_asked_nodes_and_is_fine_where_the_stress_is(state):
-    regions = sk.adapt.stress_regions(state)
+    regions = sk.stress_regions(state)
     mesh = sk.meshes.graded(state.system.problem.surface, regions, nodes=169)
     assert mesh.p.shape[1] == 169
     x = np.unique(np.round(mesh.p[0], 12))
@@ -103,7 +103,7 @@ def test_quarter_annulus_refined_at_an_angle():
     plate = sk.Problem(surface, 0.1, sk.Isotropic(1e6, 0.3, 1.0), [sk.Clamp("start"), sk.Clamp("end")],
                        [sk.PointForce((2.0, math.pi / 4), (-70.0, -70.0, 0.0))])  # fmt: skip
     solution = sk.solve(plate.on(sk.meshes.uniform(surface, 6, 12))).unwrap()
-    regions = sk.adapt.stress_regions(solution)
+    regions = sk.stress_regions(solution)
     assert any(np.allclose(r.centre, (2.0, math.pi / 4)) for r in regions)
     load_only = [r for r in regions if abs(r.centre[1] - math.pi / 4) < 1e-9]
     mesh = sk.meshes.graded(surface, load_only, nodes=7 * 13)

@@ -457,7 +457,7 @@ def test_nodal_values_are_those_of_the_nodes_of_the_mesh(theory):
     assert (x == 0).sum() == 17 and np.ptp(N[x == 0, 0]) > 0.9, "one frame for all would give 1 / 2 at the pole"
     seam = [np.argmin(np.hypot(x - 0.5, y - end)) for end in (0.0, 2 * pi)]
     assert np.array_equal(*N[seam]) and np.array_equal(*stress[seam])
-    assert len(sk.adapt.nodal_measure(solution)) == len(x)
+    assert len(sk.nodal_measure(solution)) == len(x)
 
 
 def test_stress_and_its_free_part_are_taken_at_the_same_points():

@@ -37,7 +37,7 @@ def main() -> None:
     )  # fmt: skip
     uniform = sk.meshes.uniform(plate.surface, 12, 12)
     motion = sk.simulate(plate.on(uniform), 0.1, progress=False).unwrap()
-    regions = sk.adapt.stress_regions(motion.at(0.1))
+    regions = sk.stress_regions(motion.at(0.1))
     strongest = sk.meshes.Regions([max(regions, key=lambda r: r.ratio)], regions.cell)
     rows = [
         row("uniform 12 x 12", uniform, regions),

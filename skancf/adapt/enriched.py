@@ -10,40 +10,95 @@ from types import TracebackType
 
 import numpy as np
 
+from skancf.adapt.ends import singular_points, touching
 from skancf.adapt.transfer import ancestors_in, prolongation
 from skancf.assembly.system import System
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
+from skancf.meshes.forest import DEEPEST
 from skancf.solution import Solution
 from skancf.statics.newton import factored, newton, work
 
+EXTRA = 4
+"""Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
 NEAR = 1e-3
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
 
-class Enriched:
-    """The refined system at a state, with factors of its tangent; a context manager, which gives their memory back.
+def enriched_mesh(system: System) -> MeshQuadTree:
+    """Every element quartered, and those at singular points :data:`EXTRA` times more."""
+    mesh, points = system.mesh.refined(), singular_points(system)
+    for _ in range(EXTRA):
+        at_points = touching(mesh, points)
+        mesh = mesh.refined(at_points[mesh.levels[at_points] < DEEPEST])
+    return mesh
+
+
+class Refined:
+    """A refined system beside a coarse one, and fields between them.
+
+    Attributes
+    ----------
+    coarse, system : System
+        The same problem on the mesh and on the refined one.
+    """
+
+    def __init__(self, coarse: System, mesh: MeshQuadTree | None = None):
+        self.coarse = coarse
+        fine_mesh = enriched_mesh(coarse) if mesh is None else mesh
+        self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
+        self._up = prolongation(coarse.geometry, self.system.geometry)
+        self._down = prolongation(self.system.geometry, coarse.geometry)
+
+    def up(self, q: np.ndarray) -> np.ndarray:
+        """Nodal coordinates of the same field on the refined mesh."""
+        return np.asarray((self._up @ q.reshape(-1, 3)).ravel())
+
+    def down(self, q: np.ndarray) -> np.ndarray:
+        """Nodal coordinates on the coarse mesh of a field's interpolant."""
+        return np.asarray((self._down @ q.reshape(-1, 3)).ravel())
+
+    def surplus(self, weight: np.ndarray) -> np.ndarray:
+        """What of a field on the refined mesh the coarse one cannot have, (n_fine,)."""
+        return weight - self.up(self.down(weight))
+
+    def shares(self, products: np.ndarray) -> np.ndarray:
+        """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
+        geometry = self.system.geometry
+        sizes = np.abs(products.reshape(-1, 12).sum(axis=1))
+        nodes = geometry.ties.node_of[geometry.mesh.t]
+        valence = np.bincount(nodes[nodes >= 0], minlength=len(sizes))
+        parts = np.where(nodes >= 0, (sizes / np.maximum(valence, 1))[nodes], 0.0).sum(axis=0)
+        coarse = self.coarse.mesh
+        return np.bincount(ancestors_in(coarse.leaves, geometry.mesh.leaves), parts, minlength=coarse.nelements)
+
+    def is_new(self) -> np.ndarray:
+        """Which nodes of the refined mesh the coarse one does not have, (n_fine_nodes,)."""
+        fine, coarse = self.system.geometry, self.coarse.geometry
+        old = coarse.mesh.leaves.forest.point_keys(coarse.mesh.leaves.cells).ravel()
+        new = fine.mesh.leaves.forest.point_keys(fine.mesh.leaves.cells).ravel()
+        out = np.zeros(fine.n_nodes, dtype=bool)
+        out[fine.ties.node_of[fine.mesh.t.ravel()[~np.isin(new, old)]]] = True
+        return out
+
+
+class Enriched(Refined):
+    """A state on the refined system, with factors of its tangent; a context manager, which gives their memory back.
 
     Attributes
     ----------
     state : Solution
         On the coarse mesh.
-    system : System
-        The same problem on the refined mesh.
     start : (n_fine,) array
         The state's nodal coordinates there.
     residual : (n_fine,) array
     """
 
     def __init__(self, state: Solution, mesh: MeshQuadTree | None = None, backend: str = "auto"):
-        coarse = state.system
-        self.state, self.coarse = state, coarse
-        fine_mesh = coarse.mesh.refined() if mesh is None else mesh
-        self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
-        self._up = prolongation(coarse.geometry, self.system.geometry)
-        self._down = prolongation(self.system.geometry, coarse.geometry)
+        super().__init__(state.system, mesh)
+        self.state = state
         self._solver = DirectSolver(self.system.pattern, self.system.constraints, backend)
         if state.linear:
             self._start_linear()
@@ -99,14 +154,6 @@ class Enriched:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._solver.close()
 
-    def up(self, q: np.ndarray) -> np.ndarray:
-        """Nodal coordinates of the same field on the refined mesh."""
-        return np.asarray((self._up @ q.reshape(-1, 3)).ravel())
-
-    def down(self, q: np.ndarray) -> np.ndarray:
-        """Nodal coordinates on the coarse mesh of a field's interpolant."""
-        return np.asarray((self._down @ q.reshape(-1, 3)).ravel())
-
     def _turned_gap(self) -> np.ndarray:
         """What the refined undeformed surface has beyond the coarse one, turned as the surface has turned at each node.
 
@@ -129,19 +176,20 @@ class Enriched:
         """The state after that step."""
         return Solution(self.system, self.start + self._step, load_factor=self.state.load_factor, linear=self.state.linear)
 
-    def surplus(self, weight: np.ndarray) -> np.ndarray:
-        """What of a field on the refined mesh the coarse one cannot have, (n_fine,)."""
-        return weight - self.up(self.down(weight))
+    def free_diagonal(self) -> np.ndarray:
+        """The diagonal blocks of the tangent in nodal coordinates, one where they are held, (n_fine_nodes, 12, 12)."""
+        pattern, constraints = self.system.pattern, self.system.constraints
+        blocks = self.stiffness.values[pattern.diagonal_slots].copy()
+        upper = np.triu(np.ones((12, 12), dtype=bool))
+        blocks = np.where(upper, blocks, blocks.swapaxes(1, 2))
+        frames = np.broadcast_to(np.eye(12), blocks.shape).copy()
+        frames[constraints.frame_nodes] = constraints.frames
+        turned = frames @ blocks @ frames.swapaxes(1, 2)
+        free = ~constraints.fixed
+        turned *= free[:, :, None] & free[:, None, :]
+        turned += np.einsum("ni,ij->nij", (~free).astype(float) * np.abs(blocks).max(axis=(1, 2))[:, None], np.eye(12))
+        return frames.swapaxes(1, 2) @ turned @ frames
 
-    def shares(self, products: np.ndarray) -> np.ndarray:
-        """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
-        geometry = self.system.geometry
-        sizes = np.abs(products.reshape(-1, 12).sum(axis=1))
-        nodes = geometry.ties.node_of[geometry.mesh.t]
-        valence = np.bincount(nodes[nodes >= 0], minlength=len(sizes))
-        parts = np.where(nodes >= 0, (sizes / np.maximum(valence, 1))[nodes], 0.0).sum(axis=0)
-        coarse = self.coarse.mesh
-        return np.bincount(ancestors_in(coarse.leaves, geometry.mesh.leaves), parts, minlength=coarse.nelements)
 
 
 def _frames(nodal: np.ndarray) -> np.ndarray:

@@ -125,8 +125,7 @@ def free_rigid_motions(
     if foundation is not None:
         resisting = np.array([foundation @ mode for mode in modes])
         held = np.hstack([held, resisting / np.abs(resisting).max()])
-    vectors, sizes, _ = np.linalg.svd(held, full_matrices=True) if held.size else (np.eye(6), np.zeros(0), None)
-    sizes = np.concatenate([sizes, np.zeros(6 - len(sizes))])
+    vectors, sizes, _ = np.linalg.svd(np.hstack([held, np.zeros((6, 6))]), full_matrices=False)
     free = vectors[:, sizes < 1e-9 * max(1.0, sizes[0])].T
     pure = [i for i in range(6) if not held.size or np.abs(held[i]).max() < 1e-9]
     rest = free - free[:, pure] @ np.eye(6)[pure] if pure else free

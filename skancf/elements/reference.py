@@ -18,8 +18,8 @@ def derivative(polynomial: tuple[float, ...], s: np.ndarray, order: int) -> np.n
     """The derivative of that order at ``s``, shaped like ``s``."""
     for _ in range(order):
         polynomial = tuple(k * c for k, c in enumerate(polynomial))[1:]
-    value = np.zeros_like(s)
-    for coefficient in reversed(polynomial):
+    value = np.full(s.shape, polynomial[-1])
+    for coefficient in reversed(polynomial[:-1]):
         value = value * s + coefficient
     return value
 
@@ -95,9 +95,9 @@ def hermite_functions(xi: np.ndarray, eta: np.ndarray, order: tuple[int, int] = 
     xi, eta = np.broadcast_arrays(np.asarray(xi, float), np.asarray(eta, float))
     m, n = order
     out = np.empty((4, 4, *xi.shape))
+    families = (HERMITE_VALUE, HERMITE_SLOPE)
+    along_xi, along_eta = ([[derivative(f[end], s, k) for f in families] for end in (0, 1)] for s, k in ((xi, m), (eta, n)))
     for corner, (a, b) in enumerate(CORNERS.astype(int)):
-        along_xi = [derivative(family[a], xi, m) for family in (HERMITE_VALUE, HERMITE_SLOPE)]
-        along_eta = [derivative(family[b], eta, n) for family in (HERMITE_VALUE, HERMITE_SLOPE)]
         for kind in range(4):
-            out[corner, kind] = along_xi[kind % 2] * along_eta[kind // 2]
+            np.multiply(along_xi[a][kind % 2], along_eta[b][kind // 2], out=out[corner, kind])
     return out

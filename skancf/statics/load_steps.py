@@ -142,6 +142,20 @@ def solve(
     if start is not None:
         require_same_mesh(system, start)
     require_support(system)
+    result = equilibrium(
+        system, load_factor, control=control, start=start, rtol=rtol, max_iterations=max_iterations, mixed=mixed,
+        follow=follow, backend=backend, progress=progress,
+    )  # fmt: skip
+    warn_if_thick(result.solution)
+    return result
+
+
+def equilibrium(
+    system: System, load_factor: float = 1.0, *, control: HalveAndGrow | None = None, start: Solution | None = None,
+    rtol: float = 1e-7, max_iterations: int = 30, mixed: bool = True, follow: bool = False, backend: str = "auto",
+    progress: bool = False,
+) -> StaticResult:  # fmt: skip
+    """:func:`solve` for a system that is known to be supported, without a judgement of its theory."""
     solver = DirectSolver(system.pattern, system.constraints, backend)
     with Progress("statics", 1.0, shown=progress) as bar, solver:
         run = _Run(system, solver, start or Solution(system, system.undeformed.copy(), load_factor=0.0))
@@ -149,7 +163,6 @@ def solve(
             result = run.go(load_factor, control or HalveAndGrow(), bar, rtol=rtol, max_steps=max_iterations, mixed=mixed)
             if follow and result.status in FOLLOWED:
                 result = _followed(result, load_factor, rtol=rtol, mixed=mixed, backend=backend, progress=progress)
-            warn_if_thick(result.solution)
             return result
         except KeyboardInterrupt:
             at = run.path[-1]

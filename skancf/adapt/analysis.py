@@ -1,0 +1,113 @@
+"""What is solved on each mesh to get a number: an equilibrium by default."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from skancf.adapt.estimate import Estimate, goal_estimate
+from skancf.adapt.quantities import Quantity
+from skancf.adapt.transfer import prolongation
+from skancf.assembly.system import System
+from skancf.errors import DidNotConverge
+from skancf.solution import Solution
+from skancf.statics import HalveAndGrow
+from skancf.statics.load_steps import equilibrium
+from skancf.statics.newton import Status
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What was found on one mesh.
+
+    Attributes
+    ----------
+    state : Solution
+        For pictures and files: the equilibrium, or a mode.
+    value : float
+    iterations : int
+        Newton iterations.
+    restarted : bool
+        The transferred state led nowhere, and the load was applied anew.
+    found : object
+        What the estimate needs besides.
+    """
+
+    state: Solution
+    value: float
+    iterations: int = 0
+    restarted: bool = False
+    found: Any = None
+
+
+class Analysis(Protocol):
+    """How a number is found on a mesh, and how far it is from its limit."""
+
+    def solve(self, system: System, start: Solution | None) -> Answer:
+        """The answer on a mesh, from a state of another mesh if there is one."""
+
+    def estimate(self, answer: Answer) -> Estimate:
+        """Its error and where it comes from."""
+
+
+@dataclass(frozen=True)
+class StaticAnalysis:
+    """A quantity of an equilibrium.
+
+    Parameters
+    ----------
+    quantity : Quantity
+    linear : bool
+        Small deflections.
+    load_factor : float
+    rtol : float
+        Of Newton's method.
+    """
+
+    quantity: Quantity
+    linear: bool = False
+    load_factor: float = 1.0
+    rtol: float = 1e-6
+    backend: str = "auto"
+
+    def solve(self, system: System, start: Solution | None) -> Answer:
+        if self.linear:
+            state, iterations, restarted = _linear(system, self.backend), 0, False
+        else:
+            state, iterations, restarted = self._nonlinear(system, start)
+        return Answer(state, self.quantity.value(state), iterations, restarted)
+
+    def _nonlinear(self, system: System, start: Solution | None) -> tuple[Solution, int, bool]:
+        spent = 0
+        if start is not None:
+            P = prolongation(start.system.geometry, system.geometry)
+            near = Solution(system, (P @ start.q.reshape(-1, 3)).ravel(), load_factor=self.load_factor)
+            once = equilibrium(
+                system, self.load_factor, control=AT_ONCE, start=near, rtol=self.rtol, backend=self.backend
+            )
+            spent = once.iterations
+            if once.status is Status.CONVERGED:
+                return once.solution, spent, False
+            _pass_on_interrupt(once.status)
+        result = equilibrium(system, self.load_factor, rtol=self.rtol, follow=True, backend=self.backend)
+        _pass_on_interrupt(result.status)
+        return result.unwrap(), spent + result.iterations, start is not None
+
+    def estimate(self, answer: Answer) -> Estimate:
+        return goal_estimate(answer.state, self.quantity, backend=self.backend)
+
+
+AT_ONCE = HalveAndGrow(smallest=0.99)
+"""A transferred state is near or of no use; shorter steps begin at the undeformed one."""
+
+
+def _pass_on_interrupt(status: Status) -> None:
+    if status is Status.INTERRUPTED:
+        raise KeyboardInterrupt
+
+
+def _linear(system: System, backend: str) -> Solution:
+    change = system.linear_change(backend)
+    if not np.isfinite(change).all():
+        raise DidNotConverge("the linear answer is not finite")
+    return Solution(system, system.undeformed + change, linear=True)

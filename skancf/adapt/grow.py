@@ -1,0 +1,65 @@
+"""From indicators to the next mesh."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.adapt.ends import touching
+from skancf.adapt.marking import Doerfler, Marking, Never
+from skancf.adapt.transfer import ancestors_in
+from skancf.meshes import MeshQuadTree
+
+AGAIN = 3
+"""Largest number of times that an element is quartered from one mesh to the next."""
+SHARE_LEFT = {True: 1 / 64, False: 1 / 16}
+"""Part of an element's indicator that a quarter of it will have where the solution is smooth: order four in `kirchhoff`,
+two in `full`, and a quarter of the area."""
+SHARE_LEFT_SINGULAR = 0.5
+"""The same for the quarter at a singular point."""
+DEEPEST = 13
+"""Largest level of an element. Curvatures of smaller ones are rounding: 1e-16 over 4^-13 is 1e-8."""
+DOERFLER, NEVER = Doerfler(0.8), Never()
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Which elements are quartered and which are merged.
+
+    Parameters
+    ----------
+    refine : Marking
+    coarsen : Marking
+    """
+
+    refine: Marking = DOERFLER
+    coarsen: Marking = NEVER
+
+    def next_mesh(self, mesh: MeshQuadTree, indicators: np.ndarray, points: np.ndarray, thin: bool) -> MeshQuadTree:
+        """Quarters marked elements, and those of their quarters that would be marked again.
+
+        ``points`` (2, n) are the singular ones.
+        """
+        room = mesh.levels < DEEPEST
+        marked = self.refine.marked(np.where(room, indicators, 0.0))
+        marked = marked[room[marked]]
+        finer = mesh.refined(marked)
+        if marked.size:
+            finer = _again(mesh, finer, indicators, float(indicators[marked].min()), points, thin)
+        small = finer.leaves.find(mesh.leaves.cells.take(self.coarsen.marked(indicators)))
+        return finer.coarsened(small[small >= 0])
+
+
+def _again(
+    mesh: MeshQuadTree, finer: MeshQuadTree, indicators: np.ndarray, least: float, points: np.ndarray, thin: bool
+) -> MeshQuadTree:
+    for depth in range(1, AGAIN):
+        above = ancestors_in(mesh.leaves, finer.leaves)
+        quartered = finer.levels - mesh.levels[above]
+        left = np.where(quartered > 0, indicators[above] * SHARE_LEFT[thin] ** quartered, 0.0)
+        singular = touching(finer, points)
+        left[singular] = (indicators[above] * SHARE_LEFT_SINGULAR**quartered)[singular]
+        again = np.flatnonzero((left > 2 * least) & (quartered == depth) & (finer.levels < DEEPEST))
+        if not again.size:
+            break
+        finer = finer.refined(again)
+    return finer

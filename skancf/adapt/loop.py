@@ -1,0 +1,310 @@
+"""The loop: solve, estimate, mark, refine, until a number is as accurate as asked."""
+
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+import skfem
+
+from skancf.adapt.analysis import Analysis, Answer, StaticAnalysis
+from skancf.adapt.ends import singular_points
+from skancf.adapt.estimate import Estimate, residual
+from skancf.adapt.grow import DOERFLER, NEVER, Growth
+from skancf.adapt.limits import drift, no_limit
+from skancf.adapt.marking import Below, Marking
+from skancf.adapt.quantities import Quantity
+from skancf.adapt.recovery import recovery
+from skancf.adapt.result import AdaptiveResult, Level, Outcome
+from skancf.adapt.start import starting_mesh
+from skancf.adapt.stress import stress_indicator
+from skancf.adapt.transfer import ancestors_in
+from skancf.adapt.unbounded import why_without_limit
+from skancf.assembly.system import System
+from skancf.errors import InputError, NoLimit, OutOfDepth, SkancfError, number, positive
+from skancf.meshes import MeshQuadTree, quadtree
+from skancf.problem import Problem
+from skancf.progress import Progress
+from skancf.solution import Solution
+from skancf.statics.causes import require_support
+from skancf.statics.depth import warn_if_thick
+from skancf.theories import Theory
+
+INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
+    "goal": None, "residual": residual, "recovery": recovery, "stress": stress_indicator,
+}  # fmt: skip
+"""By what elements are marked; the error bar is that of the quantity with each of them."""
+BELOW = Below(0.01)
+COST = 1.3
+"""Seconds of a mesh grow with this power of its coordinates."""
+T = TypeVar("T")
+
+
+def adapt(
+    problem: Problem,
+    quantity: Quantity | Any,
+    rtol: float = 1e-3,
+    *,
+    atol: float = 0.0,
+    mesh: skfem.MeshQuad | None = None,
+    theory: str | Theory = "kirchhoff",
+    linear: bool = False,
+    load_factor: float = 1.0,
+    indicator: str | Callable[[Solution], np.ndarray] = "goal",
+    marking: Marking = DOERFLER,
+    coarsening: Marking = BELOW,
+    max_dofs: int = 1_000_000,
+    max_seconds: float | None = None,
+    max_levels: int = 50,
+    backend: str = "auto",
+    progress: bool = False,
+) -> AdaptiveResult:
+    r"""Refine a mesh until a quantity is as accurate as asked: :math:`|\eta| \le \max(\text{rtol} |J|, \text{atol})`.
+
+    On each mesh the equilibrium is found, starting from that of the mesh before, and the error of the quantity is estimated
+    by its dual weight (:func:`skancf.adapt.goal_estimate`); elements that contribute most are quartered, those that
+    contribute next to nothing are merged. In nonlinear problems the dual weight belongs to the tangent at the solution.
+
+    Parameters
+    ----------
+    problem : Problem
+    quantity : Quantity
+        :class:`Displacement`, :class:`Rotation`, :class:`SectionForce`, :class:`Reaction`, :class:`StrainEnergy`,
+        :class:`Eigenfrequency`, :class:`BucklingLoad`, or an object with ``unit``, ``value`` and ``gradient``.
+    rtol, atol : float
+        The asked accuracy, relative to the value and absolute (in the unit of the quantity).
+    mesh : skfem.MeshQuad, optional
+        Where to begin. Default: some 16 elements over the bounds of the surface, with nodes at point loads and supports.
+    theory
+        As in :meth:`Problem.on`.
+    linear : bool
+        Small deflections.
+    load_factor : float
+        Of all loads.
+    indicator : {"goal", "residual", "recovery", "stress"} or callable
+        By what elements are marked: their part in the error of the quantity; the energy of the residual in them; recovered
+        against raw moments and membrane forces; the paper's nodal stress; or a function of the state. The error bar is that
+        of the quantity in each case.
+    marking, coarsening : Marking
+        Policies.
+    max_dofs : int
+        Most nodal coordinates of a mesh on which the quantity is computed. The estimate takes four times as many.
+    max_seconds : float, optional
+        No mesh is begun that would end later, by what the last ones took.
+    max_levels : int
+
+    Returns
+    -------
+    AdaptiveResult
+        Also when the accuracy is not reached: the best answer with its error bar, and the reason. Interrupted from the
+        keyboard, that of the last mesh that was finished.
+
+    Raises
+    ------
+    NoLimit
+        For a number that has no limit as the mesh is refined; the message names the point, and a quantity that has one.
+    InputError
+        For a tolerance that is not positive, a place that is not on the surface, a budget too small for the first mesh.
+
+    Examples
+    --------
+    >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-3)
+    >>> print(result)
+    """
+    _check(rtol, atol, indicator, max_dofs, max_seconds, max_levels)
+    statics = StaticAnalysis(quantity, linear, number("load_factor", load_factor), _newton_rtol(rtol), backend)
+    analysis = quantity.analysis(statics) if hasattr(quantity, "analysis") else statics
+    first = quadtree(starting_mesh(problem) if mesh is None else mesh, problem.surface)
+    asked = _Asked(rtol, atol, max_dofs, max_seconds, max_levels)
+    with Progress("adapt", 1.0, shown=progress) as bar:
+        by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
+        run = _Run(problem, analysis, Growth(marking, coarsening), by, asked, bar)
+        return run.go(_first_system(problem, first, theory, quantity, analysis, max_dofs), quantity.unit)
+
+
+def _check(
+    rtol: float, atol: float, indicator: Any, max_dofs: int, max_seconds: float | None, max_levels: int
+) -> None:
+    if number("atol", atol) < 0:
+        raise InputError(f"atol = {atol}: give an absolute accuracy of at least 0")
+    if not (number("rtol", rtol) > 0 or (rtol == 0 and atol > 0)):
+        raise InputError(f"rtol = {rtol}: give a relative accuracy greater than zero, such as 1e-3")
+    if not callable(indicator) and indicator not in INDICATORS:
+        raise InputError(f"indicator = {indicator!r}: choose one of {list(INDICATORS)}, or give a function of a Solution")
+    positive("max_dofs", max_dofs)
+    positive("max_levels", max_levels)
+    if max_seconds is not None:
+        positive("max_seconds", max_seconds, "s")
+
+
+def _newton_rtol(rtol: float) -> float:
+    """Of Newton's method, which gains at least a factor ten more with its last step."""
+    return min(1e-4, max(1e-7, 1e-2 * rtol))
+
+
+def _first_system(
+    problem: Problem, mesh: MeshQuadTree, theory: str | Theory, quantity: Any, analysis: Analysis, max_dofs: int
+) -> System:
+    """The system on the first mesh, on which all that can be known without a solve is checked."""
+    system = problem.on(mesh, theory)
+    if system.n_dofs > max_dofs:
+        raise InputError(f"max_dofs = {max_dofs}: the first mesh of {mesh.nelements} elements already has {system.n_dofs} "
+                         "nodal coordinates; allow more, or begin with a coarser mesh")  # fmt: skip
+    if why := no_limit(quantity, system):
+        raise NoLimit(why)
+    if hint := drift(system):
+        warnings.warn(hint, OutOfDepth, stacklevel=3)
+    if isinstance(analysis, StaticAnalysis):
+        require_support(system)
+    return system
+
+
+class _Asked(NamedTuple):
+    """What the user asked for and allows."""
+
+    rtol: float
+    atol: float
+    max_dofs: int
+    max_seconds: float | None
+    max_levels: int
+
+    def tolerance(self, value: float) -> float:
+        return max(self.rtol * abs(value), self.atol)
+
+
+class _Found(NamedTuple):
+    """A finished mesh."""
+
+    level: Level
+    answer: Answer
+    estimate: Estimate
+
+
+@dataclass
+class _Clock:
+    """Seconds by the name of the work."""
+
+    seconds: dict[str, float]
+
+    def take(self, name: str, work: Callable[[], T]) -> T:
+        begun = time.perf_counter()
+        try:
+            return work()
+        finally:
+            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begun
+
+
+class _Run:
+    """State of one run; what it keeps is usable whenever it stops."""
+
+    def __init__(
+        self, problem: Problem, analysis: Analysis, growth: Growth, indicator: Callable[[Solution], np.ndarray] | None,
+        asked: _Asked, bar: Progress,
+    ) -> None:  # fmt: skip
+        self.problem, self.analysis, self.growth, self.indicator = problem, analysis, growth, indicator
+        self.asked, self.bar = asked, bar
+        self.levels: list[Level] = []
+        self.best: _Found | None = None
+        self.begun = time.perf_counter()
+
+    def go(self, system: System, unit: str) -> AdaptiveResult:
+        try:
+            outcome, message = self._refine(system)
+        except KeyboardInterrupt:
+            if self.best is None:
+                raise
+            outcome, message = Outcome.INTERRUPTED, "interrupted from the keyboard; the last finished mesh is kept"
+        assert self.best is not None
+        _, answer, estimate = self.best
+        if answer.found is None:
+            warn_if_thick(answer.state)
+        return AdaptiveResult(
+            answer.value, abs(estimate.error), answer.value + estimate.error, answer.state, tuple(self.levels), outcome,
+            message, unit,
+        )  # fmt: skip
+
+    def _refine(self, system: System) -> tuple[Outcome, str]:
+        start: Solution | None = None
+        merged, clock = 0, _Clock({})
+        while True:
+            try:
+                found = self._on(system, start, merged, clock)
+            except SkancfError as failed:
+                if self.best is None:
+                    raise
+                return Outcome.FAILED, f"the mesh of {system.mesh.nelements} elements had no answer: {failed}"
+            self._keep(found)
+            if end := self._end(found):
+                return end
+            assert self.best is not None
+            level, answer, _ = self.best
+            points = singular_points(answer.state.system)
+            grow = self.growth.next_mesh
+            mesh = clock.take("mark", lambda: grow(level.mesh, level.indicators, points, system.geometry.theory.twist))  # noqa: B023
+            if end := self._too_much(level, mesh):
+                return end
+            merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
+            system = clock.take("assemble", lambda: self.problem.on(mesh, system.geometry.theory))  # noqa: B023
+
+    def _on(self, system: System, start: Solution | None, merged: int, clock: _Clock) -> _Found:
+        with warnings.catch_warnings():
+            # Of coarse meshes; the last one is judged.
+            warnings.simplefilter("ignore", OutOfDepth)
+            answer = clock.take("solve", lambda: self.analysis.solve(system, start))
+            estimate = clock.take("estimate", lambda: self.analysis.estimate(answer))
+            indicators = estimate.indicators
+            if self.indicator is not None:
+                own = self.indicator
+                indicators = clock.take("mark", lambda: np.asarray(own(answer.state), dtype=float))
+        level = Level(
+            system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
+            merged, clock.seconds,
+        )  # fmt: skip
+        return _Found(level, answer, estimate)
+
+    def _keep(self, found: _Found) -> None:
+        """Take a mesh, or reject it where merging elements made the estimate worse; none are merged from then on."""
+        level, best = found.level, self.best
+        if best is not None and level.coarsened and abs(level.error) > abs(best.level.error):
+            level = replace(level, rejected=True)
+            self.growth = replace(self.growth, coarsen=NEVER)
+        else:
+            self.best = found
+        self.levels.append(level)
+        wanted = self.asked.tolerance(level.value) / max(abs(level.error), 1e-300)
+        note = f"{level.n_elements} elements: {level.value:.6g} +- {abs(level.error):.1g}"
+        self.bar.at(min(1.0, wanted) ** 0.5, note)
+
+    def _end(self, found: _Found) -> tuple[Outcome, str] | None:
+        """Why to stop after a mesh."""
+        level, accepted = found.level, [level for level in self.levels if not level.rejected]
+        if not level.rejected and abs(level.error) <= self.asked.tolerance(level.value):
+            return Outcome.REACHED, ""
+        if why := why_without_limit(accepted, singular_points(found.answer.state.system)):
+            return Outcome.NO_LIMIT, why
+        if len(self.levels) >= self.asked.max_levels:
+            return Outcome.BUDGET, f"max_levels = {self.asked.max_levels} meshes are spent"
+        return None
+
+    def _too_much(self, level: Level, mesh: MeshQuadTree) -> tuple[Outcome, str] | None:
+        """Why not to begin with the next mesh."""
+        asked = self.asked
+        if np.array_equal(mesh.leaves.keys, level.mesh.leaves.keys):
+            return Outcome.NO_LIMIT, "no element can be made smaller: what is left of the error comes from the smallest ones"
+        n_dofs = 12 * (mesh.p.shape[1] - len(mesh.hanging))
+        if n_dofs > asked.max_dofs:
+            return Outcome.BUDGET, f"max_dofs = {asked.max_dofs}: the next mesh has {n_dofs} nodal coordinates"
+        if asked.max_seconds is not None:
+            spent = time.perf_counter() - self.begun
+            expected = level.total_seconds * (n_dofs / level.n_dofs) ** COST
+            if spent + expected > asked.max_seconds:
+                return Outcome.BUDGET, (f"max_seconds = {asked.max_seconds:g}: {spent:.2g} s are spent, and the next mesh "
+                                        f"would take some {expected:.2g} s")  # fmt: skip
+        return None
+
+
+def _merged(old: MeshQuadTree, new: MeshQuadTree) -> int:
+    """How many elements of a mesh are larger than those of another were."""
+    return int((ancestors_in(old.leaves, new.leaves) < 0).sum())

@@ -1,0 +1,125 @@
+"""What the adaptive loop found: every mesh, the number with its error bar, and why it stopped."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from skancf.meshes import MeshQuadTree
+from skancf.solution import Solution
+
+
+class Outcome(Enum):
+    """How a loop ended."""
+
+    REACHED = "the asked accuracy is reached"
+    BUDGET = "the budget is spent"
+    NO_LIMIT = "the number has no limit"
+    INTERRUPTED = "interrupted"
+    FAILED = "a mesh had no answer"
+
+
+@dataclass(frozen=True)
+class Level:
+    """One mesh of the loop.
+
+    Attributes
+    ----------
+    mesh : MeshQuadTree
+    n_elements, n_dofs, n_hanging : int
+        ``n_dofs`` counts nodal coordinates, held ones included.
+    value : float
+        Of the quantity.
+    error : float
+        Estimate of limit minus value.
+    indicators : (n_elements,) array
+        Those by which elements were marked.
+    iterations : int
+        Newton iterations.
+    restarted : bool
+        The state of the mesh before led nowhere here, and the load was applied anew.
+    rejected : bool
+        Merging elements made the estimate worse; the level was taken back.
+    coarsened : int
+        Elements that are larger here than on the mesh before.
+    seconds : dict
+        For ``assemble``, ``solve``, ``estimate`` and ``mark`` (the next mesh).
+    """
+
+    mesh: MeshQuadTree
+    n_dofs: int
+    value: float
+    error: float
+    indicators: np.ndarray
+    iterations: int
+    restarted: bool
+    coarsened: int
+    seconds: dict[str, float]
+    rejected: bool = False
+
+    @property
+    def n_elements(self) -> int:
+        return int(self.mesh.nelements)
+
+    @property
+    def n_hanging(self) -> int:
+        return len(self.mesh.hanging)
+
+    @property
+    def total_seconds(self) -> float:
+        """Of the level."""
+        return sum(self.seconds.values())
+
+
+@dataclass(frozen=True)
+class AdaptiveResult:
+    """Outcome of :func:`adapt`.
+
+    Attributes
+    ----------
+    value : float
+        The quantity on the best mesh.
+    error_bar : float
+        Size of the estimated distance to its limit.
+    corrected : float
+        The value with the estimate added: usually nearer to the limit, but without an error bar of its own.
+    solution : Solution
+        The state on that mesh (of a frequency or buckling load its mode).
+    levels : tuple of Level
+        Every mesh, rejected ones too.
+    outcome : Outcome
+    message : str
+        Why it stopped, if the accuracy was not reached.
+    unit : str
+    """
+
+    value: float
+    error_bar: float
+    corrected: float
+    solution: Solution
+    levels: tuple[Level, ...]
+    outcome: Outcome
+    message: str
+    unit: str
+
+    @property
+    def reached(self) -> bool:
+        """Is the value as accurate as asked?"""
+        return self.outcome is Outcome.REACHED
+
+    def __str__(self) -> str:
+        n = self.levels[-1].n_dofs if self.levels else 0
+        return f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit} ({n} nodal coordinates; {self.outcome.value})".replace(
+            "  ", " "
+        )
+
+    def table(self) -> str:
+        """One line for each mesh."""
+        lines = [f"{'elements':>9}{'dofs':>9}{'hanging':>9}{'value':>16}{'error':>11}{'iterations':>12}{'seconds':>9}"]
+        for level in self.levels:
+            note = (" rejected" if level.rejected else "") + (" restarted" if level.restarted else "")
+            lines.append(
+                f"{level.n_elements:>9}{level.n_dofs:>9}{level.n_hanging:>9}{level.value:>16.8g}{level.error:>11.1e}"
+                f"{level.iterations:>12}{level.total_seconds:>9.2f}{note}"
+            )
+        return "\n".join(lines)

@@ -1,0 +1,77 @@
+"""Buckling loads as quantities of interest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.adapt.analysis import Answer, StaticAnalysis
+from skancf.adapt.enriched import Enriched
+from skancf.adapt.estimate import Estimate
+from skancf.adapt.vibration import softening
+from skancf.assembly.system import System
+from skancf.errors import InputError
+from skancf.meshes.tensor import whole
+from skancf.solution import Solution
+from skancf.statics.buckling import buckling
+from skancf.statics.tangents import linear_tangent
+
+
+@dataclass(frozen=True)
+class BucklingLoad:
+    """A load factor at which the structure buckles, by :func:`skancf.buckling` (1).
+
+    Parameters
+    ----------
+    number : int
+        From 0 on, in ascending order.
+
+    Raises
+    ------
+    InputError
+        For a number that is no whole number of at least 0.
+    """
+
+    number: int = 0
+
+    unit = ""
+
+    def __post_init__(self) -> None:
+        whole("number", self.number, least=0)
+
+    def analysis(self, statics: StaticAnalysis) -> "StabilityAnalysis":
+        """How it is found."""
+        return StabilityAnalysis(self, statics.backend)
+
+
+@dataclass(frozen=True)
+class StabilityAnalysis:
+    """A linear buckling load."""
+
+    quantity: BucklingLoad
+    backend: str = "auto"
+
+    def solve(self, system: System, start: Solution | None) -> Answer:
+        number = self.quantity.number
+        found = buckling(system, number + 1, backend=self.backend)
+        if len(found.load_factors) <= number:
+            raise InputError(f"number = {number}: {found.message or 'there are fewer positive buckling loads'}")
+        return Answer(found.shape(number), float(found.load_factors[number]), found=found)
+
+    def estimate(self, answer: Answer) -> Estimate:
+        r"""As for a frequency, on the pencil :math:`K_0 + \lambda K_\sigma` of the refined mesh with its own stresses."""
+        found, number, value = answer.found, self.quantity.number, answer.value
+        with Enriched(found.linear, backend=self.backend) as enriched:
+            fine, better = enriched.system, enriched.corrected
+            elastic = enriched.stiffness
+            geometric = linear_tangent(fine, better.q - fine.undeformed) + (-1.0) * elastic
+            phi = enriched.up(found.shapes[number])
+            residual = elastic @ phi + value * (geometric @ phi)
+            step = -enriched.solve(residual)
+            improved = phi + step
+            factor = -float(improved @ (elastic @ improved)) / float(improved @ (geometric @ improved))
+            # d(load factor) = load factor^2 phi . dK phi with phi . K_0 phi = 1.
+            weight = enriched.solve(value**2 * softening(fine, fine.undeformed, phi))
+            shares = enriched.shares(value * residual * enriched.surplus(step))
+            shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
+            scale = np.abs(answer.state.q - found.linear.system.undeformed).max() / np.abs(found.shapes[number]).max()
+            return Estimate(value, factor - value, shares, Solution(fine, fine.undeformed + scale * improved))

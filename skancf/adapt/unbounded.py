@@ -1,0 +1,38 @@
+"""Does a number run away as the mesh is refined? Judged by what refinement did."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from skancf.adapt.ends import touching
+from skancf.adapt.result import Level
+
+LEVELS = 3
+"""Meshes over which an indicator is watched."""
+STAYS = 0.7
+"""An indicator that is no smaller than this part of what it was, so many meshes before, does not fall."""
+MOST = 0.5
+"""Share of all indicators that the elements at one point have then."""
+
+
+def why_without_limit(levels: Sequence[Level], points: np.ndarray) -> str | None:
+    """The point whose elements, smaller on each mesh, hold most of an error that does not fall; None where there is none.
+
+    An error that falls as slowly as that of a corner, by a half with each halving of the elements there, has a limit. One
+    that grows with the logarithm of the element size stays as it is.
+    """
+    if len(levels) <= LEVELS or not points.size:
+        return None
+    watched = levels[-LEVELS - 1 :]
+    for point in points.T:
+        at = [touching(level.mesh, point[:, None]) for level in watched]
+        parts = np.array([level.indicators[here].sum() for level, here in zip(watched, at, strict=True)])
+        depths = np.array([level.mesh.levels[here].max() for level, here in zip(watched, at, strict=True)])
+        alone = parts[-1] > MOST * watched[-1].indicators.sum()
+        if alone and (np.diff(depths) > 0).all() and parts[-1] > STAYS * parts[0]:
+            return (
+                f"the value goes on changing as elements at ({point[0]:.6g}, {point[1]:.6g}) get smaller, by as much on "
+                "each mesh: it seems to have no limit. Take a quantity away from that point, a mean over a region about it "
+                "(SectionForce(..., within=...)), or spread what acts there (DiskForce, a support along an edge)"
+            )
+    return None

@@ -1,0 +1,135 @@
+"""Eigenfrequencies as quantities of interest."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from skancf.adapt.analysis import Answer, StaticAnalysis
+from skancf.adapt.enriched import Enriched, Refined
+from skancf.adapt.estimate import Estimate
+from skancf.assembly.system import System
+from skancf.errors import InputError
+from skancf.linear import BlockMatrix, DirectSolver
+from skancf.meshes.tensor import whole
+from skancf.solution import Solution
+from skancf.statics.modes import Modes, modes
+from skancf.statics.soft import factor_shifted
+from skancf.statics.tangents import state_tangent
+
+
+@dataclass(frozen=True)
+class Eigenfrequency:
+    """An eigenfrequency (Hz).
+
+    Parameters
+    ----------
+    number : int
+        From 0 on, motions without stiffness (those of a free body) not counted.
+    loaded : bool
+        About the equilibrium under the problem's loads, instead of the undeformed state.
+
+    Raises
+    ------
+    InputError
+        For a number that is no whole number of at least 0.
+    """
+
+    number: int = 0
+    loaded: bool = False
+
+    unit = "Hz"
+
+    def __post_init__(self) -> None:
+        whole("number", self.number, least=0)
+
+    def analysis(self, statics: StaticAnalysis) -> "VibrationAnalysis":
+        """How it is found; ``statics`` is how an equilibrium is."""
+        return VibrationAnalysis(self, statics)
+
+
+@dataclass(frozen=True)
+class VibrationAnalysis:
+    """An eigenfrequency of the undeformed or the loaded structure."""
+
+    quantity: Eigenfrequency
+    statics: StaticAnalysis
+
+    def solve(self, system: System, start: Solution | None) -> Answer:
+        state, iterations, restarted = None, 0, False
+        if self.quantity.loaded:
+            rest = self.statics.solve(system, start)
+            state, iterations, restarted = rest.state, rest.iterations, rest.restarted
+        found = _enough_modes(system, self.quantity.number, state, self.statics.backend)
+        mode = _number(found, self.quantity.number)
+        return Answer(found.shape(mode), float(found.frequencies[mode]), iterations, restarted, (found, mode))
+
+    def estimate(self, answer: Answer) -> Estimate:
+        r"""By one step of inverse iteration on the refined mesh.
+
+        With :math:`r = (K - \lambda M) \phi` there and :math:`e = -K^{-1} r`, the quotient of Rayleigh of
+        :math:`\phi + e` against that of the mesh; :math:`r \cdot (e - I e)` is where the difference comes from.
+        """
+        found, mode = answer.found
+        shape, value, backend = found.shapes[mode], found.eigenvalues[mode], self.statics.backend
+        if not self.quantity.loaded:
+            return self._about(Refined(found.state.system), answer, None)
+        with Enriched(found.state, backend=backend) as enriched:
+            estimate = self._about(enriched, answer, enriched.corrected)
+            weight = enriched.solve(softening(enriched.system, enriched.corrected.q, enriched.up(shape)))
+            of_state = enriched.shares(enriched.residual * enriched.surplus(weight))
+            return replace(estimate, indicators=estimate.indicators + _per_eigenvalue(answer.value, value) * of_state)
+
+    def _about(self, refined: Refined, answer: Answer, rest: Solution | None) -> Estimate:
+        found, mode = answer.found
+        shape, value, fine = found.shapes[mode], found.eigenvalues[mode], refined.system
+        stiffness, mass, phi = state_tangent(fine, rest), fine.mass, refined.up(shape)
+        residual = stiffness @ phi - value * (mass @ phi)
+        with DirectSolver(fine.pattern, fine.constraints, self.statics.backend) as solver:
+            factor_shifted(solver, stiffness, mass)
+            step = -solver.solve(residual)
+        improved = phi + step
+        shares = refined.shares(residual * refined.surplus(step)) * _per_eigenvalue(answer.value, value)
+        scale = np.abs(answer.state.q - found.state.q).max() / np.abs(shape).max()
+        moved = (fine.undeformed if rest is None else rest.q) + scale * improved
+        error = _frequency(improved, stiffness, mass) - answer.value
+        return Estimate(answer.value, error, shares, Solution(fine, moved))
+
+
+def _frequency(shape: np.ndarray, stiffness: BlockMatrix, mass: BlockMatrix) -> float:
+    value = float(shape @ (stiffness @ shape)) / float(shape @ (mass @ shape))
+    return float(np.sign(value) * np.sqrt(abs(value)) / (2 * np.pi))
+
+
+def _per_eigenvalue(frequency: float, value: float) -> float:
+    """Change of a frequency per change of its eigenvalue."""
+    return abs(frequency / (2 * value)) if value else 0.0
+
+
+def softening(system: System, q: np.ndarray, shape: np.ndarray) -> np.ndarray:
+    r"""Derivative of :math:`\phi \cdot K(q) \phi` with respect to q, by a second difference of the internal force.
+
+    The third derivatives of the energy are symmetric, so that it is the second derivative of the force along the shape.
+    """
+    step = STEP * np.abs(system.undeformed).max() / np.abs(shape).max()
+    ahead, at, behind = (system.internal_force(q + s * step * shape) for s in (1, 0, -1))
+    return np.asarray((ahead - 2 * at + behind) / step**2)
+
+
+STEP = 1e-4
+"""Of a second difference, relative: rounding grows with its inverse square."""
+
+
+def _enough_modes(system: System, number: int, state: Any, backend: str) -> Modes:
+    """So many that the asked one is among them, behind the motions without stiffness."""
+    for more in (1, 7):
+        found = modes(system, number + more, state=state, backend=backend)
+        if found.n_rigid + number < len(found.eigenvalues):
+            return found
+    raise InputError(f"number = {number}: {found.n_rigid} motions without stiffness come first; support the structure, it "
+                     "is a mechanism")  # fmt: skip
+
+
+def _number(found: Modes, number: int) -> int:
+    return int(np.flatnonzero(found.eigenvalues != 0)[number])
+

@@ -204,7 +204,7 @@ def test_the_papers_plate_is_refined_under_the_force():
     plate = sk.Problem(
         surface=SQUARE, thickness=0.05,
         material=sk.Isotropic(young=0.2e6, poisson=0.0, density=2000.0, kind="3d", shear_correction=1.0),
-        supports=[sk.Pin("corners")], loads=[sk.PointForce(at=(0.5, 0.5), force=(0.0, 0.0, -1.0))],
+        supports=[sk.Pin("corners")], loads=[sk.PointForce(at=(0.5, 0.5), force=(0.0, 0.0, -20.0))],
     )  # fmt: skip
     mesh = uniform(SQUARE, 12, 12)
     state = sk.solve(plate.on(mesh, "full")).unwrap()

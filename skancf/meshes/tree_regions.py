@@ -36,8 +36,8 @@ def refined_in(
         Of aligned rectangles. Give :func:`quadtree` ``(mesh, surface)`` for a closed surface, so that neighbours across the
         seam are balanced too.
     regions : sequence of Region
-        By hand or from :func:`skancf.adapt.stress_regions`. They are rectangles of the parameter plane: one that reaches over
-        a closed seam ends there, and goes on behind it only if a second region says so.
+        By hand or from :func:`skancf.adapt.stress_regions`. They are rectangles of the parameter plane: one that reaches
+        over a closed seam ends there, and goes on behind it only if a second region says so.
     finest : float
         Smallest l_n / l_0, between 0 and 1.
     coarse : float or (2,) tuple, optional
@@ -67,7 +67,9 @@ def refined_in(
     if coarse is None and isinstance(regions, Regions):
         coarse = regions.cell
     tree, shares = quadtree(mesh), fractions(regions, finest)
-    _check_centres(tree, regions)
+    finder = tree.element_finder()
+    for region in regions:
+        _check_centre(region, finder)
     if levels is not None:
         for _ in range(whole("levels", levels, least=0)):
             tree = tree.refined(_overlaps(tree, regions).any(axis=0))
@@ -97,11 +99,9 @@ def _overlaps(mesh: skfem.MeshQuad, regions: Sequence[Region]) -> np.ndarray:
     return np.asarray((apart < -slack).all(axis=1))
 
 
-def _check_centres(mesh: MeshQuadTree, regions: Sequence[Region]) -> None:
-    finder = mesh.element_finder()
-    for region in regions:
-        try:
-            finder(*np.reshape(region.centre, (2, 1)))
-        except ValueError as outside:
-            raise InputError(f"region centre {region.centre}: lies outside the mesh; centres must lie on elements, only "
-                             "their half sizes may reach over the edge") from outside  # fmt: skip
+def _check_centre(region: Region, finder: Any) -> None:
+    try:
+        finder(*np.reshape(region.centre, (2, 1)))
+    except ValueError as outside:
+        raise InputError(f"region centre {region.centre}: lies outside the mesh; centres must lie on elements, only "
+                         "their half sizes may reach over the edge") from outside  # fmt: skip

@@ -9,13 +9,14 @@ import skfem
 
 from skancf.atomic import AnyPath
 from skancf.errors import InputError, finite, number, vector
-from skancf.output.canvas import BAND, INK, draw_curves, new_figure, plane_axes, plane_height, save
+from skancf.output.canvas import BAND, INK, draw_curves, new_figure, plane_axes, save
 from skancf.output.colours import colour_map, marked_style
 from skancf.output.curves import Curves, curve
 from skancf.output.plane import cell_outlines, edge_curves, to_plane
 from skancf.surfaces import Surface
 
-PANEL, PER_ROW = 3.3, 4
+PANEL, PER_ROW = 2.9, 4
+"""Width of a panel (inches), and how many stand side by side."""
 # Markers on more would hide the mesh.
 FEW_ELEMENTS = 400
 DECADES = 6
@@ -76,10 +77,12 @@ def mesh_levels(
         shown, colours = _logarithmic(meshes, values)
         bar = {"label": label}
     edges = [edge_curves(mesh, surface) for mesh in meshes]
-    columns = min(len(meshes), PER_ROW)
-    rows = -(-len(meshes) // columns)
-    height = plane_height(PANEL + 1.0, np.concatenate(edges))
-    figure = new_figure(max(PANEL * columns + 1.2, 5.0), rows * height)
+    rows = -(-len(meshes) // PER_ROW)
+    columns = -(-len(meshes) // rows)
+    across, up = np.ptp(np.concatenate(edges).reshape(-1, 2), axis=0)
+    figure = new_figure(PANEL * columns + 1.5, max(rows * (PANEL * up / across + 0.5) + 0.7, 2.5))
+    # Panels to scale do not fill their places.
+    figure.set_layout_engine("compressed")
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
     for k, axes in enumerate(grid):
         if k >= len(meshes):
@@ -90,15 +93,15 @@ def mesh_levels(
         _mark_hanging(axes, meshes[k], surface)
         axes.set_title(titles[k], fontsize=10)
         plane_axes(axes)
+        axes.locator_params(nbins=5)
         axes.label_outer()
         if k + columns >= len(meshes):
             axes.set_xlabel("x (m)")
             axes.tick_params(labelbottom=True)
     figure.colorbar(ScalarMappable(**colours), ax=list(grid[: len(meshes)]), shrink=0.85, **bar)
-    named = {text: handle for axes in grid[: len(meshes)]
-             for handle, text in zip(*axes.get_legend_handles_labels(), strict=True)}  # fmt: skip
-    if named:
-        figure.legend(named.values(), named.keys(), loc="outside lower center", frameon=False)
+    marks = [mark for axes in figure.axes for mark in axes.get_legend_handles_labels()[0]]
+    if marks:
+        figure.legend(handles=marks[:1], loc="outside lower center", frameon=False)
     return save(figure, path)
 
 
@@ -143,7 +146,8 @@ def convergence(
     axes = figure.subplots()
     axes.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel, title=title)
     _draw_triangles(axes, list(drawn.values()), slopes or ())
-    _draw_marked(figure, axes, drawn)
+    _draw_marked(axes, drawn)
+    _legend_below(figure, axes)
     return save(figure, path)
 
 
@@ -157,7 +161,7 @@ def effectivity(
 ) -> Path:
     """How right an estimate is: estimated over true errors, which shall come to lie in a band about 1.
 
-    The scale of the ratio is logarithmic where the ratios differ by more than a factor of 10 and none is negative.
+    The scale of the ratio is logarithmic where the ratios and the band span more than a factor of 10 and none is negative.
 
     Parameters
     ----------
@@ -190,13 +194,14 @@ def effectivity(
     ratios = np.concatenate([ratio for _, ratio in drawn.values()])
     figure = new_figure(7.0, 4.5)
     axes = figure.subplots()
-    axes.axhspan(low, high, color="#b0b0b0", alpha=0.35, linewidth=0, label=f"{low:g} to {high:g}")
     axes.axhline(1.0, color=INK, linewidth=1.0)
     axes.set(xscale="log", xlabel=xlabel, ylabel="estimated error / true error", title=title)
-    if ratios.min() > 0 and ratios.max() > 10 * ratios.min():
+    if ratios.min() > 0 and max(ratios.max(), high) > 10 * min(ratios.min(), low):
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter("{x:g}")
-    _draw_marked(figure, axes, drawn)
+    _draw_marked(axes, drawn)
+    axes.axhspan(low, high, color="#b0b0b0", alpha=0.35, linewidth=0, label=f"{low:g} to {high:g}")
+    _legend_below(figure, axes)
     return save(figure, path)
 
 
@@ -207,11 +212,13 @@ def _check_number(name: str, given: Sequence[Any], meshes: Sequence[skfem.MeshQu
 
 def _levels(meshes: Sequence[skfem.MeshQuad]) -> tuple[list[np.ndarray], dict[str, Any]]:
     """Levels of the elements of each mesh, and their colours."""
+    from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     levels = [np.asarray(getattr(mesh, "levels", np.zeros(mesh.t.shape[1], dtype=int))) for mesh in meshes]
     low, high = min(part.min() for part in levels), max(part.max() for part in levels)
-    colours = ListedColormap(colour_map(0, 1)(np.linspace(0, 1, high - low + 1)))
+    # Light, so that the edges of all levels are seen.
+    colours = ListedColormap(colormaps["YlGnBu"](np.linspace(0.05, 0.65, high - low + 1)))
     return levels, {"norm": BoundaryNorm(np.arange(low, high + 2) - 0.5, colours.N), "cmap": colours}
 
 
@@ -245,17 +252,23 @@ def _mark_hanging(axes: Any, mesh: skfem.MeshQuad, surface: Surface | None) -> N
     hanging = getattr(mesh, "hanging", np.empty(0, dtype=int))
     if hanging.size and mesh.t.shape[1] <= FEW_ELEMENTS:
         places = to_plane(surface, mesh.p[:, hanging])
-        axes.plot(*places, "o", color=BAND, markersize=4, markeredgecolor="white", markeredgewidth=0.6, zorder=5,
+        size = float(np.clip(32 / np.sqrt(mesh.t.shape[1]), 2.0, 4.5))
+        axes.plot(*places, "o", color=BAND, markersize=size, markeredgecolor="white", markeredgewidth=size / 7, zorder=5,
                   label="hanging node")  # fmt: skip
 
 
-def _draw_marked(figure: Any, axes: Any, curves: Curves) -> None:
-    """Curves with markers, a grid, and a legend below."""
+def _draw_marked(axes: Any, curves: Curves) -> None:
+    """Curves with markers, and a grid."""
     for k, (label, (x, y)) in enumerate(curves.items()):
         axes.plot(x, y, label=label, **marked_style(k))
     axes.grid(True, which="major", color="#d0d0d0", linewidth=0.7)
+
+
+def _legend_below(figure: Any, axes: Any) -> None:
     entries = len(axes.get_legend_handles_labels()[0])
-    figure.legend(loc="outside lower center", ncols=min(2, entries), frameon=False)
+    # Long enough for every pattern of a line.
+    columns = 2 if entries == 4 else min(3, entries)
+    figure.legend(loc="outside lower center", ncols=columns, frameon=False, handlelength=3.2)
 
 
 def _draw_triangles(axes: Any, drawn: Sequence[tuple[np.ndarray, np.ndarray]], slopes: Sequence[float]) -> None:

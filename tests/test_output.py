@@ -441,7 +441,7 @@ def test_charts_are_drawn(tmp_path):
         output.field_chart(mesh, np.full(mesh.nvertices, 1e5), tmp_path / "constant.png", "S11 (Pa)"),
         output.histories_chart(t, curves, tmp_path / "one.png", ylabel="u3 (m)"),
         output.histories_chart(t, {f"point {p}": curves for p in "ABCDE"}, tmp_path / "five.pdf", ylabel="u3 (m)"),
-        output.convergence_chart(
+        output.convergence(
             {"uniform": (10 ** (1 + t), 10 ** (-2 * t)), "exact": ([10.0], [0.0])},
             tmp_path / "rates.png",
             slopes=(-1, -2),
@@ -489,7 +489,7 @@ def test_charts_refuse_what_they_cannot_draw(tmp_path):
         "'a': values of shape": lambda: output.histories_chart(t, {"a": [1, 2]}, path, ylabel="u"),
         "none to draw": lambda: output.histories_chart(t, {}, path, ylabel="u"),
         "not both": lambda: output.histories_chart(t, {"a": t, "b": {"c": t}}, path, ylabel="u"),
-        "no positive values": lambda: output.convergence_chart({"a": (t, 0 * t)}, path),
+        "no positive values": lambda: output.convergence({"a": (t, 0 * t)}, path),
         "end it in .png or .pdf or .svg": lambda: output.mesh_chart(mesh, tmp_path / "a.jpg"),
     }
     for message, call in calls.items():

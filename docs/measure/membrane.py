@@ -222,7 +222,7 @@ def sweep() -> None:
     print("flat clamped plate, 8 x 8:", [f"{error:.3e}" for error in plate])
     curves = {name: ([float(row["R/t"]) for row in rows], errors) for name, errors in series.items()}
     curves["flat clamped plate"] = (slenderness, plate)
-    output.convergence_chart(
+    output.convergence(
         curves, HERE / "pictures" / "locking_membrane.png", xlabel="slenderness R/t, or a/h of the flat plate",
         ylabel="relative error of the deflection", title="The same meshes, thinner and thinner",
     )  # fmt: skip

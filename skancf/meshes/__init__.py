@@ -7,9 +7,10 @@ from skancf.meshes.quadtree import MeshQuadTree, quadtree
 from skancf.meshes.quadtree_file import load, save
 from skancf.meshes.region import Region, Regions
 from skancf.meshes.tensor import tensor
+from skancf.meshes.tree_regions import refined_in
 from skancf.meshes.uniform import uniform
 
 __all__ = [
-    "MeshQuadTree", "Region", "Regions", "check_mesh", "graded", "load", "progression", "quadtree", "save", "tensor",
-    "uniform",
+    "MeshQuadTree", "Region", "Regions", "check_mesh", "graded", "load", "progression", "quadtree", "refined_in", "save",
+    "tensor", "uniform",
 ]  # fmt: skip

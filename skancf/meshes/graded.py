@@ -6,15 +6,14 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.errors import InputError, finite, number, positive
+from skancf.errors import InputError, number
 from skancf.meshes.counts import shape_for
+from skancf.meshes.fineness import Pair, coarse_lengths, fractions, pair
 from skancf.meshes.placing import LARGEST_RATIO, place, place_natural
 from skancf.meshes.region import Region, Regions
 from skancf.meshes.sizes import Sizes
 from skancf.meshes.tensor import bounds_of, tensor, whole
 from skancf.surfaces import BoundedSurface
-
-Pair = tuple[float, float]
 
 
 def graded(
@@ -92,14 +91,8 @@ def graded(
         _along(direction, surface, regions, finest=finest, growth=growth, transition=transition) for direction in (0, 1)
     )
     if coarse is not None:
-        length_x, length_y = _pair("coarse", coarse)
-        for direction, length in enumerate((length_x, length_y)):
-            low, high = bounds_of(surface)[direction]
-            if positive("coarse", length) > (high - low) * (1 + 1e-9):
-                raise InputError(f"coarse: an element length l_0 = {length} does not fit into the side L = {high - low} "
-                                 f"along {'xy'[direction]}; give a shorter one")  # fmt: skip
-        row_x = place_natural(along_x, positive("coarse", length_x))
-        row_y = place_natural(along_y, positive("coarse", length_y))
+        length_x, length_y = coarse_lengths(coarse, bounds_of(surface))
+        row_x, row_y = place_natural(along_x, length_x), place_natural(along_y, length_y)
     else:
         nx, ny = shape_for(surface, along_x, along_y, nodes) if nodes is not None else _shape(shape)
         row_x, row_y = place(along_x, nx), place(along_y, ny)
@@ -110,26 +103,22 @@ def _along(
     direction: int, surface: BoundedSurface, regions: Sequence[Region], *, finest: float, growth: float, transition: Any
 ) -> Sizes:
     """The wanted lengths in one direction."""
-    if not 0 < number("finest", finest) < 1:
-        raise InputError(f"finest = {finest}: give the smallest fine length over the coarse one, between 0 and 1")
+    shares = fractions(regions, finest)
     if not 1 < number("growth", growth) <= LARGEST_RATIO:
         raise InputError(f"growth = {growth}: neighbouring lengths may grow by a factor greater than 1 and at most 2")
-    ramp = _pair("transition", transition)[direction]
+    ramp = pair("transition", transition)[direction]
     if ramp < 0:
         raise InputError(f"transition = {transition}: give a length of at least 0 (0: as short as growth allows)")
     low, high = bounds_of(surface)[direction]
     if ramp > high - low:
         raise InputError(f"transition = {ramp} along {'xy'[direction]}: longer than the side L = {high - low} in which "
                          "lengths must go from l_0 to l_n; give a shorter one, or 0 for the shortest")  # fmt: skip
-    for region in regions:
-        if not isinstance(region, Region):
-            raise InputError(f"regions: {region!r} is no Region(centre, half_size, ratio)")
     return Sizes(
         low=low,
         high=high,
         centres=np.array([_inside(region, direction, low, high) for region in regions]),
         half_sizes=np.array([region.half_size[direction] for region in regions], float),
-        fractions=np.array([max(finest, region.ratio**-0.5) for region in regions]),
+        fractions=shares,
         growth=growth,
         transition=ramp,
     )
@@ -157,12 +146,3 @@ def _shape(shape: Any) -> tuple[int, int]:
     except (TypeError, ValueError) as wrong:
         raise InputError(f"shape = {shape!r}: give the two numbers of cells (nx, ny)") from wrong
     return whole("nx", nx), whole("ny", ny)
-
-
-def _pair(name: str, value: Any) -> Pair:
-    """One number for both directions, or one for each."""
-    array = finite(name, value)
-    if array.shape not in ((), (2,)):
-        raise InputError(f"{name} = {value}: give one number, or one for each direction")
-    x, y = np.broadcast_to(array, 2).tolist()
-    return x, y

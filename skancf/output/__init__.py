@@ -1,7 +1,8 @@
 """Results as files, pictures and charts. Viewers are imported by the functions that use them."""
 
 from skancf.atomic import check_folder
-from skancf.output.charts import convergence_chart, field_chart, histories_chart, mesh_chart
+from skancf.output.adaptive_charts import convergence, effectivity, mesh_levels
+from skancf.output.charts import field_chart, histories_chart, mesh_chart
 from skancf.output.files import read, write
 from skancf.output.panels import draw_cells
 from skancf.output.pictures import animation, picture
@@ -12,11 +13,13 @@ __all__ = [
     "Samples",
     "animation",
     "check_folder",
-    "convergence_chart",
+    "convergence",
     "draw_cells",
+    "effectivity",
     "field_chart",
     "histories_chart",
     "mesh_chart",
+    "mesh_levels",
     "picture",
     "read",
     "sample",

@@ -39,3 +39,23 @@ def contour_colours(values: np.ndarray, limits: tuple[float, float] | None, leve
         if not low < high:
             raise InputError(f"limits = {limits}: give the smaller value first")
     return {"levels": MaxNLocator(levels).tick_values(low, high), "cmap": colour_map(low, high)}
+
+
+def draw_curves(axes: Any, curves: Any, width: float, colour: str) -> None:
+    """Polylines (m, n, 2)."""
+    from matplotlib.collections import LineCollection
+
+    axes.add_collection(LineCollection(list(curves), colors=colour, linewidths=width))
+    axes.autoscale_view()
+
+
+def plane_axes(axes: Any) -> None:
+    """Both directions to the same scale, in metres."""
+    axes.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+    axes.margins(0.05)
+
+
+def plane_height(width: float, curves: np.ndarray) -> float:
+    """Height (inches) of a panel of this width for curves (m, n, 2) drawn to scale, with room for titles."""
+    across, up = np.ptp(curves.reshape(-1, 2), axis=0)
+    return float(np.clip((width - 1.5) * up / across + 1.2, 2.4, 9.0))

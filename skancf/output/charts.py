@@ -1,4 +1,4 @@
-"""Charts of meshes, fields, histories and errors."""
+"""Charts of meshes, fields and histories."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -8,11 +8,11 @@ import numpy as np
 import skfem
 
 from skancf.atomic import AnyPath
-from skancf.errors import InputError, vector
+from skancf.errors import vector
 from skancf.meshes import Region
-from skancf.output.canvas import BAND, INK, contour_colours, new_figure, save
+from skancf.output.canvas import BAND, INK, contour_colours, draw_curves, new_figure, plane_axes, plane_height, save
 from skancf.output.colours import line_style
-from skancf.output.curves import Curves, curve, panels_of
+from skancf.output.curves import Curves, panels_of
 from skancf.output.plane import edge_curves, label_place, region_outline, subdivided, to_plane
 from skancf.surfaces import Surface
 
@@ -46,9 +46,9 @@ def mesh_chart(
     Path
     """
     curves = edge_curves(mesh, surface)
-    figure = new_figure(*_plane_size(curves))
+    figure = new_figure(7.5, plane_height(7.5, curves))
     axes = figure.subplots()
-    _draw_curves(axes, curves, 0.6, INK)
+    draw_curves(axes, curves, 0.6, INK)
     for k, region in enumerate(regions):
         outline = region_outline(mesh, surface, region)
         axes.fill(*outline, facecolor=BAND, alpha=0.25)
@@ -61,7 +61,7 @@ def mesh_chart(
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", frameon=False)
     axes.set_title(f"{mesh.t.shape[1]} elements, {mesh.p.shape[1]} nodes" if title is None else title)
-    _plane_axes(axes)
+    plane_axes(axes)
     return save(figure, path)
 
 
@@ -103,7 +103,7 @@ def field_chart(
     Path
     """
     curves = edge_curves(mesh, surface)
-    figure = new_figure(*_plane_size(curves))
+    figure = new_figure(7.5, plane_height(7.5, curves))
     axes = figure.subplots()
     triangles, fine = subdivided(mesh, values, surface)
     options = contour_colours(fine, limits, levels)
@@ -111,9 +111,9 @@ def field_chart(
     drawn.set_edgecolor("face")
     figure.colorbar(drawn, ax=axes, label=label, shrink=0.85)
     if show_mesh:
-        _draw_curves(axes, curves, 0.35, "#404040")
+        draw_curves(axes, curves, 0.35, "#404040")
     axes.set_title(title)
-    _plane_axes(axes)
+    plane_axes(axes)
     return save(figure, path)
 
 
@@ -159,51 +159,6 @@ def histories_chart(
     return save(figure, path)
 
 
-def convergence_chart(
-    series: Mapping[str, tuple[Any, Any]],
-    path: AnyPath,
-    *,
-    xlabel: str = "degrees of freedom",
-    ylabel: str = "relative error",
-    slopes: Sequence[float] = (),
-    title: str = "",
-) -> Path:
-    """Errors against degrees of freedom, or seconds, on logarithmic axes.
-
-    Parameters
-    ----------
-    series : mapping from label to (x, error)
-        Errors that are not positive cannot be drawn and are left out.
-    path : str or Path
-        ``*.png``, ``*.pdf`` or ``*.svg``.
-    xlabel, ylabel : str
-    slopes : sequence of float
-        Lines of these slopes are drawn to compare with, as in ``(-1, -2)``.
-    title : str
-
-    Returns
-    -------
-    Path
-    """
-    figure = new_figure(7.0, 5.0)
-    axes = figure.subplots()
-    drawn = []
-    for k, (label, pair) in enumerate(series.items()):
-        x, error = curve(label, pair)
-        positive = (x > 0) & (error > 0)
-        if not positive.any():
-            continue
-        drawn.append((x[positive], error[positive]))
-        axes.plot(*drawn[-1], label=label, marker="osD^v<>"[k % 7], markersize=6, **line_style(k))
-    if not drawn:
-        raise InputError("series: no positive values to draw on logarithmic axes; give at least one error above zero")
-    axes.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel, title=title)
-    _draw_slopes(axes, drawn, slopes)
-    axes.grid(True, which="major", color="#d0d0d0", linewidth=0.7)
-    figure.legend(loc="outside lower center", ncols=min(2, len(drawn)), frameon=False)
-    return save(figure, path)
-
-
 def _draw_histories(axes: Any, curves: Curves) -> None:
     for k, (label, (x, y)) in enumerate(curves.items()):
         # Few points are data to compare with, seen as points.
@@ -222,38 +177,7 @@ def _legend(figure: Any, grid: Sequence[Any], panels: Sequence[tuple[str, Curves
     figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), frameon=False)
 
 
-def _draw_slopes(axes: Any, drawn: Sequence[tuple[np.ndarray, np.ndarray]], slopes: Sequence[float]) -> None:
-    """Dotted lines below the end of the lowest series."""
-    x, error = min(drawn, key=lambda pair: pair[1].min())
-    order = np.argsort(x)
-    span = np.array([x.min() ** 0.4 * x.max() ** 0.6, x.max()])
-    curve_there = np.exp(np.interp(np.log(span), np.log(x[order]), np.log(error[order])))
-    for slope in slopes:
-        line = 0.5 * (curve_there / span**slope).min() * span**slope
-        axes.plot(span, line, ":", color="#707070", linewidth=1.3)
-        axes.annotate(f"slope {slope:g}", (span[0], line[0]), xytext=(-4, 0), textcoords="offset points",
-                      color="#505050", ha="right", va="center")  # fmt: skip
-
-
-def _draw_curves(axes: Any, curves: np.ndarray, width: float, colour: str) -> None:
-    from matplotlib.collections import LineCollection
-
-    axes.add_collection(LineCollection(list(curves), colors=colour, linewidths=width))
-    axes.autoscale_view()
-
-
 def _write_at(axes: Any, place: np.ndarray, text: str, offset: tuple[float, float]) -> None:
     box = {"boxstyle": "round,pad=0.2", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
     middle = {"ha": "center", "va": "center"} if offset == (0, 0) else {}
     axes.annotate(text, place, xytext=offset, textcoords="offset points", bbox=box, fontsize=10, zorder=5, **middle)
-
-
-def _plane_axes(axes: Any) -> None:
-    axes.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
-    axes.margins(0.05)
-
-
-def _plane_size(curves: np.ndarray) -> tuple[float, float]:
-    """Width and height of a figure (inches) for curves (m, n, 2) drawn to scale."""
-    width, height = np.ptp(curves.reshape(-1, 2), axis=0)
-    return 7.5, float(np.clip(6.0 * height / width + 1.2, 2.4, 9.0))

@@ -14,6 +14,11 @@ def line_style(k: int) -> dict[str, Any]:
     return {"color": COLOURS[k % len(COLOURS)], "linestyle": PATTERNS[k % len(PATTERNS)], "linewidth": 1.8}
 
 
+def marked_style(k: int) -> dict[str, Any]:
+    """The same with markers."""
+    return {**line_style(k), "marker": "osD^v<>"[k % 7], "markersize": 6}
+
+
 def two_signs(low: float, high: float) -> bool:
     """Whether both signs matter: neither end is below a twentieth of the other."""
     return low < 0 < high and min(-low, high) > 0.05 * max(-low, high)

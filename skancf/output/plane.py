@@ -18,11 +18,21 @@ def to_plane(surface: Surface | None, points: np.ndarray) -> np.ndarray:
 
 
 def edge_curves(mesh: skfem.MeshQuad, surface: Surface | None) -> np.ndarray:
-    """All edges as polylines, (n_facets, n, 2); straight ones where there is no surface."""
-    ends = mesh.p[:, mesh.facets]
+    """All edges as polylines, (m, n, 2); straight ones where there is no surface. Of a divided edge its halves."""
+    # The whole edge that smaller elements divide has one neighbour, and yet is no boundary.
+    once = np.concatenate([np.flatnonzero(mesh.f2t[1] >= 0), mesh.boundary_facets()])
+    ends = mesh.p[:, mesh.facets[:, once]]
     s = np.linspace(0, 1, 2 if surface is None else 13)
     points = ends[:, 0, :, None] * (1 - s) + ends[:, 1, :, None] * s
     return np.moveaxis(to_plane(surface, points), 0, -1)
+
+
+def cell_outlines(mesh: skfem.MeshQuad, surface: Surface | None) -> np.ndarray:
+    """The outline of each element, (n_elements, n, 2)."""
+    corners = mesh.p[:, mesh.t]
+    s = np.linspace(0, 1, 1 if surface is None else 8, endpoint=False)
+    points = corners[:, :, None] * (1 - s)[:, None] + np.roll(corners, -1, axis=1)[:, :, None] * s[:, None]
+    return to_plane(surface, points.reshape(2, -1, mesh.t.shape[1])).T
 
 
 def region_within(mesh: skfem.MeshQuad, region: Region) -> tuple[np.ndarray, np.ndarray]:
@@ -67,5 +77,20 @@ def subdivided(mesh: skfem.MeshQuad, values: Any, surface: Surface | None) -> tu
 
 def _refine(mesh: skfem.MeshQuad, field: np.ndarray) -> tuple[skfem.MeshQuad, np.ndarray]:
     """Halve the edges; new nodes are numbered nodes, edges, elements, as ``refined`` of scikit-fem does."""
-    new = np.concatenate([field, field[mesh.facets].mean(axis=0), field[mesh.t].mean(axis=0)])
-    return skfem.MeshQuad(mesh.p, mesh.t).refined(), new
+    plain = skfem.MeshQuad(mesh.p, mesh.t)
+    new = np.concatenate([field, _middles(mesh, plain.facets, field), field[mesh.t].mean(axis=0)])
+    return plain.refined(), new
+
+
+def _middles(mesh: skfem.MeshQuad, edges: np.ndarray, field: np.ndarray) -> np.ndarray:
+    """Values in the middle of edges (2, n); where a node hangs, its own, so that the field has no gap."""
+    values = field[edges].mean(axis=0)
+    if not hasattr(mesh, "hanging"):
+        return values
+    keys, wanted = (np.sort(pairs, axis=0).T @ [mesh.p.shape[1], 1] for pairs in (edges, mesh.hanging_ends))
+    order = np.argsort(keys)
+    at = order[np.minimum(np.searchsorted(keys[order], wanted), len(order) - 1)]
+    # Across a closed seam the edge has other nodes.
+    found = keys[at] == wanted
+    values[at[found]] = field[mesh.hanging[found]]
+    return values

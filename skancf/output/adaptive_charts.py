@@ -1,0 +1,303 @@
+"""Charts of adaptivity: meshes from level to level, errors against cost, estimates against errors."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.atomic import AnyPath
+from skancf.errors import InputError, finite, number, vector
+from skancf.output.canvas import BAND, INK, draw_curves, new_figure, plane_axes, save
+from skancf.output.colours import colour_map, marked_style
+from skancf.output.curves import Curves, curve
+from skancf.output.plane import cell_outlines, edge_curves, to_plane
+from skancf.surfaces import Surface
+
+PANEL, PER_ROW = 2.9, 4
+"""Width of a panel (inches), and how many stand side by side."""
+# Markers on more would hide the mesh.
+FEW_ELEMENTS = 400
+DECADES = 6
+"""Shown of values; indicators that vanish but for rounding have the lowest colour."""
+
+
+def mesh_levels(
+    meshes: Sequence[skfem.MeshQuad],
+    path: AnyPath,
+    *,
+    surface: Surface | None = None,
+    titles: Sequence[str] | None = None,
+    values: Sequence[Any] | None = None,
+    label: str = "indicator",
+) -> Path:
+    """Meshes side by side, with elements coloured by their level, or by values of their own on a logarithmic scale.
+
+    The colours mean the same in all panels. On meshes of few elements the hanging nodes are marked.
+
+    Parameters
+    ----------
+    meshes : sequence of skfem.MeshQuad
+        In the parameter plane. Elements of meshes without levels have level 0.
+    path : str or Path
+        ``*.png``, ``*.pdf`` or ``*.svg``.
+    surface : Surface, optional
+        Where the points of the parameter plane lie in space; x and y are drawn. Default: the parameter plane itself.
+    titles : sequence of str, optional
+        One for each mesh. Default: the numbers of elements and nodes.
+    values : sequence of (n_elements,) arrays, optional
+        For each mesh at least 0, for example squared errors of :func:`skancf.adapt.recovery`. The colours span six decades
+        at most.
+    label : str
+        What the values mean, with their unit.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError
+        Without meshes, for another number of titles or values, and for values that are negative or all zero.
+    """
+    from matplotlib.cm import ScalarMappable
+
+    meshes = list(meshes)
+    if not meshes:
+        raise InputError("meshes: there are none to draw; give at least one")
+    if titles is None:
+        titles = [f"{mesh.t.shape[1]} elements, {mesh.p.shape[1]} nodes" for mesh in meshes]
+    _check_number("titles", titles, meshes)
+    if values is None:
+        shown, colours = _levels(meshes)
+        bar = {"label": "level", "ticks": np.unique(np.concatenate(shown))}
+    else:
+        _check_number("values", values, meshes)
+        shown, colours = _logarithmic(meshes, values)
+        bar = {"label": label}
+    edges = [edge_curves(mesh, surface) for mesh in meshes]
+    rows = -(-len(meshes) // PER_ROW)
+    columns = -(-len(meshes) // rows)
+    across, up = np.ptp(np.concatenate(edges).reshape(-1, 2), axis=0)
+    figure = new_figure(PANEL * columns + 1.5, max(rows * (PANEL * up / across + 0.5) + 0.7, 2.5))
+    # Panels to scale do not fill their places.
+    figure.set_layout_engine("compressed")
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    for k, axes in enumerate(grid):
+        if k >= len(meshes):
+            axes.remove()
+            continue
+        _draw_cells(axes, cell_outlines(meshes[k], surface), shown[k], colours)
+        draw_curves(axes, edges[k], float(np.clip(8 / np.sqrt(meshes[k].t.shape[1]), 0.15, 0.7)), INK)
+        _mark_hanging(axes, meshes[k], surface)
+        axes.set_title(titles[k], fontsize=10)
+        plane_axes(axes)
+        axes.locator_params(nbins=5)
+        axes.label_outer()
+        if k + columns >= len(meshes):
+            axes.set_xlabel("x (m)")
+            axes.tick_params(labelbottom=True)
+    figure.colorbar(ScalarMappable(**colours), ax=list(grid[: len(meshes)]), shrink=0.85, **bar)
+    marks = [mark for axes in figure.axes for mark in axes.get_legend_handles_labels()[0]]
+    if marks:
+        figure.legend(handles=marks[:1], loc="outside lower center", frameon=False)
+    return save(figure, path)
+
+
+def convergence(
+    curves: Mapping[str, tuple[Any, Any]],
+    path: AnyPath,
+    *,
+    xlabel: str = "degrees of freedom",
+    ylabel: str = "relative error",
+    slopes: Sequence[float] | None = None,
+    title: str = "",
+) -> Path:
+    """Errors against degrees of freedom, or seconds, on logarithmic axes.
+
+    Parameters
+    ----------
+    curves : mapping from label to (x, error)
+        Errors that are not positive cannot be drawn and are left out.
+    path : str or Path
+        ``*.png``, ``*.pdf`` or ``*.svg``.
+    xlabel, ylabel : str
+    slopes : sequence of float, optional
+        Triangles of these slopes are drawn to compare with, as in ``(-1, -2)``: the steeper ones below the curves, the
+        others above.
+    title : str
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError
+        For curves of two lengths, for curves without a positive value, and for a slope of zero.
+    """
+    given = {text: curve(text, pair) for text, pair in curves.items()}
+    keep = {text: (x > 0) & (error > 0) for text, (x, error) in given.items()}
+    drawn = {text: (x[keep[text]], error[keep[text]]) for text, (x, error) in given.items() if keep[text].any()}
+    if not drawn:
+        raise InputError("curves: no positive values to draw on logarithmic axes; give at least one error above zero")
+    figure = new_figure(7.0, 5.0)
+    axes = figure.subplots()
+    axes.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel, title=title)
+    _draw_triangles(axes, list(drawn.values()), slopes or ())
+    _draw_marked(axes, drawn)
+    _legend_below(figure, axes)
+    return save(figure, path)
+
+
+def effectivity(
+    curves: Mapping[str, tuple[Any, Any]],
+    path: AnyPath,
+    *,
+    band: tuple[float, float] = (0.9, 1.1),
+    xlabel: str = "degrees of freedom",
+    title: str = "",
+) -> Path:
+    """How right an estimate is: estimated over true errors, which shall come to lie in a band about 1.
+
+    The scale of the ratio is logarithmic where the ratios and the band span more than a factor of 10 and none is negative.
+
+    Parameters
+    ----------
+    curves : mapping from label to (x, ratio)
+        Degrees of freedom and the estimate over the true error.
+    path : str or Path
+        ``*.png``, ``*.pdf`` or ``*.svg``.
+    band : (2,) tuple
+        Ratios between which an estimate is good; shaded.
+    xlabel, title : str
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError
+        For curves of two lengths, x that is not positive, no curves at all, and a band that does not hold 1.
+    """
+    low, high = vector("band", band, 2).tolist()
+    if not 0 < low <= 1 <= high:
+        raise InputError(f"band = {band}: give a smaller and a larger ratio about 1, both greater than zero")
+    drawn = {text: curve(text, pair) for text, pair in curves.items()}
+    if not drawn:
+        raise InputError("curves: there are none to draw; give at least one")
+    for text, (x, _) in drawn.items():
+        if not (x > 0).all():
+            raise InputError(f"{text!r}: x = {x.min()} cannot be drawn on a logarithmic axis; give numbers above zero")
+    ratios = np.concatenate([ratio for _, ratio in drawn.values()])
+    figure = new_figure(7.0, 4.5)
+    axes = figure.subplots()
+    axes.axhline(1.0, color=INK, linewidth=1.0)
+    axes.set(xscale="log", xlabel=xlabel, ylabel="estimated error / true error", title=title)
+    if ratios.min() > 0 and max(ratios.max(), high) > 10 * min(ratios.min(), low):
+        axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
+    _draw_marked(axes, drawn)
+    axes.axhspan(low, high, color="#b0b0b0", alpha=0.35, linewidth=0, label=f"{low:g} to {high:g}")
+    _legend_below(figure, axes)
+    return save(figure, path)
+
+
+def _check_number(name: str, given: Sequence[Any], meshes: Sequence[skfem.MeshQuad]) -> None:
+    if len(given) != len(meshes):
+        raise InputError(f"{name}: {len(given)} for {len(meshes)} meshes; give one for each")
+
+
+def _levels(meshes: Sequence[skfem.MeshQuad]) -> tuple[list[np.ndarray], dict[str, Any]]:
+    """Levels of the elements of each mesh, and their colours."""
+    from matplotlib import colormaps
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    levels = [np.asarray(getattr(mesh, "levels", np.zeros(mesh.t.shape[1], dtype=int))) for mesh in meshes]
+    low, high = min(part.min() for part in levels), max(part.max() for part in levels)
+    # Light, so that the edges of all levels are seen.
+    colours = ListedColormap(colormaps["YlGnBu"](np.linspace(0.05, 0.65, high - low + 1)))
+    return levels, {"norm": BoundaryNorm(np.arange(low, high + 2) - 0.5, colours.N), "cmap": colours}
+
+
+def _logarithmic(meshes: Sequence[skfem.MeshQuad], values: Sequence[Any]) -> tuple[list[np.ndarray], dict[str, Any]]:
+    """Values of the elements of each mesh, those out of range at its end, and their colours."""
+    from matplotlib.colors import LogNorm
+
+    fields = [finite(f"values[{k}]", part) for k, part in enumerate(values)]
+    for k, (field, mesh) in enumerate(zip(fields, meshes, strict=True)):
+        if field.shape != mesh.t.shape[1:]:
+            raise InputError(f"values[{k}] has shape {field.shape}: give one for each of the {mesh.t.shape[1]} elements")
+        if (field < 0).any():
+            raise InputError(f"values[{k}] has {field.min()}: negative values have no place on a logarithmic scale")
+    every = np.concatenate(fields)
+    if not every.any():
+        raise InputError("values: all are zero, and have no place on a logarithmic scale; give at least one above zero")
+    low = max(every[every > 0].min(), every.max() * 10.0**-DECADES)
+    # A constant is a colour in the middle.
+    apart = 2.0 if low == every.max() else 1.0
+    norm = LogNorm(low / apart, every.max() * apart)
+    return [np.maximum(field, low) for field in fields], {"norm": norm, "cmap": colour_map(0, 1)}
+
+
+def _draw_cells(axes: Any, outlines: np.ndarray, values: np.ndarray, colours: dict[str, Any]) -> None:
+    from matplotlib.collections import PolyCollection
+
+    axes.add_collection(PolyCollection(list(outlines), array=values, edgecolors="face", linewidths=0.2, **colours))
+
+
+def _mark_hanging(axes: Any, mesh: skfem.MeshQuad, surface: Surface | None) -> None:
+    hanging = getattr(mesh, "hanging", np.empty(0, dtype=int))
+    if hanging.size and mesh.t.shape[1] <= FEW_ELEMENTS:
+        places = to_plane(surface, mesh.p[:, hanging])
+        size = float(np.clip(32 / np.sqrt(mesh.t.shape[1]), 2.0, 4.5))
+        axes.plot(*places, "o", color=BAND, markersize=size, markeredgecolor="white", markeredgewidth=size / 7, zorder=5,
+                  label="hanging node")  # fmt: skip
+
+
+def _draw_marked(axes: Any, curves: Curves) -> None:
+    """Curves with markers, and a grid."""
+    for k, (label, (x, y)) in enumerate(curves.items()):
+        axes.plot(x, y, label=label, **marked_style(k))
+    axes.grid(True, which="major", color="#d0d0d0", linewidth=0.7)
+
+
+def _legend_below(figure: Any, axes: Any) -> None:
+    entries = len(axes.get_legend_handles_labels()[0])
+    # Long enough for every pattern of a line.
+    columns = 2 if entries == 4 else min(3, entries)
+    figure.legend(loc="outside lower center", ncols=columns, frameon=False, handlelength=3.2)
+
+
+def _draw_triangles(axes: Any, drawn: Sequence[tuple[np.ndarray, np.ndarray]], slopes: Sequence[float]) -> None:
+    """Right triangles beside the curves, the steeper half of the slopes below them."""
+    steep_first = sorted(number("slopes", slope) for slope in slopes)
+    if 0 in steep_first:
+        raise InputError("slopes: a slope of 0 makes no triangle; leave it out")
+    logarithms = [np.log(pair)[:, np.argsort(pair[0])] for pair in drawn]
+    every = np.concatenate(logarithms, axis=1)
+    (start, bottom), (end, top) = every.min(axis=1), every.max(axis=1)
+    if start == end:
+        return
+    width, gap = 0.2 * (end - start), 0.05 * (top - bottom) or 0.1
+    half = (len(steep_first) + 1) // 2
+    for side, group in ((-1, steep_first[:half]), (1, steep_first[half:])):
+        for k, slope in enumerate(group):
+            middle = start + (end - start) * (k + 1) / (len(group) + 1)
+            x = np.linspace(middle - width / 2, middle + width / 2, 50)
+            # How far each curve is above the line, the more the farther on its side.
+            above = np.array([np.interp(x, *points) - slope * (x - x[0]) for points in logarithms])
+            height = side * ((side * above).max() + gap)
+            _draw_triangle(axes, x[[0, -1]], height + slope * (x[[0, -1]] - x[0]), slope, side)
+
+
+def _draw_triangle(axes: Any, x: np.ndarray, y: np.ndarray, slope: float, side: int) -> None:
+    """Between two points and the corner away from the curves; coordinates are logarithms."""
+    first = slope * side > 0
+    corner = (x[0] if first else x[1]), (y.max() if side > 0 else y.min())
+    rim = np.exp(np.array([[x[0], y[0]], [x[1], y[1]], corner])).T
+    axes.fill(*rim, facecolor="#ececec", edgecolor="#606060", linewidth=1.0)
+    axes.annotate(f"slope {slope:g}", np.exp((corner[0], y.mean())), xytext=(-5 if first else 5, 0),
+                  textcoords="offset points", color="#404040", ha="right" if first else "left", va="center")  # fmt: skip

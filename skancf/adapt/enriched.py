@@ -7,20 +7,24 @@ of its error. The residual vanishes on what the coarse mesh can do; the rest of 
 """
 
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 
 from skancf.adapt.ends import singular_points, touching
+from skancf.adapt.grow import SMALLEST, may_be_quartered
 from skancf.adapt.transfer import ancestors_in, prolongation
 from skancf.assembly.system import System
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
-from skancf.meshes.forest import DEEPEST
 from skancf.solution import Solution
+from skancf.statics.load_steps import equilibrium
 from skancf.statics.newton import factored, newton, work
 
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
+LEFT = {True: 1 / 16, False: 1 / 4}
+"""Part of an error that is left on quartered elements, in theory `kirchhoff` and `full`."""
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
 NEAR = 1e-3
@@ -32,7 +36,7 @@ def enriched_mesh(system: System) -> MeshQuadTree:
     mesh, points = system.mesh.refined(), singular_points(system)
     for _ in range(EXTRA):
         at_points = touching(mesh, points)
-        mesh = mesh.refined(at_points[mesh.levels[at_points] < DEEPEST])
+        mesh = mesh.refined(at_points[may_be_quartered(mesh, SMALLEST / 2)[at_points]])
     return mesh
 
 
@@ -51,6 +55,14 @@ class Refined:
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
         self._up = prolongation(coarse.geometry, self.system.geometry)
         self._down = prolongation(self.system.geometry, coarse.geometry)
+
+    def beyond(self, difference: float) -> float:
+        """Estimated limit minus value on the mesh, from the difference that refinement makes.
+
+        What is left is a sixteenth of the error in `kirchhoff`, which is of order four, and a quarter in `full`, of order
+        two.
+        """
+        return difference / (1 - LEFT[self.system.geometry.theory.twist])
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""
@@ -94,6 +106,8 @@ class Enriched(Refined):
     start : (n_fine,) array
         The state's nodal coordinates there.
     residual : (n_fine,) array
+    unresolved : (n_fine,) array
+        What is left of it after the step: rounding, and what Newton's method left.
     """
 
     def __init__(self, state: Solution, mesh: MeshQuadTree | None = None, backend: str = "auto"):
@@ -114,7 +128,8 @@ class Enriched(Refined):
         moved = fine.constraints.fixed_part(fine.prescribed() - change)
         self._solver.factor(stiffness)
         self.stiffness = stiffness
-        self._step = self._solver.solve(-(self.residual + stiffness @ moved)) + moved
+        self._step = self._solver.solve(-(self.residual + stiffness @ moved), refinements=2) + moved
+        self.unresolved = self.residual + stiffness @ self._step
 
     def _start_nonlinear(self) -> None:
         fine, factor = self.system, self.state.load_factor
@@ -125,6 +140,7 @@ class Enriched(Refined):
         self.stiffness = tangent.matrix
         first = tangent.solve(-(self.residual + tangent.multiply(moved))) + moved
         self._step = self._chord(first, tangent)
+        self.unresolved = self._residual(self.start + self._step)
 
     def _residual(self, q: np.ndarray) -> np.ndarray:
         return self.system.internal_force(q) - self.state.load_factor * self.system.external_force(q)
@@ -141,12 +157,18 @@ class Enriched(Refined):
             if not size < last / 4:
                 break
             last = size
-        result = newton(
-            self.system, self.start, self._solver, load_factor=self.state.load_factor, rtol=NEAR, stresses=None
-        )
-        self.stiffness = self.system.tangent(result.q, factor=self.state.load_factor)
+        return self._newton() - self.start
+
+    def _newton(self) -> np.ndarray:
+        """Coordinates of the refined equilibrium by Newton's method, or by load steps from nothing."""
+        fine, factor = self.system, self.state.load_factor
+        result: Any = newton(fine, self.start, self._solver, load_factor=factor, rtol=NEAR)
+        q = result.q
+        if not result.converged:
+            q = equilibrium(fine, factor, rtol=NEAR, follow=True, backend=self._solver.backend_name).unwrap().q
+        self.stiffness = fine.tangent(q, factor=factor)
         self._solver.factor(self.stiffness)
-        return (result.q if result.converged else self.start + first) - self.start
+        return np.asarray(q)
 
     def __enter__(self) -> "Enriched":
         return self

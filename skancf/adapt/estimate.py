@@ -20,15 +20,18 @@ class Estimate:
     error : float
         Limit minus value, estimated.
     indicators : (n_elements,) array
-        Sizes of the contributions of the elements to it; their sum is at least ``abs(error)`` up to nonlinear terms.
+        Sizes of the contributions of the elements to it; contributions of both signs may cancel in it.
     better : Solution
         The state one refinement further, where the estimate comes from.
+    rounding : float
+        What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
     """
 
     value: float
     error: float
     indicators: np.ndarray
     better: Solution
+    rounding: float = 0.0
 
 
 def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto") -> Estimate:
@@ -37,11 +40,12 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     Every element is quartered, a few times more at singular points. With the residual R of the refined system, its tangent K
     and the dual weight :math:`z = K^{-1} \partial J / \partial q`,
 
-    .. math:: J(u) - J(u_h) \approx J(u_h - K^{-1} R) - J(u_h), \qquad \eta_K = \sum_{i \in K} |R_i \cdot (z - I z)_i|
+    .. math:: J(u) - J(u_h) \approx \frac{J(u_h - K^{-1} R) - J(u_h)}{1 - 2^{-p}}, \qquad
+        \eta_K = \sum_{i \in K} |R_i \cdot (z - I z)_i|
 
-    over the new nodes i of an element K, with the interpolant I of the mesh. The difference of the two values contains all
-    of the step that the linear weight :math:`-z \cdot R` has, and the terms of second order, which are all there is where
-    the quantity is the energy.
+    over the new nodes i of an element K, with the interpolant I of the mesh, and the order p of the error, four in theory
+    `kirchhoff` and two in `full`. The difference of the two values contains all of the step that the linear weight
+    :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
 
     References
     ----------
@@ -52,7 +56,11 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
         better = enriched.corrected
         weight = enriched.solve(quantity.gradient(better))
         indicators = enriched.shares(enriched.residual * enriched.surplus(weight))
-        return Estimate(value, quantity.value(better) - value, indicators, better)
+        left = enriched.system.constraints.free_part(enriched.unresolved)
+        error = enriched.beyond(quantity.value(better) - value)
+        return Estimate(
+            value, error, indicators, better, rounding=float(np.abs(weight) @ np.abs(left))
+        )
 
 
 def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:

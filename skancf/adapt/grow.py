@@ -16,9 +16,16 @@ SHARE_LEFT = {True: 1 / 64, False: 1 / 16}
 two in `full`, and a quarter of the area."""
 SHARE_LEFT_SINGULAR = 0.5
 """The same for the quarter at a singular point."""
-DEEPEST = 13
-"""Largest level of an element. Curvatures of smaller ones are rounding: 1e-16 over 4^-13 is 1e-8."""
+SMALLEST = 2.0**-12
+"""Size of the smallest elements, of the extent of the mesh. Stiffness grows with the inverse square of the size, and so does
+what rounding does to a displacement: 1e-7 of it with these, four times as much after each further quartering."""
 DOERFLER, NEVER = Doerfler(0.8), Never()
+
+
+def may_be_quartered(mesh: MeshQuadTree, smallest: float = SMALLEST) -> np.ndarray:
+    """Which elements are larger than the smallest size, (n_elements,)."""
+    sizes = mesh.p[:, mesh.t[2]] - mesh.p[:, mesh.t[0]]
+    return np.asarray((sizes > 1.5 * smallest * np.ptp(mesh.p, axis=1)[:, None]).any(axis=0))
 
 
 @dataclass(frozen=True)
@@ -39,7 +46,7 @@ class Growth:
 
         ``points`` (2, n) are the singular ones.
         """
-        room = mesh.levels < DEEPEST
+        room = may_be_quartered(mesh)
         marked = self.refine.marked(np.where(room, indicators, 0.0))
         marked = marked[room[marked]]
         finer = mesh.refined(marked)
@@ -58,7 +65,7 @@ def _again(
         left = np.where(quartered > 0, indicators[above] * SHARE_LEFT[thin] ** quartered, 0.0)
         singular = touching(finer, points)
         left[singular] = (indicators[above] * SHARE_LEFT_SINGULAR**quartered)[singular]
-        again = np.flatnonzero((left > 2 * least) & (quartered == depth) & (finer.levels < DEEPEST))
+        again = np.flatnonzero((left > 2 * least) & (quartered == depth) & may_be_quartered(finer))
         if not again.size:
             break
         finer = finer.refined(again)

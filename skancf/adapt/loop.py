@@ -221,8 +221,8 @@ class _Run:
         if answer.found is None:
             warn_if_thick(answer.state)
         return AdaptiveResult(
-            answer.value, abs(estimate.error), answer.value + estimate.error, answer.state, tuple(self.levels), outcome,
-            message, unit,
+            answer.value, abs(estimate.error) + estimate.rounding, answer.value + estimate.error, answer.state,
+            tuple(self.levels), outcome, message, unit,
         )  # fmt: skip
 
     def _refine(self, system: System) -> tuple[Outcome, str]:
@@ -280,8 +280,11 @@ class _Run:
     def _end(self, found: _Found) -> tuple[Outcome, str] | None:
         """Why to stop after a mesh."""
         level, accepted = found.level, [level for level in self.levels if not level.rejected]
-        if not level.rejected and abs(level.error) <= self.asked.tolerance(level.value):
+        if not level.rejected and abs(level.error) + found.estimate.rounding <= self.asked.tolerance(level.value):
             return Outcome.REACHED, ""
+        if abs(level.error) < found.estimate.rounding:
+            return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
+                                      "smaller tolerance cannot be met")  # fmt: skip
         if why := why_without_limit(accepted, singular_points(found.answer.state.system)):
             return Outcome.NO_LIMIT, why
         if len(self.levels) >= self.asked.max_levels:

@@ -15,6 +15,7 @@ class Outcome(Enum):
     REACHED = "the asked accuracy is reached"
     BUDGET = "the budget is spent"
     NO_LIMIT = "the number has no limit"
+    ROUNDING = "rounding is as large as the error"
     INTERRUPTED = "interrupted"
     FAILED = "a mesh had no answer"
 
@@ -80,7 +81,7 @@ class AdaptiveResult:
     value : float
         The quantity on the best mesh.
     error_bar : float
-        Size of the estimated distance to its limit.
+        Size of the estimated distance to its limit, and of rounding.
     corrected : float
         The value with the estimate added: usually nearer to the limit, but without an error bar of its own.
     solution : Solution

@@ -74,4 +74,5 @@ class StabilityAnalysis:
             shares = enriched.shares(value * residual * enriched.surplus(step))
             shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
             scale = np.abs(answer.state.q - found.linear.system.undeformed).max() / np.abs(found.shapes[number]).max()
-            return Estimate(value, factor - value, shares, Solution(fine, fine.undeformed + scale * improved))
+            moved = Solution(fine, fine.undeformed + scale * improved)
+            return Estimate(value, enriched.beyond(factor - value), shares, moved)

@@ -101,10 +101,10 @@ class MeshQuadTree(skfem.MeshQuad):
         small, sides, large = (part[~meeting.seam] for part in (meeting.small, meeting.sides, meeting.large))
         return self.t2f[sides, small], self.t2f[(sides + 2) % 4, large]
 
-    def facets_satisfying(self, *args: Any, **kwargs: Any) -> np.ndarray:
+    def facets_satisfying(self, test: Any, boundaries_only: bool = False, normal: Any = None) -> np.ndarray:
         """Facets whose middles satisfy some condition, divided ones left out: see scikit-fem."""
-        found = super().facets_satisfying(*args, **kwargs)
-        return found[found < self.f2t.shape[1]]
+        undivided = np.arange(self.nfacets) < self.f2t.shape[1]
+        return super().facets_satisfying(lambda x: test(x) & undivided, boundaries_only, normal)
 
     # Change
 

@@ -42,7 +42,7 @@ def box(mesh, elements):
 
 
 def fields_at(system, q, elements, at):
-    """r, r_x, r_y, and r_z in theory `full`, seen from elements (m,) at points (2, m) of the parameter plane: (3 or 4, m, 3)."""
+    """r, r_x, r_y, and r_z in theory `full`, seen from elements (m,) at points (2, m): (3 or 4, m, 3)."""
     geometry, theory = system.geometry, system.geometry.theory
     low, high = box(system.mesh, elements)
     local, s = geometry.local(q.reshape(-1, 4, 3), elements), (at - low) / (high - low)
@@ -166,7 +166,7 @@ CROSSED = {(2, 1), (1, 2), (3, 1), (1, 3)}
 
 
 def test_what_the_full_element_reproduces():
-    """All its twelve monomials on a conforming mesh; at hanging nodes those whose slope across an edge is linear along it."""
+    """All twelve monomials on a conforming mesh; at hanging nodes those whose slope across an edge is linear along it."""
     whole = system_on("flat", "full", quadtree(uniform(SURFACES["flat"][0], 3, 3)))
     divided = system_on("flat", "full")
     assert max(reproduced(whole, *powers) for powers in TWELVE) < 1e-13
@@ -262,7 +262,8 @@ LOADS = {
 @pytest.mark.parametrize("kind", LOADS)
 def test_resultants_and_moments_of_loads(kind, theory):
     even = quadtree(uniform(SURFACES["flat"][0], 2, 2))
-    found, wanted = (work_on_rigid_motions(system_on("flat", theory, mesh, loads=[LOADS[kind]])) for mesh in (tree("flat"), even))
+    found, wanted = (work_on_rigid_motions(system_on("flat", theory, mesh, loads=[LOADS[kind]]))
+                     for mesh in (tree("flat"), even))  # fmt: skip
     # The disk's 768 points are the same ones.
     assert np.abs(found - wanted).max() < 1e-12 * np.abs(wanted).max() and np.abs(wanted).max() > 0.1
 

@@ -62,7 +62,8 @@ def check_balance(mesh, periods):
     slack = ROUNDING * np.ptp(mesh.p)
     for shift in shifts(periods):
         moved = [bound + shift[:, None] for bound in (low, high)]
-        touch = ((low[:, :, None] <= moved[1][:, None] + slack) & (high[:, :, None] >= moved[0][:, None] - slack)).all(axis=0)
+        touch = (low[:, :, None] <= moved[1][:, None] + slack) & (high[:, :, None] >= moved[0][:, None] - slack)
+        touch = touch.all(axis=0)
         assert (np.abs(mesh.levels[:, None] - mesh.levels)[touch] <= 1).all()
 
 
@@ -106,7 +107,7 @@ def check_nodes(mesh, periods):
 
 
 def facet_table(mesh):
-    """For each facet the elements on whose border it lies wholly, and those whose whole side it is a part of: by geometry."""
+    """For each facet the elements on whose border it lies as a whole, and whether it is divided: by geometry."""
     low, high = boxes(mesh)
     ends, slack = mesh.p[:, mesh.facets], 1e-9 * np.ptp(mesh.p)
     middle = ends.mean(axis=1)[:, :, None]
@@ -310,10 +311,9 @@ def check_names(mesh):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_names_stay_exact(seed):
-    mesh = named()
-    check_names(mesh)
+    check_names(named())
     levels = set()
-    for mesh in walk(mesh, np.random.default_rng(seed), 8):
+    for mesh in walk(named(), np.random.default_rng(seed), 8):
         check_names(mesh)
         levels |= set(mesh.levels)
     assert max(levels) > 2
@@ -429,24 +429,24 @@ def test_the_deepest_level():
     deep = mesh.levels.argmax()
     assert mesh.levels[deep] == DEEPEST and np.ptp(mesh.p[0, mesh.t[:, deep]]) == 0.5 ** (DEEPEST + 1)
     assert np.unique(mesh.p, axis=1).shape == mesh.p.shape
-    with pytest.raises(InputError, match=rf"element {deep} at \(.*\) has level 20, the deepest; begin with a finer coarse mesh"):
+    with pytest.raises(InputError, match=rf"element {deep} at \(.*\) has level 20, the deepest; begin with a finer"):
         mesh.refined([deep])
 
 
 def test_elements_that_are_no_aligned_rectangles():
-    for moved, theirs in ((4, "element"), (8, "element")):
+    for moved, theirs in ((4, "4 of 4 elements.*first: element 0"), (8, "1 of 4 elements.*first: element 3")):
         mesh = uniform(SQUARE, 2, 2)
         p = mesh.p.copy()
         p[0, moved] += 0.05
         with pytest.raises(InputError, match=theirs):
             quadtree(skfem.MeshQuad(p, mesh.t))
-    with pytest.raises(InputError, match="give a skfem.MeshQuad"):
+    with pytest.raises(InputError, match=r"give a skfem\.MeshQuad"):
         quadtree(skfem.MeshTri())
 
 
 @pytest.mark.parametrize("move", [
     lambda m: m.translated((1.0, 0.0)), lambda m: m.scaled(2.0), lambda m: m.restrict([0, 1]), lambda m: m.smoothed(),
-    lambda m: m.remove_elements([0]), lambda m: m.mirrored((1.0, 0.0)), lambda m: m.remove_unused_nodes().translated((0.0, 1.0)),
+    lambda m: m.remove_elements([0]), lambda m: m.mirrored((1.0, 0.0)),
     lambda m: m + m, lambda m: type(m)(), lambda m: type(m).init_tensor(np.array([0, 1.0]), np.array([0, 1.0])),
 ])  # fmt: skip
 def test_what_leaves_the_tree_is_refused(move):
@@ -457,7 +457,7 @@ def test_what_leaves_the_tree_is_refused(move):
 def test_the_plain_copy_can_be_moved():
     mesh = make("rectangle")[0].refined([0])
     moved = mesh.plain().translated((1.0, 0.0))
-    assert type(moved) is skfem.MeshQuad and np.allclose(moved.p, mesh.p + [[1], [0]]) and np.array_equal(moved.t, mesh.t)
+    assert type(moved) is skfem.MeshQuad and np.allclose(moved.p - mesh.p, [[1], [0]]) and np.array_equal(moved.t, mesh.t)
 
 
 def test_any_corner_numbering():

@@ -26,7 +26,9 @@ def transfer(state: Solution, system: System) -> Solution:
 
     .. math:: \int \rho t\, (r_{new} - r) \cdot \delta r_{new} \, dA = 0,
 
-    on what supports leave free; so the linear momentum of a free body stays the same.
+    on what supports leave free; so the linear momentum of a free body stays the same, but for the areas of curved elements,
+    which are those of each mesh. Supports hold exactly what they prescribe, at new nodes too, where the old elements are not
+    quite on a curved surface; for the same reason a curved body at rest is not quite without strain on a finer mesh.
 
     Raises
     ------
@@ -35,17 +37,23 @@ def transfer(state: Solution, system: System) -> Solution:
     """
     old, new = state.system.geometry, system.geometry
     _require_one_tree(old, new)
+    at_supports = system.undeformed + state.load_factor * system.prescribed(state.time)
     fields = [state.q.reshape(-1, 3)] if state.velocity is None else [v.reshape(-1, 3) for v in (state.q, state.velocity)]
+    held = [at_supports, np.zeros_like(at_supports)][: len(fields)]
     if _is_finer(new.mesh.leaves, old.mesh.leaves):
         P = prolongation(old, new)
-        moved = [P @ field for field in fields]
+        moved = [_held((P @ field).ravel(), values, system) for field, values in zip(fields, held, strict=True)]
     else:
-        held = system.undeformed + state.load_factor * system.prescribed(state.time)
-        moved = _projected(fields, [held, np.zeros_like(held)][: len(fields)], old, system)
-    q, *velocity = (field.ravel() for field in moved)
+        moved = _projected(fields, held, old, system)
+    q, *velocity = moved
     return Solution(
         system, q, velocity[0] if velocity else None, time=state.time, load_factor=state.load_factor, linear=state.linear
     )
+
+
+def _held(field: np.ndarray, values: np.ndarray, system: System) -> np.ndarray:
+    """A field with the values that supports prescribe."""
+    return np.asarray(field + system.constraints.fixed_part(values - field))
 
 
 def prolongation(old: Geometry, new: Geometry) -> sp.csr_matrix:
@@ -130,7 +138,7 @@ def _projected(
             fixed, forces = system.constraints.fixed_part(values), np.zeros((len(elements), 16, 3))
             np.add.at(forces, from_new, weighted @ (A_old @ old.local(field.reshape(-1, 4, 3))[from_old]))
             rhs = new.nodal(forces, elements).ravel() - matrix @ fixed
-            out.append((solver.solve(rhs, refinements=2) + fixed).reshape(-1, 3))
+            out.append(solver.solve(rhs, refinements=2) + fixed)
     return out
 
 
@@ -145,7 +153,7 @@ def _on_pieces(geometry: Geometry, pieces: Leaves) -> tuple[np.ndarray, np.ndarr
     matrices = np.empty((kinds.shape[1], 16, 16))
     for k, (levels, x, y) in enumerate(kinds.T.tolist()):
         size = 0.5**levels
-        table = theory.nodal_table(size * (CORNERS.T + [[x], [y]])) * _scales(np.full((2, 1), size), theory.twist)[:, None]
+        table = theory.nodal_table(size * np.add(CORNERS, (x, y)).T) * _scales(np.full((2, 1), size), theory.twist)[:, None]
         matrices[k][theory.rows] = table.transpose(2, 0, 1)
     return holds, matrices[kind.ravel()]
 

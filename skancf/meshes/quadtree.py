@@ -26,9 +26,9 @@ class MeshQuadTree(skfem.MeshQuad):
     element's edge. The space of bicubic Hermite functions on it is C1, and that of a refined mesh contains it. Make one by
     :func:`quadtree`; :meth:`refined`, :meth:`coarsened` and :meth:`adapted` give new ones.
 
-    A node of the coarse mesh keeps its number. An edge between elements of two levels is represented by its halves, for which
-    ``f2t`` names both neighbours. The larger element's whole edge is a facet of ``t2f`` only: such divided facets have the
-    last numbers, and ``f2t`` ends before them, so that they count neither as interior nor as boundary.
+    A node of the coarse mesh keeps its number. An edge between elements of two levels is represented by its halves, for
+    which ``f2t`` names both neighbours. The larger element's whole edge is a facet of ``t2f`` only: such divided facets have
+    the last numbers, and ``f2t`` ends before them, so that they count neither as interior nor as boundary.
 
     Attributes
     ----------

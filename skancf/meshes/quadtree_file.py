@@ -110,8 +110,7 @@ def _check_cells(forest: Forest, cells: Cells) -> None:
 
 
 def _masks(data: dict[str, Any], names: str, masks: str, shape: tuple[int, ...]) -> dict[str, np.ndarray]:
-    found, values = data.get(names), data.get(masks)
-    fit = found is not None and values is not None and found.ndim == 1 and found.dtype.kind == "U" and values.dtype == bool
-    if not fit or values.shape != (len(found), *shape):
+    found, values = (np.asarray(data.get(name)) for name in (names, masks))
+    if found.ndim != 1 or found.dtype.kind != "U" or values.dtype != bool or values.shape != (len(found), *shape):
         raise _Unfit(f"{names} and {masks} do not fit the elements")
     return dict(zip(found.tolist(), values, strict=True))

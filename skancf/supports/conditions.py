@@ -54,15 +54,16 @@ def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
     """
     nodes, facets = geometry.points_and_facets(where)
     node_of = geometry.ties.node_of
-    hanging, times = np.unique(geometry.mesh.facets[:, facets][node_of[geometry.mesh.facets[:, facets]] < 0], return_counts=True)
+    ends = geometry.mesh.facets[:, facets]
+    hanging, times = np.unique(ends[node_of[ends] < 0], return_counts=True)
     if (times < 2).any():
         place = tuple(geometry.mesh.p[:, hanging[times < 2][0]].tolist())
         raise InputError(f"support on {where!r}: the line ends at {place}, where a node hangs in the middle of a larger "
                          "element's edge and cannot be held by itself; refine the mesh around it")  # fmt: skip
-    out: dict[int, list[np.ndarray]] = {int(n): [] for n in geometry.mesh.facets[:, facets].ravel()}
-    for ends, along in zip(geometry.mesh.facets[:, facets].T.tolist(), geometry.facet_directions(facets).T, strict=True):
+    out: dict[int, list[np.ndarray]] = {int(n): [] for n in ends.ravel()}
+    for pair, along in zip(ends.T.tolist(), geometry.facet_directions(facets).T, strict=True):
         x, y = along.tolist()
-        for node in ends:
+        for node in pair:
             if all(abs(x * known[1] - y * known[0]) > 1e-8 for known in out[node]):
                 out[node].append(along)
     out = {node: directions for node, directions in out.items() if node_of[node] >= 0}

@@ -330,6 +330,17 @@ def test_coarsening_does_not_merge_across_names():
     assert mesh.nelements == 13 and ((middles[1] > 0.5) & (middles[0] > 0.5)).sum() == 1
 
 
+def test_a_name_of_either_kind_keeps_a_family():
+    mesh = quadtree(uniform(SQUARE, 1, 1)).refined(1)
+    everything = np.arange(4)
+    assert mesh.coarsened(everything).nelements == 1
+    for one in (mesh.with_subdomains({"one": np.array([2])}), mesh.with_boundaries({"half": mesh.boundaries["left"][:1]}),
+                mesh.with_boundaries({"inside": on_segment(mesh, (0.5, 0.0), (0.5, 0.5))})):  # fmt: skip
+        assert one.coarsened(everything) is one
+    whole = mesh.with_subdomains({"all": everything}).coarsened(everything)
+    assert whole.nelements == 1 and np.array_equal(whole.subdomains["all"], [0])
+
+
 def test_a_named_line_between_elements_does_not_keep_them_small():
     """Both sides of a line are coarsened together, also where one is smaller."""
     mesh = quadtree(uniform(SQUARE, 2, 1)).refined(1)

@@ -4,9 +4,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import System
+from skancf.assembly.system import System, assemble
+from skancf.elements.reference import CORNERS
 from skancf.errors import InputError
-from skancf.linear import BlockMatrix, DirectSolver
+from skancf.linear import DirectSolver
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.meshes.quadtree import grown
@@ -25,7 +26,9 @@ def transfer(state: Solution, system: System) -> Solution:
 
     .. math:: \int \rho t\, (r_{new} - r) \cdot \delta r_{new} \, dA = 0,
 
-    on what supports leave free; so the linear momentum of a free body stays the same.
+    on what supports leave free; so the linear momentum of a free body stays the same, but for the areas of curved elements,
+    which are those of each mesh. Supports hold exactly what they prescribe, at new nodes too, where the old elements are not
+    quite on a curved surface; for the same reason a curved body at rest is not quite without strain on a finer mesh.
 
     Raises
     ------
@@ -34,17 +37,23 @@ def transfer(state: Solution, system: System) -> Solution:
     """
     old, new = state.system.geometry, system.geometry
     _require_one_tree(old, new)
+    at_supports = system.undeformed + state.load_factor * system.prescribed(state.time)
     fields = [state.q.reshape(-1, 3)] if state.velocity is None else [v.reshape(-1, 3) for v in (state.q, state.velocity)]
+    held = [at_supports, np.zeros_like(at_supports)][: len(fields)]
     if _is_finer(new.mesh.leaves, old.mesh.leaves):
         P = prolongation(old, new)
-        moved = [P @ field for field in fields]
+        moved = [_held((P @ field).ravel(), values, system) for field, values in zip(fields, held, strict=True)]
     else:
-        held = system.undeformed + state.load_factor * system.prescribed(state.time)
-        moved = _projected(fields, [held, np.zeros_like(held)], old, system)
-    q, *velocity = (field.ravel() for field in moved)
+        moved = _projected(fields, held, old, system)
+    q, *velocity = moved
     return Solution(
         system, q, velocity[0] if velocity else None, time=state.time, load_factor=state.load_factor, linear=state.linear
     )
+
+
+def _held(field: np.ndarray, values: np.ndarray, system: System) -> np.ndarray:
+    """A field with the values that supports prescribe."""
+    return np.asarray(field + system.constraints.fixed_part(values - field))
 
 
 def prolongation(old: Geometry, new: Geometry) -> sp.csr_matrix:
@@ -115,33 +124,38 @@ def _common(one: Leaves, two: Leaves) -> Leaves:
 def _projected(
     fields: list[np.ndarray], held: list[np.ndarray], old: Geometry, system: System
 ) -> list[np.ndarray]:
-    new, section = system.geometry, system.problem
-    bare = type(section)(section.surface, section.thickness, section.material)
-    mesh = grown(_common(old.mesh.leaves, new.mesh.leaves))
-    common = bare.on(mesh, new.theory)
-    P_old, P_new = (prolongation(geometry, common.geometry) for geometry in (old, new))
-    weighted = P_new.T @ common.mass.to_scipy()[::3, ::3]
-    matrix = _in_blocks(sp.csr_matrix(weighted @ P_new), system)
-    out = []
+    new, pieces = system.geometry, _common(old.mesh.leaves, system.mesh.leaves)
+    whole = assemble(Geometry(grown(pieces), new.surface, new.theory), system.problem.section)
+    mass = whole.mass_shapes[whole.sections.shape]
+    (from_old, A_old), (from_new, A_new) = (_on_pieces(geometry, pieces) for geometry in (old, new))
+    weighted, elements = A_new.swapaxes(1, 2) @ mass, np.arange(new.n_elements)
+    on_elements = np.zeros((len(elements), 16, 16))
+    np.add.at(on_elements, from_new, weighted @ A_new)
+    matrix, out = system.gathered_mass(elements, on_elements), []
     with DirectSolver(system.pattern, system.constraints) as solver:
         solver.factor(matrix)
         for field, values in zip(fields, held, strict=True):
-            fixed = system.constraints.fixed_part(values)
-            rhs = (weighted @ (P_old @ field)).ravel() - matrix @ fixed
-            out.append((solver.solve(rhs, refinements=2) + fixed).reshape(-1, 3))
+            fixed, forces = system.constraints.fixed_part(values), np.zeros((len(elements), 16, 3))
+            np.add.at(forces, from_new, weighted @ (A_old @ old.local(field.reshape(-1, 4, 3))[from_old]))
+            rhs = new.nodal(forces, elements).ravel() - matrix @ fixed
+            out.append(solver.solve(rhs, refinements=2) + fixed)
     return out
 
 
-def _in_blocks(matrix: sp.csr_matrix, system: System) -> BlockMatrix:
-    """A matrix (4 n_nodes, 4 n_nodes), the same for each component, in the blocks of a system."""
-    pattern = system.pattern
-    blocks = np.zeros((pattern.n_blocks, 4, 3, 4, 3))
-    rows, columns = np.repeat(np.arange(4), 4), np.tile(np.arange(4), 4)
-    for row, column in zip(rows, columns, strict=True):
-        values = np.asarray(matrix[4 * pattern.rows + row, 4 * pattern.indices + column]).ravel()
-        for i in range(3):
-            blocks[:, row, i, column, i] = values
-    return BlockMatrix(pattern, blocks.reshape(-1, 12, 12))
+def _on_pieces(geometry: Geometry, pieces: Leaves) -> tuple[np.ndarray, np.ndarray]:
+    """The element that holds each piece, (n,), and the piece's local vectors from those of the element, (n, 16, 16)."""
+    leaves, theory = geometry.mesh.leaves, geometry.theory
+    holds = ancestors_in(leaves, pieces)
+    cells, within = leaves.cells.take(holds), pieces.cells
+    finer = within.level - cells.level
+    places = np.stack([finer, within.x - (cells.x << finer), within.y - (cells.y << finer)])
+    kinds, kind = np.unique(places, axis=1, return_inverse=True)
+    matrices = np.empty((kinds.shape[1], 16, 16))
+    for k, (levels, x, y) in enumerate(kinds.T.tolist()):
+        size = 0.5**levels
+        table = theory.nodal_table(size * np.add(CORNERS, (x, y)).T) * _scales(np.full((2, 1), size), theory.twist)[:, None]
+        matrices[k][theory.rows] = table.transpose(2, 0, 1)
+    return holds, matrices[kind.ravel()]
 
 
 def ancestors_in(coarse: Leaves, fine: Leaves) -> np.ndarray:

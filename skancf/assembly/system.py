@@ -210,10 +210,12 @@ class System:
     @cached_property
     def mass(self) -> BlockMatrix:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""
+        return self.gathered_mass(self.assembly.sections.shape, self.assembly.mass_shapes)
+
+    def gathered_mass(self, shape: np.ndarray, shapes: np.ndarray) -> BlockMatrix:
+        """The mass matrix of elements whose local vectors have the matrices ``shapes[shape]``, (n_elements, 16, 16)."""
         out = np.zeros((self.pattern.n_blocks, 12, 12))
-        self.assembly.schedule.run(
-            local.mass, self.assembly.sections.shape, self.assembly.mass_shapes, self.geometry.maps, self._slots, out
-        )
+        self.assembly.schedule.run(local.mass, shape, shapes, self.geometry.maps, self._slots, out)
         return BlockMatrix(self.pattern, out)
 
     def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly import local
+from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import vector
 from skancf.history import History, amplitude, check_history
@@ -37,9 +38,21 @@ class EdgeMoment:
         if geometry.theory.twist:
             moments = np.multiply.outer(self.moment, lengths)
             return MomentOnNormals(assembly, elements, points, moments, self.history)
-        nodes, position = np.unique(geometry.ends(facets), return_inverse=True)
-        shares = np.bincount(position.ravel(), np.tile(lengths.sum(axis=1) / 2, 2))
-        return MomentOnDirectors(assembly, nodes, np.outer(shares, self.moment), self.history)
+        return MomentOnDirectors(assembly, *_on_nodes(geometry, facets, lengths.sum(axis=1), self.moment), self.history)
+
+
+def _on_nodes(geometry: Geometry, facets: np.ndarray, lengths: np.ndarray, moment: Any) -> tuple[np.ndarray, np.ndarray]:
+    """The nodes of an edge (m,) and the moment on each, (m, 3).
+
+    The director of a hanging node is the mean of those at the ends of its edge, which share its part.
+    """
+    n, hanging = geometry.mesh.p.shape[1], geometry.hanging
+    shares = np.bincount(geometry.mesh.facets[:, facets].ravel(), np.tile(lengths / 2, 2), n)
+    shares += np.bincount(hanging.ends.ravel(), np.tile(shares[hanging.nodes] / 2, 2), n)
+    shares[hanging.nodes] = 0.0
+    meant = np.flatnonzero(shares)
+    nodes, position = np.unique(geometry.ties.node_of[meant], return_inverse=True)
+    return nodes, np.outer(np.bincount(position, shares[meant]), moment)
 
 
 class MomentOnDirectors(Acting):

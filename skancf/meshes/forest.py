@@ -70,12 +70,15 @@ class Forest:
         Numbers of the sides bottom, right, top, left.
     neighbours : (4, n_roots + 1) int array
         The root across each side, across closed seams too; -1 for none. The last column is that of no root.
+    closed : (bool, bool)
+        Directions whose two ends are one.
     """
 
     points: np.ndarray
     corners: np.ndarray
     facets: np.ndarray
     neighbours: np.ndarray
+    closed: tuple[bool, bool] = (False, False)
 
     @property
     def n_roots(self) -> int:

@@ -17,10 +17,12 @@ class Names:
 
     @classmethod
     def of(cls, mesh: skfem.MeshQuad) -> "Names":
-        sides, elements = {}, {}
+        sides, elements, none = {}, {}, np.empty(0, dtype=int)
         for name, facets in (mesh.boundaries or {}).items():
             mask = np.zeros(mesh.nfacets, dtype=bool)
             mask[np.asarray(facets)] = True
+            halves, wholes = getattr(mesh, "divided", (none, none))
+            mask[wholes] = np.bincount(wholes, mask[halves], mesh.nfacets)[wholes] == 2
             sides[name] = mask[mesh.t2f]
         for name, members in (mesh.subdomains or {}).items():
             elements[name] = np.zeros(mesh.nelements, dtype=bool)
@@ -60,12 +62,10 @@ class Names:
         return Names(sides, elements)
 
     def on(self, mesh: skfem.MeshQuad) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-        """Facets and elements by name; of an edge between two levels its halves."""
-        halved = np.zeros(mesh.nfacets, dtype=bool)
-        halved[mesh._halved()] = True
+        """Facets and elements of a tree by name; of an edge between two levels its halves."""
         facets = {name: np.unique(mesh.t2f[mask]) for name, mask in self.sides.items()}
         return (
-            {name: found[~halved[found]].astype(np.int32) for name, found in facets.items()},
+            {name: found[found < mesh.f2t.shape[1]].astype(np.int32) for name, found in facets.items()},
             {name: np.flatnonzero(mask).astype(np.int32) for name, mask in self.elements.items()},
         )
 

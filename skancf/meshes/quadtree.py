@@ -26,8 +26,9 @@ class MeshQuadTree(skfem.MeshQuad):
     element's edge. The space of bicubic Hermite functions on it is C1, and that of a refined mesh contains it. Make one by
     :func:`quadtree`; :meth:`refined`, :meth:`coarsened` and :meth:`adapted` give new ones.
 
-    A node of the coarse mesh keeps its number. An edge between elements of two levels is represented by its halves:
-    ``f2t`` names both neighbours there; the larger element's whole edge has one neighbour only and is no boundary.
+    A node of the coarse mesh keeps its number. An edge between elements of two levels is represented by its halves, for
+    which ``f2t`` names both neighbours. The larger element's whole edge is a facet of ``t2f`` only: such divided facets have
+    the last numbers, and ``f2t`` ends before them, so that they count neither as interior nor as boundary.
 
     Attributes
     ----------
@@ -72,33 +73,38 @@ class MeshQuadTree(skfem.MeshQuad):
         return self._cached_meeting
 
     def _init_facets(self) -> None:
+        n, meeting = self.p.shape[1], self._meeting()
         first, second = np.sort(np.stack([self.t, np.roll(self.t, -1, axis=0)]), axis=0).astype(np.int64)
-        n = self.p.shape[1]
-        keys, inverse = np.unique(first * n + second, return_inverse=True)
-        self._facets = np.stack(np.divmod(keys, n)).astype(np.int32)
-        self._t2f = inverse.reshape(self.t.shape).astype(np.int32)
+        ends = first * n + second
+        keys, inverse = np.unique(ends, return_inverse=True)
+        inside = ~meeting.seam
+        divided = np.isin(keys, ends[(meeting.sides[inside] + 2) % 4, meeting.large[inside]])
+        order = np.argsort(divided, kind="stable")
+        number = np.empty_like(order)
+        number[order] = np.arange(len(order))
+        self._facets = np.stack(np.divmod(keys[order], n)).astype(np.int32)
+        self._t2f = number[inverse].reshape(self.t.shape).astype(np.int32)
 
     @property
     def f2t(self) -> np.ndarray:
-        """Elements on both sides of each facet, (2, n_facets); -1 for none."""
+        """Elements on both sides of each facet that is not divided, (2, n); -1 for none."""
         if not hasattr(self, "_f2t"):
-            inverse, meeting = self.build_inverse(self.t, self.t2f), self._meeting()
-            halves = self.t2f[meeting.sides, meeting.small][~meeting.seam]
+            inverse, (halves, wholes), meeting = self.build_inverse(self.t, self.t2f), self.divided, self._meeting()
             inverse[1, halves] = meeting.large[~meeting.seam]
-            self._f2t = inverse
+            self._f2t = inverse[:, : self.nfacets - len(np.unique(wholes))]
         return self._f2t
 
-    def boundary_facets(self) -> np.ndarray:
-        """Facets on the boundary of the domain."""
-        alone = self.f2t[1] == -1
-        alone[self._halved()] = False
-        return np.flatnonzero(alone).astype(np.int32)
-
-    def _halved(self) -> np.ndarray:
-        """Whole edges of larger elements that smaller ones lie beside in the parameter plane."""
+    @property
+    def divided(self) -> tuple[np.ndarray, np.ndarray]:
+        """Halves of divided facets, (m,), and the whole of each, twice every one."""
         meeting = self._meeting()
-        opposite = (meeting.sides + 2) % 4
-        return np.asarray(self.t2f[opposite, meeting.large][~meeting.seam])
+        small, sides, large = (part[~meeting.seam] for part in (meeting.small, meeting.sides, meeting.large))
+        return self.t2f[sides, small], self.t2f[(sides + 2) % 4, large]
+
+    def facets_satisfying(self, test: Any, boundaries_only: bool = False, normal: Any = None) -> np.ndarray:
+        """Facets whose middles satisfy some condition, divided ones left out: see scikit-fem."""
+        undivided = np.arange(self.nfacets) < self.f2t.shape[1]
+        return super().facets_satisfying(lambda x: test(x) & undivided, boundaries_only, normal)
 
     # Change
 
@@ -228,15 +234,20 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     """
     if isinstance(mesh, MeshQuadTree):
         return mesh
+    forest = forest_of(mesh, closed_directions(surface) if surface is not None else (False, False))
+    coarse = skfem.MeshQuad(forest.points, forest.corners)
+    names = Names.of(replace(coarse, _boundaries=_facets_by_ends(mesh, coarse), _subdomains=mesh.subdomains))
+    return grown(Leaves(forest, forest.roots), names)
+
+
+def forest_of(mesh: skfem.MeshQuad, closed: tuple[bool, bool]) -> Forest:
+    """The forest of a coarse mesh whose directions are closed or not."""
     check_mesh(mesh)
     require_aligned(mesh)
     points = _on_lines(mesh.p)
     corners = _counter_clockwise(points, mesh.t)
     coarse = skfem.MeshQuad(points, corners)
-    closed = closed_directions(surface) if surface is not None else (False, False)
-    forest = Forest(points, corners.astype(np.int64), coarse.t2f.astype(np.int64), _neighbours(coarse, closed))
-    names = Names.of(replace(coarse, _boundaries=_facets_by_ends(mesh, coarse), _subdomains=mesh.subdomains))
-    return grown(Leaves(forest, forest.roots), names)
+    return Forest(points, corners.astype(np.int64), coarse.t2f.astype(np.int64), _neighbours(coarse, closed), closed)
 
 
 def grown(leaves: Leaves, names: Names | None = None) -> MeshQuadTree:

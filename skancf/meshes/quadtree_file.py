@@ -1,19 +1,19 @@
 """Quadtree meshes as files of plain arrays."""
 
-import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import skfem
 
 from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError
 from skancf.meshes.forest import AROUND, DEEPEST, Cells, Forest, Leaves
 from skancf.meshes.names import Names
-from skancf.meshes.quadtree import MeshQuadTree, grown
+from skancf.meshes.quadtree import MeshQuadTree, forest_of, grown
 
 FORMAT = "skancf quadtree 1"
-ARRAYS = {"points": (2, -1), "corners": (4, -1), "facets": (4, -1), "neighbours": (4, -1), "cells": (4, -1)}
+ARRAYS = {"points": (2, -1), "corners": (4, -1), "cells": (4, -1)}
 
 
 def save(mesh: MeshQuadTree, path: AnyPath) -> Path:
@@ -22,8 +22,8 @@ def save(mesh: MeshQuadTree, path: AnyPath) -> Path:
     forest = mesh.leaves.forest
     with replacing(file) as part, part.open("wb") as stream:
         np.savez_compressed(
-            stream, format=np.array(FORMAT), points=forest.points, corners=forest.corners, facets=forest.facets,
-            neighbours=forest.neighbours, cells=np.stack(mesh.leaves.cells),
+            stream, format=np.array(FORMAT), points=forest.points, corners=forest.corners, closed=np.array(forest.closed),
+            cells=np.stack(mesh.leaves.cells),
             sides=np.array(list(names.sides), dtype=str), side_masks=_stacked(names.sides, (4, len(mesh.leaves))),
             parts=np.array(list(names.elements), dtype=str), part_masks=_stacked(names.elements, (len(mesh.leaves),)),
         )  # fmt: skip
@@ -48,7 +48,7 @@ def load(path: AnyPath) -> MeshQuadTree:
     try:
         with np.load(file, allow_pickle=False) as data:
             arrays = {name: data[name] for name in data.files}
-    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile) as error:
+    except Exception as error:  # damage shows in many ways: in numpy's headers, in the archive, in what it unpacks
         raise InputError(f"file '{file}': is no quadtree mesh, or is damaged ({error}); write it again") from error
     try:
         return _mesh_of(arrays)
@@ -68,8 +68,7 @@ def _mesh_of(data: dict[str, Any]) -> MeshQuadTree:
         kind = "f" if name == "points" else "iu"
         if array is None or array.ndim != 2 or array.shape[0] != shape[0] or array.dtype.kind not in kind:
             raise _Unfit(f"{name} is missing or has another shape than {shape}")
-    forest = Forest(data["points"], data["corners"], data["facets"], data["neighbours"])
-    _check_forest(forest)
+    forest = _forest(data["points"], data["corners"].astype(np.int64), data.get("closed"))
     cells = Cells(*data["cells"].astype(np.int64))
     _check_cells(forest, cells)
     leaves = Leaves(forest, cells)
@@ -79,19 +78,18 @@ def _mesh_of(data: dict[str, Any]) -> MeshQuadTree:
         (("sides", "side_masks"), (4, len(leaves))), (("parts", "part_masks"), (len(leaves),))))))  # fmt: skip
 
 
-def _check_forest(forest: Forest) -> None:
-    n, roots = forest.points.shape[1], forest.n_roots
-    if not np.isfinite(forest.points).all():
-        raise _Unfit("a point is not finite")
-    for name, array, low, high in (
-        ("corners", forest.corners, 0, n), ("facets", forest.facets, 0, 4 * roots),
-        ("neighbours", forest.neighbours, -1, roots),
-    ):  # fmt: skip
-        if array.shape[1] != roots + (name == "neighbours") or not ((array >= low) & (array < high)).all():
-            raise _Unfit(f"{name} names what is not there")
-    sizes = forest.points[:, forest.corners[2]] - forest.points[:, forest.corners[0]]
-    if not roots or not (sizes > 0).all():
-        raise _Unfit("a coarse element has no area")
+def _forest(points: np.ndarray, corners: np.ndarray, closed: Any) -> Forest:
+    if not corners.size or not ((corners >= 0) & (corners < points.shape[1])).all():
+        raise _Unfit("corners names what is not there")
+    if closed is None or closed.dtype != bool or closed.shape != (2,):
+        raise _Unfit("closed is missing or has another shape than (2,)")
+    try:
+        forest = forest_of(skfem.MeshQuad(points, corners), (bool(closed[0]), bool(closed[1])))
+    except InputError as error:
+        raise _Unfit(f"its coarse mesh is none: {error}") from error
+    if not (np.array_equal(forest.points, points) and np.array_equal(forest.corners, corners)):
+        raise _Unfit("a coarse element is no aligned rectangle with its lower left corner first")
+    return forest
 
 
 def _check_cells(forest: Forest, cells: Cells) -> None:
@@ -112,7 +110,7 @@ def _check_cells(forest: Forest, cells: Cells) -> None:
 
 
 def _masks(data: dict[str, Any], names: str, masks: str, shape: tuple[int, ...]) -> dict[str, np.ndarray]:
-    found, values = data.get(names), data.get(masks)
-    if found is None or values is None or values.dtype != bool or values.shape != (len(found), *shape):
+    found, values = (np.asarray(data.get(name)) for name in (names, masks))
+    if found.ndim != 1 or found.dtype.kind != "U" or values.dtype != bool or values.shape != (len(found), *shape):
         raise _Unfit(f"{names} and {masks} do not fit the elements")
     return dict(zip(found.tolist(), values, strict=True))

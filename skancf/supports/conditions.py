@@ -10,6 +10,7 @@ import numpy as np
 
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
+from skancf.errors import InputError
 
 R, R_X, R_Y, FOURTH = range(4)
 
@@ -47,15 +48,25 @@ def condition(kinds: dict[int, Any], direction: np.ndarray) -> np.ndarray:
 
 
 def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
-    """For each mesh node of a place the directions, in the parameter plane, of its boundary edges there."""
+    """For each mesh node of a place the directions, in the parameter plane, of its boundary edges there.
+
+    Hanging nodes are left out: they follow the ends of the larger edge, which belongs to the place as a whole.
+    """
     nodes, facets = geometry.points_and_facets(where)
     node_of = geometry.ties.node_of
-    out: dict[int, list[np.ndarray]] = {int(n): [] for n in geometry.mesh.facets[:, facets].ravel()}
-    for ends, along in zip(geometry.mesh.facets[:, facets].T.tolist(), geometry.facet_directions(facets).T, strict=True):
+    ends = geometry.mesh.facets[:, facets]
+    hanging, times = np.unique(ends[node_of[ends] < 0], return_counts=True)
+    if (times < 2).any():
+        place = tuple(geometry.mesh.p[:, hanging[times < 2][0]].tolist())
+        raise InputError(f"support on {where!r}: the line ends at {place}, where a node hangs in the middle of a larger "
+                         "element's edge and cannot be held by itself; refine the mesh around it")  # fmt: skip
+    out: dict[int, list[np.ndarray]] = {int(n): [] for n in ends.ravel()}
+    for pair, along in zip(ends.T.tolist(), geometry.facet_directions(facets).T, strict=True):
         x, y = along.tolist()
-        for node in ends:
+        for node in pair:
             if all(abs(x * known[1] - y * known[0]) > 1e-8 for known in out[node]):
                 out[node].append(along)
+    out = {node: directions for node, directions in out.items() if node_of[node] >= 0}
     alone = np.setdiff1d(nodes, node_of[list(out)] if out else [])
     return {**out, **{int(n): [] for n in np.flatnonzero(np.isin(node_of, alone))}}
 

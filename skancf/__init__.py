@@ -1,7 +1,7 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
 from skancf import meshes, output
-from skancf.adapt import (
+from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
     Below,

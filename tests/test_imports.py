@@ -15,7 +15,7 @@ PACKAGE = Path(skancf.__file__).parent
 ROOMS = [
     "version", "errors", "atomic", "history", "progress", "compiled", "elements", "surfaces", "meshes", "materials",
     "theories", "linear", "assembly", "supports", "loads", "thinness", "problem", "solution", "statics", "dynamics",
-    "adapt", "output",
+    "adaptive", "output",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.name != "__init__.py")

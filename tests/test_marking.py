@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from skancf.adapt import AllElements, Below, Doerfler, FixedFraction, Maximum, Never
+from skancf.adaptive import AllElements, Below, Doerfler, FixedFraction, Maximum, Never
 from skancf.errors import InputError
 
 POLICIES = [Doerfler(), Maximum(), FixedFraction(), AllElements(), Below(), Never()]

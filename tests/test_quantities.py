@@ -9,8 +9,8 @@ import skfem
 from reference import elastica, navier
 
 import skancf as sk
-from skancf.adapt import Displacement, Reaction, Rotation, SectionForce, StrainEnergy, drift, no_limit
-from skancf.adapt.quantities.section_force import COMPONENTS
+from skancf.adaptive import Displacement, Reaction, Rotation, SectionForce, StrainEnergy, drift, no_limit
+from skancf.adaptive.quantities.section_force import COMPONENTS
 from skancf.errors import InputError
 
 MATERIAL = sk.Isotropic(1e6, 0.3, 1.0, expansion=1e-5)

@@ -9,8 +9,8 @@ import skfem
 from reference import navier
 
 import skancf as sk
-from skancf.adapt import Doerfler, nodal_measure, recovery, stress_indicator
-from skancf.adapt.recovery import recovered
+from skancf.adaptive import Doerfler, nodal_measure, recovery, stress_indicator
+from skancf.adaptive.recovery import recovered
 from skancf.assembly.geometry import Geometry
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from skancf.adapt.regions import find_regions
+from skancf.adaptive.regions import find_regions
 from skancf.errors import InputError
 from skancf.meshes import graded, uniform
 from skancf.surfaces import AnnulusSector, Rectangle

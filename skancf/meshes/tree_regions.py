@@ -36,7 +36,7 @@ def refined_in(
         Of aligned rectangles. Give :func:`quadtree` ``(mesh, surface)`` for a closed surface, so that neighbours across the
         seam are balanced too.
     regions : sequence of Region
-        By hand or from :func:`skancf.adapt.stress_regions`. They are rectangles of the parameter plane: one that reaches
+        By hand or from :func:`skancf.stress_regions`. They are rectangles of the parameter plane: one that reaches
         over a closed seam ends there, and goes on behind it only if a second region says so.
     finest : float
         Smallest l_n / l_0, between 0 and 1.

@@ -22,7 +22,8 @@ def transfer(state: Solution, system: System) -> Solution:
 
     Where the new mesh is finer, the position field is the same function there: in theory `kirchhoff` spaces are nested, and
     positions, slopes and the velocity do not change. (In theory `full` slopes across edges jump; there the new nodes take
-    those of one side.) Where it is coarser somewhere, the positions are the projection in the mass norm,
+    those of one side.) Of a small-deflection answer it is the displacement field. Where the new mesh is coarser somewhere,
+    the positions are the projection in the mass norm,
 
     .. math:: \int \rho t\, (r_{new} - r) \cdot \delta r_{new} \, dA = 0,
 
@@ -38,8 +39,9 @@ def transfer(state: Solution, system: System) -> Solution:
     old, new = state.system.geometry, system.geometry
     _require_one_tree(old, new)
     at_supports = system.undeformed + state.load_factor * system.prescribed(state.time)
-    fields = [state.q.reshape(-1, 3)] if state.velocity is None else [v.reshape(-1, 3) for v in (state.q, state.velocity)]
-    held = [at_supports, np.zeros_like(at_supports)][: len(fields)]
+    rest, new_rest = (state.system.undeformed, system.undeformed) if state.linear else (0.0, 0.0)
+    fields = [(state.q - rest).reshape(-1, 3)] + ([] if state.velocity is None else [state.velocity.reshape(-1, 3)])
+    held = [at_supports - new_rest, np.zeros_like(at_supports)][: len(fields)]
     if _is_finer(new.mesh.leaves, old.mesh.leaves):
         P = prolongation(old, new)
         moved = [_held((P @ field).ravel(), values, system) for field, values in zip(fields, held, strict=True)]
@@ -47,8 +49,9 @@ def transfer(state: Solution, system: System) -> Solution:
         moved = _projected(fields, held, old, system)
     q, *velocity = moved
     return Solution(
-        system, q, velocity[0] if velocity else None, time=state.time, load_factor=state.load_factor, linear=state.linear
-    )
+        system, q + new_rest, velocity[0] if velocity else None, time=state.time, load_factor=state.load_factor,
+        linear=state.linear,
+    )  # fmt: skip
 
 
 def _held(field: np.ndarray, values: np.ndarray, system: System) -> np.ndarray:

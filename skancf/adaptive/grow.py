@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adapt.ends import touching
-from skancf.adapt.marking import Doerfler, Marking, Never
-from skancf.adapt.transfer import ancestors_in
+from skancf.adaptive.ends import touching
+from skancf.adaptive.marking import Doerfler, Marking, Never
+from skancf.adaptive.transfer import ancestors_in
 from skancf.meshes import MeshQuadTree
 
 AGAIN = 3

@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from skancf.adapt.quantities.quantity import unit_vector
+from skancf.adaptive.quantities.quantity import unit_vector
 from skancf.assembly.system import System
 from skancf.solution import Solution
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skancf.adapt.ends import touching
-from skancf.adapt.result import Level
+from skancf.adaptive.ends import touching
+from skancf.adaptive.result import Level
 
 LEVELS = 3
 """Meshes over which an indicator is watched."""

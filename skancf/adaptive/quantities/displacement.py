@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from skancf.adapt.quantities.quantity import Smooth, unit_vector
+from skancf.adaptive.quantities.quantity import Smooth, unit_vector
 from skancf.errors import vector
 from skancf.solution import Solution, probe
 

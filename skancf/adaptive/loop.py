@@ -9,19 +9,19 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 import skfem
 
-from skancf.adapt.analysis import Analysis, Answer, StaticAnalysis
-from skancf.adapt.ends import singular_points
-from skancf.adapt.estimate import Estimate, residual
-from skancf.adapt.grow import DOERFLER, NEVER, Growth
-from skancf.adapt.limits import drift, no_limit
-from skancf.adapt.marking import Below, Marking
-from skancf.adapt.quantities import Quantity
-from skancf.adapt.recovery import recovery
-from skancf.adapt.result import AdaptiveResult, Level, Outcome
-from skancf.adapt.start import starting_mesh
-from skancf.adapt.stress import stress_indicator
-from skancf.adapt.transfer import ancestors_in
-from skancf.adapt.unbounded import why_without_limit
+from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
+from skancf.adaptive.ends import singular_points
+from skancf.adaptive.estimate import Estimate, residual
+from skancf.adaptive.grow import DOERFLER, NEVER, Growth
+from skancf.adaptive.limits import drift, no_limit
+from skancf.adaptive.marking import Below, Marking
+from skancf.adaptive.quantities import Quantity
+from skancf.adaptive.recovery import recovery
+from skancf.adaptive.result import AdaptiveResult, Level, Outcome
+from skancf.adaptive.start import starting_mesh
+from skancf.adaptive.stress import stress_indicator
+from skancf.adaptive.transfer import ancestors_in
+from skancf.adaptive.unbounded import why_without_limit
 from skancf.assembly.system import System
 from skancf.errors import InputError, NoLimit, OutOfDepth, SkancfError, number, positive
 from skancf.meshes import MeshQuadTree, quadtree
@@ -64,7 +64,7 @@ def adapt(
     r"""Refine a mesh until a quantity is as accurate as asked: :math:`|\eta| \le \max(\text{rtol} |J|, \text{atol})`.
 
     On each mesh the equilibrium is found, starting from that of the mesh before, and the error of the quantity is estimated
-    by its dual weight (:func:`skancf.adapt.goal_estimate`); elements that contribute most are quartered, those that
+    by its dual weight (:func:`goal_estimate`); elements that contribute most are quartered, those that
     contribute next to nothing are merged. In nonlinear problems the dual weight belongs to the tangent at the solution.
 
     Parameters

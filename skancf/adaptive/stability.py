@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adapt.analysis import Answer, StaticAnalysis
-from skancf.adapt.enriched import Enriched
-from skancf.adapt.estimate import Estimate
-from skancf.adapt.vibration import softening
+from skancf.adaptive.analysis import Answer, StaticAnalysis
+from skancf.adaptive.enriched import Enriched
+from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.vibration import softening
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.meshes.tensor import whole

@@ -5,9 +5,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.adapt.estimate import Estimate, goal_estimate
-from skancf.adapt.quantities import Quantity
-from skancf.adapt.transfer import prolongation
+from skancf.adaptive.estimate import Estimate, goal_estimate
+from skancf.adaptive.quantities import Quantity
+from skancf.adaptive.transfer import transfer
 from skancf.assembly.system import System
 from skancf.errors import DidNotConverge
 from skancf.solution import Solution
@@ -80,10 +80,9 @@ class StaticAnalysis:
     def _nonlinear(self, system: System, start: Solution | None) -> tuple[Solution, int, bool]:
         spent = 0
         if start is not None:
-            P = prolongation(start.system.geometry, system.geometry)
-            near = Solution(system, (P @ start.q.reshape(-1, 3)).ravel(), load_factor=self.load_factor)
+            near, at_once = transfer(start, system), HalveAndGrow(smallest=0.99)
             once = equilibrium(
-                system, self.load_factor, control=AT_ONCE, start=near, rtol=self.rtol, backend=self.backend
+                system, self.load_factor, control=at_once, start=near, rtol=self.rtol, backend=self.backend
             )
             spent = once.iterations
             if once.status is Status.CONVERGED:
@@ -95,10 +94,6 @@ class StaticAnalysis:
 
     def estimate(self, answer: Answer) -> Estimate:
         return goal_estimate(answer.state, self.quantity, backend=self.backend)
-
-
-AT_ONCE = HalveAndGrow(smallest=0.99)
-"""A transferred state is near or of no use; shorter steps begin at the undeformed one."""
 
 
 def _pass_on_interrupt(status: Status) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adapt.quantities.quantity import Smooth
+from skancf.adaptive.quantities.quantity import Smooth
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import InputError, finite, vector
@@ -25,7 +25,7 @@ class SectionForce(Smooth):
 
     At a point it is that of one element that holds it: section forces jump from one to the next, by less on finer meshes.
     For a mean choose a rectangle of whole elements, so that all meshes mean the same region. A point may have no limit where
-    a mean has one: see :func:`skancf.adapt.no_limit`.
+    a mean has one: see :func:`skancf.adaptive.no_limit`.
 
     Parameters
     ----------

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adapt.analysis import Answer, StaticAnalysis
-from skancf.adapt.enriched import Enriched, Refined
-from skancf.adapt.estimate import Estimate
+from skancf.adaptive.analysis import Answer, StaticAnalysis
+from skancf.adaptive.enriched import Enriched, Refined
+from skancf.adaptive.estimate import Estimate
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver

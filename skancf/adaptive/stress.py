@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adapt.regions import SAME, find_regions
+from skancf.adaptive.regions import SAME, find_regions
 from skancf.errors import InputError
 from skancf.meshes import Regions
 from skancf.solution import STRESSES, Solution
@@ -68,7 +68,7 @@ def stress_regions(
     components, z
         Which stress: see :func:`nodal_measure`.
     **search
-        ``radius``, ``size``, ``cap`` of :func:`~skancf.adapt.find_regions`.
+        ``radius``, ``size``, ``cap`` of :func:`~skancf.adaptive.find_regions`.
 
     Returns
     -------

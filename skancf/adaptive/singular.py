@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adapt.quantities.quantity import unit_vector
+from skancf.adaptive.quantities.quantity import unit_vector
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import finite

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adapt.quantities import Displacement, Quantity, SectionForce, StrainEnergy
-from skancf.adapt.quantities.quantity import unit_vector
-from skancf.adapt.singular import (
+from skancf.adaptive.quantities import Displacement, Quantity, SectionForce, StrainEnergy
+from skancf.adaptive.quantities.quantity import unit_vector
+from skancf.adaptive.singular import (
     at_free_right_angle,
     has_part_along,
     normal_at,
@@ -39,7 +39,7 @@ def no_limit(quantity: Quantity, system: System) -> str | None:
     Parameters
     ----------
     quantity : Quantity
-        Others than those of :mod:`skancf.adapt.quantities` pass.
+        Others than those of :mod:`skancf.adaptive.quantities` pass.
     system : System
 
     Raises

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adapt.enriched import Enriched
-from skancf.adapt.quantities import Quantity
+from skancf.adaptive.enriched import Enriched
+from skancf.adaptive.quantities import Quantity
 from skancf.solution import Solution
 
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adapt.ends import singular_points, touching
-from skancf.adapt.grow import SMALLEST, may_be_quartered
-from skancf.adapt.transfer import ancestors_in, prolongation
+from skancf.adaptive.ends import singular_points, touching
+from skancf.adaptive.grow import SMALLEST, may_be_quartered
+from skancf.adaptive.transfer import ancestors_in, prolongation
 from skancf.assembly.system import System
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree

@@ -5,7 +5,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from skancf.adapt.quantities.quantity import Smooth, unit_vector
+from skancf.adaptive.quantities.quantity import Smooth, unit_vector
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, vector
 from skancf.solution import Solution

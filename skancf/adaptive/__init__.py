@@ -1,0 +1,21 @@
+"""Meshes that refine themselves: quantities of interest, indicators, marking, transfer, and the loop."""
+
+from skancf.adaptive.estimate import Estimate, goal_estimate, residual
+from skancf.adaptive.limits import drift, no_limit
+from skancf.adaptive.loop import adapt
+from skancf.adaptive.marking import AllElements, Below, Doerfler, FixedFraction, Marking, Maximum, Never
+from skancf.adaptive.quantities import Displacement, Quantity, Reaction, Rotation, SectionForce, StrainEnergy
+from skancf.adaptive.recovery import recovery
+from skancf.adaptive.regions import find_regions
+from skancf.adaptive.result import AdaptiveResult, Level, Outcome
+from skancf.adaptive.stability import BucklingLoad
+from skancf.adaptive.stress import nodal_measure, stress_indicator, stress_regions
+from skancf.adaptive.transfer import transfer
+from skancf.adaptive.vibration import Eigenfrequency
+
+__all__ = [
+    "AdaptiveResult", "AllElements", "Below", "BucklingLoad", "Displacement", "Doerfler", "Eigenfrequency", "Estimate",
+    "FixedFraction", "Level", "Marking", "Maximum", "Never", "Outcome", "Quantity", "Reaction", "Rotation", "SectionForce",
+    "StrainEnergy", "adapt", "drift", "find_regions", "goal_estimate", "no_limit", "nodal_measure", "recovery", "residual",
+    "stress_indicator", "stress_regions", "transfer",
+]  # fmt: skip

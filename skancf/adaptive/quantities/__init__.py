@@ -1,0 +1,12 @@
+"""Quantities of interest: single numbers of a state, with their derivatives by the nodal coordinates."""
+
+from skancf.adaptive.quantities.displacement import Displacement
+from skancf.adaptive.quantities.energy import StrainEnergy
+from skancf.adaptive.quantities.quantity import Quantity
+from skancf.adaptive.quantities.reaction import Reaction
+from skancf.adaptive.quantities.rotation import Rotation
+from skancf.adaptive.quantities.section_force import SectionForce
+
+ALL = [Displacement, Reaction, Rotation, SectionForce, StrainEnergy]
+
+__all__ = ["ALL", "Displacement", "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy"]

@@ -136,11 +136,18 @@ class Solution:
     @property
     def shear_share(self) -> float:
         """How much theory `kirchhoff` leaves out: energy of the shear forces over the strain energy; zero in `full`."""
+        return self.shear_share_of(None)
+
+    def shear_share_of(self, elements: np.ndarray | None) -> float:
+        """The same with the shear forces of some elements only, a mask (n_elements,); None: of all."""
         if not self.system.geometry.theory.twist:
             return 0.0
         points, weights = square_quadrature(2)
         heat = self.load_factor**2 * self.system.thermal_energy(self.time)
-        return shear_share(self.system, self.shear_forces(points), weights, points, self.strain_energy, heat)
+        Q = self.shear_forces(points)
+        if elements is not None:
+            Q = Q * elements[:, None, None]
+        return shear_share(self.system, Q, weights, points, self.strain_energy, heat)
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, averaged over the elements that meet there: (n_mesh_nodes, 6).

@@ -198,8 +198,8 @@ def test_what_changes_in_the_full_theory(rng):
 def test_at_a_pole_the_deviation_falls(name, theory):
     """New nodes at a pole have slopes of directions in between, which the old mesh has interpolated.
 
-    Measured over the size of the surface, with 8 and 16 elements around: 3e-5 and 9e-7 on the disc, 2e-5 and 7e-7 (thin) or
-    4e-4 and 3e-5 (full) on the cap.
+    Measured over the largest displacement, with 8 and 16 elements around: 3e-5 and 9e-7 at most on the disc, 1e-3 and 8e-5
+    (thin) or 6e-3 and 6e-4 (full) on the cap.
     """
     surface, errors = SURFACES[name][0], []
     for n in (2, 4):
@@ -212,9 +212,9 @@ def test_at_a_pole_the_deviation_falls(name, theory):
         state = sk.solve_linear(systems[0])
         moved = transfer(state, systems[1])
         _, at, _ = points_in(systems[1].mesh, 2)
-        size = np.abs(SURFACES[name][0].position(*at)).max()
+        size = np.abs(state.displacements).max()
         errors.append(np.abs(moved.displacement(at.T) - state.displacement(at.T)).max() / size)
-    assert errors[0] < 5e-4 and 1e-8 < errors[1] < errors[0] / 10
+    assert errors[0] < 1e-2 and 1e-8 < errors[1] < errors[0] / 10
 
 
 # --- to a coarser mesh ---------------------------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ class Growth:
         marked = self.refine.marked(np.where(room, indicators, 0.0))
         marked = marked[room[marked]]
         finer = mesh.refined(marked)
-        if marked.size:
+        if 0 < marked.size < mesh.nelements:
             finer = _again(mesh, finer, indicators, float(indicators[marked].min()), points, thin)
         small = finer.leaves.find(mesh.leaves.cells.take(self.coarsen.marked(indicators)))
         return finer.coarsened(small[small >= 0])

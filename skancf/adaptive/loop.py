@@ -10,7 +10,7 @@ import numpy as np
 import skfem
 
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
-from skancf.adaptive.ends import singular_points
+from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.estimate import Estimate, residual
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth
 from skancf.adaptive.limits import drift, no_limit
@@ -219,7 +219,7 @@ class _Run:
         assert self.best is not None
         _, answer, estimate = self.best
         if answer.found is None:
-            warn_if_thick(answer.state)
+            _judge(answer.state)
         return AdaptiveResult(
             answer.value, abs(estimate.error) + estimate.rounding, answer.value + estimate.error, answer.state,
             tuple(self.levels), outcome, message, unit,
@@ -306,6 +306,25 @@ class _Run:
                 return Outcome.BUDGET, (f"max_seconds = {asked.max_seconds:g}: {spent:.2g} s are spent, and the next mesh "
                                         f"would take some {expected:.2g} s")  # fmt: skip
         return None
+
+
+def _judge(state: Solution) -> None:
+    """A warning where the thin theory is not enough, elements at singular points left out: the shear energy of theory
+    `kirchhoff` has no limit at a re-entrant corner or a point load, which tells nothing of the rest."""
+    system = state.system
+    near = singular_points(system)
+    positions = system.geometry.surface.position(*system.geometry.parameters(CENTRE)[:, :, 0])
+    reach = NEAR_SINGULAR * system.problem.section.thickness
+    away = np.ones(system.mesh.nelements, dtype=bool)
+    for point in system.geometry.surface.position(*near).T:
+        away &= np.linalg.norm(positions.T - point, axis=1) > reach
+    away[touching(system.mesh, near)] = False
+    warn_if_thick(state, away)
+
+
+CENTRE = np.array([[0.5], [0.5]])
+NEAR_SINGULAR = 3.0
+"""Thicknesses around a singular point in which no thin theory is meant."""
 
 
 def _merged(old: MeshQuadTree, new: MeshQuadTree) -> int:

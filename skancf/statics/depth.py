@@ -2,6 +2,8 @@
 
 import warnings
 
+import numpy as np
+
 from skancf.errors import OutOfDepth
 from skancf.solution import Solution
 
@@ -9,9 +11,10 @@ THICK = 0.05
 """From this share of shear energy on, a thin answer comes with a warning."""
 
 
-def warn_if_thick(solution: Solution) -> Solution:
-    """The solution; with a warning where theory `kirchhoff` leaves out more than a twentieth of the strain energy."""
-    share = solution.shear_share if hasattr(solution.system, "geometry") else 0.0
+def warn_if_thick(solution: Solution, elements: np.ndarray | None = None) -> Solution:
+    """The solution; with a warning where theory `kirchhoff` leaves out more than a twentieth of the strain energy, in some
+    elements (a mask) or in all."""
+    share = solution.shear_share_of(elements) if hasattr(solution.system, "geometry") else 0.0
     if share > THICK:
         warnings.warn(
             f"theory 'kirchhoff' leaves out transverse shear, which would change the strain energy by {100 * share:.2g} % "

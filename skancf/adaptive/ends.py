@@ -4,17 +4,23 @@ from typing import Any
 
 import numpy as np
 
+from skancf.adaptive.quantities import SectionForce
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
-from skancf.errors import InputError
+from skancf.errors import InputError, finite
 
 SAME = 1e-8
 
 
-def singular_points(system: System) -> np.ndarray:
-    """Places in the parameter plane, (2, n): corners of the boundary, ends of supported edges, point loads and supports."""
+def singular_points(system: System, quantity: Any = None) -> np.ndarray:
+    """Places in the parameter plane, (2, n): corners of the boundary, ends of supported edges, point loads and supports.
+
+    And the point of a section force, about which its dual weight is singular.
+    """
     geometry, problem = system.geometry, system.problem
     places = [_boundary_corners(geometry)]
+    if isinstance(quantity, SectionForce) and quantity.at is not None:
+        places.append(geometry.within(finite("at", quantity.at)[:, None]))
     for item in (*problem.supports, *problem.loads):
         if hasattr(item, "where"):
             places.append(_ends(geometry, item.where))
@@ -23,6 +29,7 @@ def singular_points(system: System) -> np.ndarray:
     found = np.hstack(places)
     if not found.size:
         return found
+    found = _around_poles(geometry, found)
     scale = SAME * np.ptp(geometry.mesh.p, axis=1)[:, None]
     return np.asarray(found[:, np.unique(np.round(found / scale), axis=1, return_index=True)[1]])
 
@@ -48,9 +55,34 @@ def _ends(geometry: Geometry, where: Any) -> np.ndarray:
     return np.hstack([geometry.mesh.p[:, once], geometry.points[:, alone]])
 
 
+def _around_poles(geometry: Geometry, points: np.ndarray) -> np.ndarray:
+    """The points, and of one at a pole all places that it has in the parameter plane."""
+    if not geometry.ties.poles:
+        return points
+    positions = geometry.surface.position(*geometry.within(points)).T
+    size = SAME * np.ptp(geometry.undeformed[:, 0], axis=0).max()
+    for pole in geometry.ties.poles:
+        if (np.linalg.norm(positions - geometry.undeformed[pole, 0], axis=1) < size).any():
+            points = np.hstack([points, geometry.mesh.p[:, geometry.ties.node_of == pole]])
+    return points
+
+
 def touching(mesh: Any, points: np.ndarray) -> np.ndarray:
-    """Elements that hold any of the points (2, n), (m,)."""
+    """Elements that hold any of the points (2, n), across the seam of a closed direction too, (m,)."""
+    points = _across_seams(mesh, points)
     slack = SAME * np.ptp(mesh.p, axis=1)[:, None]
     low, high = mesh.p[:, mesh.t[0]] - slack, mesh.p[:, mesh.t[2]] + slack
     inside = [((low <= point[:, None]) & (high >= point[:, None])).all(axis=0) for point in points.T]
     return np.flatnonzero(np.any(inside, axis=0)) if inside else np.empty(0, dtype=int)
+
+
+def _across_seams(mesh: Any, points: np.ndarray) -> np.ndarray:
+    """The points, and those on a seam once more at its other side."""
+    for axis in np.flatnonzero(mesh.leaves.forest.closed):
+        low, high = mesh.p[axis].min(), mesh.p[axis].max()
+        near = SAME * (high - low)
+        for end, other in ((low, high), (high, low)):
+            again = points[:, np.abs(points[axis] - end) < near].copy()
+            again[axis] = other
+            points = np.hstack([points, again])
+    return points

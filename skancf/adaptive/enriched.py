@@ -15,7 +15,7 @@ from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.grow import SMALLEST, may_be_quartered
 from skancf.adaptive.transfer import ancestors_in, prolongation
 from skancf.assembly.system import System
-from skancf.linear import DirectSolver, SkewSolver
+from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 from skancf.statics.load_steps import equilibrium
@@ -25,15 +25,19 @@ EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
 LEFT = {True: 1 / 16, False: 1 / 4}
 """Part of an error that is left on quartered elements, in theory `kirchhoff` and `full`."""
+LEFT_SINGULAR = 1 / 2
+"""The same at a singular point, for each time that the elements there are quartered."""
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
+ROUNDING = np.finfo(float).eps / 4
+"""Of the product of a row of a matrix, relative to the sum of the sizes of its terms."""
 NEAR = 1e-3
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
 
-def enriched_mesh(system: System) -> MeshQuadTree:
-    """Every element quartered, and those at singular points :data:`EXTRA` times more."""
-    mesh, points = system.mesh.refined(), singular_points(system)
+def enriched_mesh(system: System, points: np.ndarray) -> MeshQuadTree:
+    """Every element quartered, and those at singular points (2, n) :data:`EXTRA` times more."""
+    mesh = system.mesh.refined()
     for _ in range(EXTRA):
         at_points = touching(mesh, points)
         mesh = mesh.refined(at_points[may_be_quartered(mesh, SMALLEST / 2)[at_points]])
@@ -47,22 +51,31 @@ class Refined:
     ----------
     coarse, system : System
         The same problem on the mesh and on the refined one.
+    points : (2, n) array
+        Singular ones, of the problem and of the quantity.
     """
 
-    def __init__(self, coarse: System, mesh: MeshQuadTree | None = None):
-        self.coarse = coarse
-        fine_mesh = enriched_mesh(coarse) if mesh is None else mesh
+    def __init__(self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None):
+        self.coarse, self.points = coarse, singular_points(coarse, quantity)
+        fine_mesh = enriched_mesh(coarse, self.points) if mesh is None else mesh
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
         self._up = prolongation(coarse.geometry, self.system.geometry)
         self._down = prolongation(self.system.geometry, coarse.geometry)
 
-    def beyond(self, difference: float) -> float:
-        """Estimated limit minus value on the mesh, from the difference that refinement makes.
+    def beyond(self, difference: float, shares: np.ndarray) -> float:
+        """Estimated limit minus value on the mesh, from the difference that refinement makes and the shares of elements.
 
         What is left is a sixteenth of the error in `kirchhoff`, which is of order four, and a quarter in `full`, of order
-        two.
+        two; of that of elements at singular points, which are not quartered that often where they are small, up to a half.
         """
-        return difference / (1 - LEFT[self.system.geometry.theory.twist])
+        coarse, fine = self.coarse.mesh, self.system.mesh
+        left = np.full(coarse.nelements, LEFT[self.system.geometry.theory.twist])
+        deepest = np.zeros(coarse.nelements, dtype=int)
+        np.maximum.at(deepest, ancestors_in(coarse.leaves, fine.leaves), fine.levels)
+        there = touching(coarse, self.points)
+        left[there] = LEFT_SINGULAR ** (deepest - coarse.levels)[there]
+        total = shares.sum()
+        return difference / (1 - (float(shares @ left / total) if total else 0.0))
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""
@@ -110,8 +123,10 @@ class Enriched(Refined):
         What is left of it after the step: rounding, and what Newton's method left.
     """
 
-    def __init__(self, state: Solution, mesh: MeshQuadTree | None = None, backend: str = "auto"):
-        super().__init__(state.system, mesh)
+    def __init__(
+        self, state: Solution, mesh: MeshQuadTree | None = None, quantity: Any = None, backend: str = "auto"
+    ) -> None:
+        super().__init__(state.system, mesh, quantity)
         self.state = state
         self._solver = DirectSolver(self.system.pattern, self.system.constraints, backend)
         if state.linear:
@@ -193,6 +208,17 @@ class Enriched(Refined):
         """K^-1 force on the free coordinates."""
         return self._solver.solve(force)
 
+    def rounding(self, weight: np.ndarray) -> float:
+        """Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces.
+
+        The rest that Newton's method left has a direction, and cancels in parts as the residual does; rounding has none.
+        """
+        change = self.start + self._step - self.system.undeformed
+        sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values)) @ np.abs(change)
+        left = self.system.constraints.free_part(self.unresolved)
+        noise = ROUNDING * np.abs(weight) @ self.system.constraints.free_part(sizes)
+        return abs(float(weight @ left)) + float(noise)
+
     @property
     def corrected(self) -> Solution:
         """The state after that step."""
@@ -211,7 +237,6 @@ class Enriched(Refined):
         turned *= free[:, :, None] & free[:, None, :]
         turned += np.einsum("ni,ij->nij", (~free).astype(float) * np.abs(blocks).max(axis=(1, 2))[:, None], np.eye(12))
         return frames.swapaxes(1, 2) @ turned @ frames
-
 
 
 def _frames(nodal: np.ndarray) -> np.ndarray:

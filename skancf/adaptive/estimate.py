@@ -40,11 +40,11 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     Every element is quartered, a few times more at singular points. With the residual R of the refined system, its tangent K
     and the dual weight :math:`z = K^{-1} \partial J / \partial q`,
 
-    .. math:: J(u) - J(u_h) \approx \frac{J(u_h - K^{-1} R) - J(u_h)}{1 - 2^{-p}}, \qquad
+    .. math:: J(u) - J(u_h) \approx \frac{J(u_h - K^{-1} R) - J(u_h)}{1 - \ell}, \qquad
         \eta_K = \sum_{i \in K} |R_i \cdot (z - I z)_i|
 
-    over the new nodes i of an element K, with the interpolant I of the mesh, and the order p of the error, four in theory
-    `kirchhoff` and two in `full`. The difference of the two values contains all of the step that the linear weight
+    over the new nodes i of an element K, with the interpolant I of the mesh, and the part :math:`\ell` of the error that
+    is left there, a sixteenth in theory `kirchhoff` and a quarter in `full`, more at singular points. The difference of the two values contains all of the step that the linear weight
     :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
 
     References
@@ -52,15 +52,12 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     Becker and Rannacher (2001), Acta Numerica 10, 1-102.
     """
     value = quantity.value(state)
-    with Enriched(state, backend=backend) as enriched:
+    with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected
         weight = enriched.solve(quantity.gradient(better))
         indicators = enriched.shares(enriched.residual * enriched.surplus(weight))
-        left = enriched.system.constraints.free_part(enriched.unresolved)
-        error = enriched.beyond(quantity.value(better) - value)
-        return Estimate(
-            value, error, indicators, better, rounding=float(np.abs(weight) @ np.abs(left))
-        )
+        error = enriched.beyond(quantity.value(better) - value, indicators)
+        return Estimate(value, error, indicators, better, rounding=enriched.rounding(weight))
 
 
 def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:
@@ -76,7 +73,7 @@ def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:
     ----------
     Antolin, Buffa and Coradello (2020), Computer Methods in Applied Mechanics and Engineering 363, 112919.
     """
-    with Enriched(state, state.system.mesh.refined(), backend) as enriched:
+    with Enriched(state, state.system.mesh.refined(), backend=backend) as enriched:
         blocks = enriched.free_diagonal()
         r = enriched.system.constraints.free_part(enriched.residual).reshape(-1, 12)
         steps = np.linalg.solve(blocks, r[:, :, None])[:, :, 0]

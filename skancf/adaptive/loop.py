@@ -12,14 +12,14 @@ import skfem
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.estimate import Estimate, residual
-from skancf.adaptive.grow import DOERFLER, NEVER, Growth
+from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
 from skancf.adaptive.limits import drift, no_limit
-from skancf.adaptive.marking import Below, Marking
+from skancf.adaptive.marking import Below, Marking, check_indicators
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.recovery import recovery
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
 from skancf.adaptive.start import starting_mesh
-from skancf.adaptive.stress import stress_indicator
+from skancf.adaptive.stress import face_stress
 from skancf.adaptive.transfer import ancestors_in
 from skancf.adaptive.unbounded import why_without_limit
 from skancf.assembly.system import System
@@ -33,10 +33,12 @@ from skancf.statics.depth import warn_if_thick
 from skancf.theories import Theory
 
 INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
-    "goal": None, "residual": residual, "recovery": recovery, "stress": stress_indicator,
+    "goal": None, "residual": residual, "recovery": recovery, "stress": face_stress,
 }  # fmt: skip
 """By what elements are marked; the error bar is that of the quantity with each of them."""
 BELOW = Below(0.01)
+STUCK = 0.5
+"""Share of the indicators of elements that are as small as they may be, from which on others need no refinement."""
 COST = 1.3
 """Seconds of a mesh grow with this power of its coordinates."""
 T = TypeVar("T")
@@ -85,8 +87,8 @@ def adapt(
         Of all loads.
     indicator : {"goal", "residual", "recovery", "stress"} or callable
         By what elements are marked: their part in the error of the quantity; the energy of the residual in them; recovered
-        against raw moments and membrane forces; the paper's nodal stress; or a function of the state. The error bar is that
-        of the quantity in each case.
+        against raw moments and membrane forces; the nodal stress at the faces (:func:`stress_indicator`); or a function of
+        the state. The error bar is that of the quantity in each case.
     marking, coarsening : Marking
         Policies.
     max_dofs : int
@@ -114,14 +116,18 @@ def adapt(
     >>> print(result)
     """
     _check(rtol, atol, indicator, max_dofs, max_seconds, max_levels)
+    needed = ("unit", "analysis") if hasattr(quantity, "analysis") else ("unit", "value", "gradient")
+    if not all(hasattr(quantity, name) for name in needed):
+        raise InputError(f"quantity = {quantity!r}: give a quantity such as Displacement(at=(0.5, 0.5)), or an object with "
+                         "unit, value and gradient")  # fmt: skip
     statics = StaticAnalysis(quantity, linear, number("load_factor", load_factor), _newton_rtol(rtol), backend)
     analysis = quantity.analysis(statics) if hasattr(quantity, "analysis") else statics
     first = quadtree(starting_mesh(problem) if mesh is None else mesh, problem.surface)
     asked = _Asked(rtol, atol, max_dofs, max_seconds, max_levels)
     with Progress("adapt", 1.0, shown=progress) as bar:
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
-        run = _Run(problem, analysis, Growth(marking, coarsening), by, asked, bar)
-        return run.go(_first_system(problem, first, theory, quantity, analysis, max_dofs), quantity.unit)
+        run = _Run(problem, quantity, analysis, Growth(marking, coarsening), by, asked, bar)
+        return run.go(_first_system(problem, first, theory, quantity, analysis, max_dofs))
 
 
 def _check(
@@ -200,16 +206,16 @@ class _Run:
     """State of one run; what it keeps is usable whenever it stops."""
 
     def __init__(
-        self, problem: Problem, analysis: Analysis, growth: Growth, indicator: Callable[[Solution], np.ndarray] | None,
-        asked: _Asked, bar: Progress,
+        self, problem: Problem, quantity: Any, analysis: Analysis, growth: Growth,
+        indicator: Callable[[Solution], np.ndarray] | None, asked: _Asked, bar: Progress,
     ) -> None:  # fmt: skip
-        self.problem, self.analysis, self.growth, self.indicator = problem, analysis, growth, indicator
-        self.asked, self.bar = asked, bar
+        self.problem, self.quantity, self.analysis, self.growth = problem, quantity, analysis, growth
+        self.indicator, self.asked, self.bar = indicator, asked, bar
         self.levels: list[Level] = []
         self.best: _Found | None = None
         self.begun = time.perf_counter()
 
-    def go(self, system: System, unit: str) -> AdaptiveResult:
+    def go(self, system: System) -> AdaptiveResult:
         try:
             outcome, message = self._refine(system)
         except KeyboardInterrupt:
@@ -222,7 +228,7 @@ class _Run:
             _judge(answer.state)
         return AdaptiveResult(
             answer.value, abs(estimate.error) + estimate.rounding, answer.value + estimate.error, answer.state,
-            tuple(self.levels), outcome, message, unit,
+            tuple(self.levels), outcome, message, self.quantity.unit,
         )  # fmt: skip
 
     def _refine(self, system: System) -> tuple[Outcome, str]:
@@ -240,7 +246,7 @@ class _Run:
                 return end
             assert self.best is not None
             level, answer, _ = self.best
-            points = singular_points(answer.state.system)
+            points = singular_points(answer.state.system, self.quantity)
             grow = self.growth.next_mesh
             mesh = clock.take("mark", lambda: grow(level.mesh, level.indicators, points, system.geometry.theory.twist))  # noqa: B023
             if end := self._too_much(level, mesh):
@@ -257,7 +263,10 @@ class _Run:
             indicators = estimate.indicators
             if self.indicator is not None:
                 own = self.indicator
-                indicators = clock.take("mark", lambda: np.asarray(own(answer.state), dtype=float))
+                indicators = clock.take("mark", lambda: check_indicators(own(answer.state)))
+                if len(indicators) != system.mesh.nelements:
+                    raise InputError(f"indicator: it gives {len(indicators)} numbers for {system.mesh.nelements} elements; "
+                                     "give one for each")  # fmt: skip
         level = Level(
             system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
             merged, clock.seconds,
@@ -294,8 +303,12 @@ class _Run:
     def _too_much(self, level: Level, mesh: MeshQuadTree) -> tuple[Outcome, str] | None:
         """Why not to begin with the next mesh."""
         asked = self.asked
+        stuck = level.indicators[~may_be_quartered(level.mesh)].sum()
+        if stuck > STUCK * level.indicators.sum():
+            return Outcome.ROUNDING, ("the error that is left comes from the smallest elements, and in still smaller ones "
+                                      "rounding grows faster than the error falls")  # fmt: skip
         if np.array_equal(mesh.leaves.keys, level.mesh.leaves.keys):
-            return Outcome.NO_LIMIT, "no element can be made smaller: what is left of the error comes from the smallest ones"
+            return Outcome.UNMARKED, "no element is marked; take another indicator, or a marking that takes more"
         n_dofs = 12 * (mesh.p.shape[1] - len(mesh.hanging))
         if n_dofs > asked.max_dofs:
             return Outcome.BUDGET, f"max_dofs = {asked.max_dofs}: the next mesh has {n_dofs} nodal coordinates"

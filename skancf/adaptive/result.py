@@ -16,6 +16,7 @@ class Outcome(Enum):
     BUDGET = "the budget is spent"
     NO_LIMIT = "the number has no limit"
     ROUNDING = "rounding is as large as the error"
+    UNMARKED = "the next mesh would be the same"
     INTERRUPTED = "interrupted"
     FAILED = "a mesh had no answer"
 

@@ -56,6 +56,12 @@ def stress_indicator(
     return np.where(largest > sigma.mean() * (1 + SAME), largest, 0.0)
 
 
+def face_stress(solution: Solution) -> np.ndarray:
+    """The larger :func:`stress_indicator` of the two faces, so that bending counts, (n_elements,) (Pa)."""
+    faces = solution.system.problem.section.z[[0, -1]]
+    return np.max([stress_indicator(solution, z=z) for z in faces], axis=0)
+
+
 def stress_regions(
     solution: Solution, components: str | Sequence[str] = "in_plane", z: float = 0.0, **search: Any
 ) -> Regions:

@@ -92,7 +92,7 @@ class VibrationAnalysis:
         shares = refined.shares(residual * refined.surplus(step)) * _per_eigenvalue(answer.value, value)
         scale = np.abs(answer.state.q - found.state.q).max() / np.abs(shape).max()
         moved = (fine.undeformed if rest is None else rest.q) + scale * improved
-        error = refined.beyond(_frequency(improved, stiffness, mass) - answer.value)
+        error = refined.beyond(_frequency(improved, stiffness, mass) - answer.value, shares)
         return Estimate(answer.value, error, shares, Solution(fine, moved))
 
 

@@ -92,6 +92,8 @@ def buckling(
     with DirectSolver(system.pattern, constraints, backend) as solver:
         solver.factor(stiffness)
         answer = solver.solve(system.external_force(start) - stiffness @ moved, refinements=2) + moved
+        if not answer.any():
+            raise InputError("no buckling: the supports take the whole load, which strains nothing; free the edges it acts on")
         geometric = linear_tangent(system, answer) + (-1.0) * stiffness
         pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
         inverse, shapes = pencil.positive(n) if signs == "positive" else pencil.largest(n)

@@ -43,9 +43,10 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     .. math:: J(u) - J(u_h) \approx \frac{J(u_h - K^{-1} R) - J(u_h)}{1 - \ell}, \qquad
         \eta_K = \sum_{i \in K} |R_i \cdot (z - I z)_i|
 
-    over the new nodes i of an element K, with the interpolant I of the mesh, and the part :math:`\ell` of the error that
-    is left there, a sixteenth in theory `kirchhoff` and a quarter in `full`, more at singular points. The difference of the two values contains all of the step that the linear weight
-    :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
+    over the new nodes i of an element K, with the interpolant I of the mesh, and the part :math:`\ell` of the error that is
+    left there: a sixteenth in theory `kirchhoff` and a quarter in `full`, up to a half in elements at singular points that
+    are too small to be quartered more than once. The difference of the two values contains all of the step that the linear
+    weight :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
 
     References
     ----------

@@ -65,6 +65,7 @@ def adapt(
 ) -> AdaptiveResult:
     r"""Refine a mesh until a quantity is as accurate as asked: :math:`|\eta| \le \max(\text{rtol} |J|, \text{atol})`.
 
+    The values that two meshes and their estimates lead to agree as well by then, unless the first mesh is accurate enough.
     On each mesh the equilibrium is found, starting from that of the mesh before, and the error of the quantity is estimated
     by its dual weight (:func:`goal_estimate`); elements that contribute most are quartered, those that
     contribute next to nothing are merged. In nonlinear problems the dual weight belongs to the tangent at the solution.
@@ -289,7 +290,11 @@ class _Run:
     def _end(self, found: _Found) -> tuple[Outcome, str] | None:
         """Why to stop after a mesh."""
         level, accepted = found.level, [level for level in self.levels if not level.rejected]
-        if not level.rejected and abs(level.error) + found.estimate.rounding <= self.asked.tolerance(level.value):
+        tolerance = self.asked.tolerance(level.value)
+        # The estimate of a mesh that is too coarse may be small by chance: that of the mesh before has to lead to the same.
+        ends = [other.value + other.error for other in accepted[-2:]]
+        accurate = abs(level.error) + found.estimate.rounding <= tolerance and abs(ends[0] - ends[-1]) <= tolerance
+        if not level.rejected and accurate:
             return Outcome.REACHED, ""
         if abs(level.error) < found.estimate.rounding:
             return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "

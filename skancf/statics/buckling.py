@@ -93,7 +93,7 @@ def buckling(
         solver.factor(stiffness)
         answer = solver.solve(system.external_force(start) - stiffness @ moved, refinements=2) + moved
         if not answer.any():
-            raise InputError("no buckling: the supports take the whole load, which strains nothing; free the edges it acts on")
+            raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
         geometric = linear_tangent(system, answer) + (-1.0) * stiffness
         pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
         inverse, shapes = pencil.positive(n) if signs == "positive" else pencil.largest(n)

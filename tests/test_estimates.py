@@ -168,6 +168,12 @@ def test_an_estimate_that_is_small_by_chance_does_not_end_the_loop():
     assert last.mesh.nelements > early.mesh.nelements and abs(true_errors("elastica")[-1]) < 1e-5 * last.value
 
 
+def test_what_newton_left_is_not_taken_for_rounding():
+    """It has a direction; its size, added up without regard to that, would end this run at 1e-5."""
+    result = sk.adapt(strip(), sk.Displacement((10.0, 0.5)), 1e-6, mesh=STRIP_MESH)
+    assert result.reached and abs(result.value - reference("elastica")[0]) < 1.2e-6 * result.value
+
+
 def test_elastica_of_the_literature():
     """Bisshopp and Drucker (1945) without stretch, 6.69964: stretching adds its strain of at most P / (E h), 3.3e-5."""
     bent = 10 * elastica.tip(4.0)[1]
@@ -195,6 +201,10 @@ def test_a_section_force_at_a_point_needs_the_elements_there_quartered_more_ofte
 # --- indicators on their own ----------------------------------------------------------------------------------------------
 
 
+BAND = (0.4, 0.8)
+"""Measured: 0.46 to 0.70."""
+
+
 def states_on(levels):
     systems = [l_shape().on(level.mesh, "kirchhoff") for level in levels]
     return [sk.Solution(system, system.undeformed + system.linear_change(), linear=True) for system in systems]
@@ -205,11 +215,8 @@ def test_residual_is_a_constant_part_of_the_error_in_energy_norm():
     levels = run("L energy").levels[:5]
     errors = np.sqrt(CASES["L energy"][2] - np.array([level.value for level in levels]))
     parts = np.sqrt([residual(state).sum() for state in states_on(levels)]) / errors
-    print(parts)
     assert BAND[0] < parts.min() and parts.max() < BAND[1], parts
 
-
-BAND = (0.4, 1.2)
 
 
 @pytest.mark.parametrize("n", [4, 8, 16])

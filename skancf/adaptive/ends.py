@@ -7,6 +7,7 @@ import numpy as np
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import InputError
+from skancf.meshes.forest import Leaves
 
 SAME = 1e-8
 
@@ -20,11 +21,21 @@ def singular_points(system: System) -> np.ndarray:
             places.append(_ends(geometry, item.where))
         points = [getattr(item, name) for name in ("at", "start", "end") if hasattr(item, name)]
         places += [np.reshape(point, (2, 1)).astype(float) for point in points]
-    found = np.hstack(places)
+    found = _both_sides(geometry, np.hstack(places))
     if not found.size:
         return found
     scale = SAME * np.ptp(geometry.mesh.p, axis=1)[:, None]
     return np.asarray(found[:, np.unique(np.round(found / scale), axis=1, return_index=True)[1]])
+
+
+def _both_sides(geometry: Geometry, points: np.ndarray) -> np.ndarray:
+    """Points of a closed seam at both of its ends."""
+    for axis, (low, high) in geometry.closed_bounds().items():
+        for here, there in ((low, high), (high, low)):
+            other = points[:, np.abs(points[axis] - here) < SAME * (high - low)]
+            other[axis] = there
+            points = np.hstack([points, other])
+    return points
 
 
 def _boundary_corners(geometry: Geometry) -> np.ndarray:
@@ -48,9 +59,8 @@ def _ends(geometry: Geometry, where: Any) -> np.ndarray:
     return np.hstack([geometry.mesh.p[:, once], geometry.points[:, alone]])
 
 
-def touching(mesh: Any, points: np.ndarray) -> np.ndarray:
-    """Elements that hold any of the points (2, n), (m,)."""
-    slack = SAME * np.ptp(mesh.p, axis=1)[:, None]
-    low, high = mesh.p[:, mesh.t[0]] - slack, mesh.p[:, mesh.t[2]] + slack
-    inside = [((low <= point[:, None]) & (high >= point[:, None])).all(axis=0) for point in points.T]
+def touching(leaves: Leaves, points: np.ndarray) -> np.ndarray:
+    """Leaves that hold any of the points (2, n), (m,)."""
+    (low, high), slack = leaves.boxes, SAME * leaves.extent[:, None]
+    inside = [((low <= point[:, None] + slack) & (high >= point[:, None] - slack)).all(axis=0) for point in points.T]
     return np.flatnonzero(np.any(inside, axis=0)) if inside else np.empty(0, dtype=int)

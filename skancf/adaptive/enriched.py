@@ -31,13 +31,14 @@ NEAR = 1e-3
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
 
-def enriched_mesh(system: System) -> MeshQuadTree:
+def enriched_mesh(system: System) -> Any:
     """Every element quartered, and those at singular points :data:`EXTRA` times more."""
-    mesh, points = system.mesh.refined(), singular_points(system)
+    mesh, points = system.mesh, singular_points(system)
+    leaves = mesh.leaves.refined(np.arange(mesh.nelements))
     for _ in range(EXTRA):
-        at_points = touching(mesh, points)
-        mesh = mesh.refined(at_points[may_be_quartered(mesh, SMALLEST / 2)[at_points]])
-    return mesh
+        at_points = touching(leaves, points)
+        leaves = leaves.refined(at_points[may_be_quartered(leaves, SMALLEST / 2)[at_points]])
+    return mesh.regrown(leaves)
 
 
 class Refined:

@@ -8,6 +8,7 @@ from skancf.adaptive.ends import touching
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.transfer import ancestors_in
 from skancf.meshes import MeshQuadTree
+from skancf.meshes.forest import Leaves
 
 AGAIN = 3
 """Largest number of times that an element is quartered from one mesh to the next."""
@@ -22,10 +23,10 @@ what rounding does to a displacement: 1e-7 of it with these, four times as much 
 DOERFLER, NEVER = Doerfler(0.8), Never()
 
 
-def may_be_quartered(mesh: MeshQuadTree, smallest: float = SMALLEST) -> np.ndarray:
+def may_be_quartered(leaves: Leaves, smallest: float = SMALLEST) -> np.ndarray:
     """Which elements are larger than the smallest size, (n_elements,)."""
-    sizes = mesh.p[:, mesh.t[2]] - mesh.p[:, mesh.t[0]]
-    return np.asarray((sizes > 1.5 * smallest * np.ptp(mesh.p, axis=1)[:, None]).any(axis=0))
+    low, high = leaves.boxes
+    return np.asarray((high - low > 1.5 * smallest * leaves.extent[:, None]).any(axis=0))
 
 
 @dataclass(frozen=True)
@@ -46,22 +47,23 @@ class Growth:
 
         ``points`` (2, n) are the singular ones.
         """
-        room = may_be_quartered(mesh)
+        leaves = mesh.leaves
+        room = may_be_quartered(leaves)
         marked = self.refine.marked(np.where(room, indicators, 0.0))
         marked = marked[room[marked]]
-        finer = mesh.refined(marked)
-        if 0 < marked.size < mesh.nelements:
-            finer = _again(mesh, finer, indicators, float(indicators[marked].min()), points, thin)
-        small = finer.leaves.find(mesh.leaves.cells.take(self.coarsen.marked(indicators)))
-        return finer.coarsened(small[small >= 0])
+        finer = leaves.refined(marked)
+        if 0 < marked.size < len(leaves):
+            finer = _again(leaves, finer, indicators, float(indicators[marked].min()), points, thin)
+        small = finer.find(leaves.cells.take(self.coarsen.marked(indicators)))
+        return mesh.regrown(finer).coarsened(small[small >= 0])
 
 
 def _again(
-    mesh: MeshQuadTree, finer: MeshQuadTree, indicators: np.ndarray, least: float, points: np.ndarray, thin: bool
-) -> MeshQuadTree:
+    leaves: Leaves, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray, thin: bool
+) -> Leaves:
     for depth in range(1, AGAIN):
-        above = ancestors_in(mesh.leaves, finer.leaves)
-        quartered = finer.levels - mesh.levels[above]
+        above = ancestors_in(leaves, finer)
+        quartered = finer.cells.level - leaves.cells.level[above]
         left = np.where(quartered > 0, indicators[above] * SHARE_LEFT[thin] ** quartered, 0.0)
         singular = touching(finer, points)
         left[singular] = (indicators[above] * SHARE_LEFT_SINGULAR**quartered)[singular]

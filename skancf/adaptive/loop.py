@@ -318,7 +318,7 @@ def _judge(state: Solution) -> None:
     away = np.ones(system.mesh.nelements, dtype=bool)
     for point in system.geometry.surface.position(*near).T:
         away &= np.linalg.norm(positions.T - point, axis=1) > reach
-    away[touching(system.mesh, near)] = False
+    away[touching(system.mesh.leaves, near)] = False
     warn_if_thick(state, away)
 
 

@@ -55,7 +55,7 @@ def adapt(
     indicator: str | Callable[[Solution], np.ndarray] = "goal",
     marking: Marking = DOERFLER,
     coarsening: Marking = BELOW,
-    max_dofs: int = 1_000_000,
+    max_dofs: int = 150_000,
     max_seconds: float | None = None,
     max_levels: int = 50,
     backend: str = "auto",

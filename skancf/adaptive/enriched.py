@@ -27,7 +27,7 @@ LEFT = {True: 1 / 16, False: 1 / 4}
 """Part of an error that is left on quartered elements, in theory `kirchhoff` and `full`."""
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
-NEAR = 1e-3
+NEAR = 1e-4
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
 
@@ -37,7 +37,7 @@ def enriched_mesh(system: System) -> Any:
     leaves = mesh.leaves.refined(np.arange(mesh.nelements))
     for _ in range(EXTRA):
         at_points = touching(leaves, points)
-        leaves = leaves.refined(at_points[may_be_quartered(leaves, SMALLEST / 2)[at_points]])
+        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, SMALLEST / 2)[at_points]])
     return mesh.regrown(leaves)
 
 

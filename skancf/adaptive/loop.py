@@ -242,7 +242,8 @@ class _Run:
             level, answer, _ = self.best
             points = singular_points(answer.state.system)
             grow = self.growth.next_mesh
-            mesh = clock.take("mark", lambda: grow(level.mesh, level.indicators, points, system.geometry.theory.twist))  # noqa: B023
+            geometry = answer.state.system.geometry
+            mesh = clock.take("mark", lambda: grow(geometry, level.indicators, points))  # noqa: B023
             if end := self._too_much(level, mesh):
                 return end
             merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})

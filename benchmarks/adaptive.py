@@ -50,8 +50,8 @@ class Scene:
 
 
 def scenes() -> Iterator[Scene]:
-    """Reference values are those of adaptive runs to 1e-5 with the estimate added. Published ones agree: 0.0035784 / 2 within
-    4e-5 (it lies below our lower bound), and 0.03914."""
+    """Reference values are those of adaptive runs to 1e-5 with the estimate added. Published ones agree: 0.0035784 / 2
+    within 4e-5 (it lies below our lower bound), and 0.03914."""
     surface = sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))
     clamped = sk.Problem(surface, THICKNESS, MATERIAL, [sk.Clamp("boundary")], [sk.SurfaceLoad((0.0, 0.0, 1.0))])
     start = sk.meshes.uniform(surface, 4, 4, openings=SQUARE)

@@ -57,13 +57,18 @@ class Refined:
         self._up = prolongation(coarse.geometry, self.system.geometry)
         self._down = prolongation(self.system.geometry, coarse.geometry)
 
+    @property
+    def left(self) -> float:
+        """Part of an error that is left on quartered elements."""
+        return LEFT[self.system.geometry.theory.twist]
+
     def beyond(self, difference: float) -> float:
         """Estimated limit minus value on the mesh, from the difference that refinement makes.
 
         What is left is a sixteenth of the error in `kirchhoff`, which is of order four, and a quarter in `full`, of order
         two.
         """
-        return difference / (1 - LEFT[self.system.geometry.theory.twist])
+        return difference / (1 - self.left)
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""

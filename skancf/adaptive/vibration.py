@@ -94,7 +94,7 @@ class VibrationAnalysis:
         scale = np.abs(answer.state.q - found.state.q).max() / np.abs(shape).max()
         moved = (fine.undeformed if rest is None else rest.q) + scale * improved
         error = refined.beyond(_frequency(improved, stiffness, mass) - answer.value)
-        return Estimate(answer.value, error, shares, Solution(fine, moved))
+        return Estimate(answer.value, error, shares, Solution(fine, moved), refined.left)
 
 
 def _frequency(shape: np.ndarray, stiffness: BlockMatrix, mass: BlockMatrix) -> float:

@@ -1,7 +1,7 @@
 """Estimated against true errors on the clamped L-shape, and starts of Newton's method on a hemisphere.
 
-The true error is against the corrected value of an adaptive run to 3e-5, which is right to some 1e-6. Writes docs/decisions/estimate.csv and starts.csv. From the
-folder of the repository, in two minutes:
+The true error is against the corrected value of an adaptive run to 3e-5, which is right to some 1e-6. Writes docs/decisions/estimate.csv and starts.csv, and what the smallest elements leave over to docs/theory/adaptive_floor.csv.
+From the folder of the repository, in two minutes:
 
     .venv/bin/python docs/measure/estimate.py
 """
@@ -15,10 +15,12 @@ from typing import Any
 import skancf as sk
 from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.enriched import LEFT, Enriched
+from skancf.adaptive.grow import SMALLEST, may_be_quartered
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.transfer import prolongation, transfer
 from skancf.meshes import MeshQuadTree
 from skancf.statics.load_steps import HalveAndGrow, equilibrium
+from skancf.statics.newton import Status
 
 OUT = Path(__file__).resolve().parent.parent / "decisions"
 EXTRA = (0, 1, 2, 4, 6)
@@ -48,7 +50,8 @@ def difference(state: sk.Solution, quantity: Quantity, extra: int) -> float:
     """What quartering all elements, and those at singular points ``extra`` times more, changes of the quantity."""
     mesh, points = state.system.mesh.refined(), singular_points(state.system)
     for _ in range(extra):
-        mesh = mesh.refined(touching(mesh, points))
+        at_points = touching(mesh, points)
+        mesh = mesh.refined(at_points[may_be_quartered(mesh, SMALLEST / 2)[at_points]])
     with Enriched(state, mesh) as enriched:
         return float(quantity.value(enriched.corrected) - quantity.value(state))
 
@@ -110,8 +113,17 @@ def both(shell: sk.Problem, coarse: MeshQuadTree, fine: MeshQuadTree) -> list[st
     found = []
     for start in (transfer(state, system), sk.Solution(system, q + system.constraints.fixed_part(at_supports - q))):
         result = equilibrium(system, 1.0, control=HalveAndGrow(smallest=0.99), start=start, rtol=1e-5)
-        found.append(str(result.iterations) if result.converged else f"none ({result.iterations})")
+        found.append(str(result.iterations) if result.status is Status.CONVERGED else f"none ({result.iterations})")
     return found
+
+
+def floor() -> list[list[Any]]:
+    """An adaptive run beyond what the smallest elements can."""
+    problem = plate()
+    coarse = sk.meshes.uniform(problem.surface, 4, 4, openings=OPENING)
+    run = sk.adapt(problem, quantities()["deflection"], rtol=1e-6, mesh=coarse, linear=True, max_dofs=40_000)
+    return [[level.n_elements, level.mesh.levels.max(), f"{abs(level.error / level.value):.1e}",
+             f"{abs(level.value / run.corrected - 1):.1e}"] for level in run.levels]  # fmt: skip
 
 
 def write(name: str, header: list[str], rows: list[list[Any]]) -> None:
@@ -124,6 +136,8 @@ def main() -> None:
     warnings.simplefilter("ignore")
     of_extra = [f"{extra} more" for extra in EXTRA]
     write("estimate.csv", ["quantity", "mesh", "error (%)", *of_extra, "4 more, over 15/16"], effectivities())
+    header = ["elements", "largest level", "estimated error", "value against the corrected last one"]
+    write("../theory/adaptive_floor.csv", header, floor())
     write("starts.csv", ["force (N)", "elements", "from the transferred state", "from the better one"], starts())
 
 

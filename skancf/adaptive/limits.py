@@ -49,7 +49,7 @@ def no_limit(quantity: Quantity, system: System) -> str | None:
 
     Examples
     --------
-    >>> sk.adapt.no_limit(sk.adapt.Displacement(at=(0.5, 0.5)), system)
+    >>> sk.adaptive.no_limit(sk.Displacement(at=(0.5, 0.5)), system)
     """
     if isinstance(quantity, SectionForce):
         return None if quantity.at is None else _section_force(quantity, quantity.at, system)

@@ -67,7 +67,8 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     with Enriched(state, backend=backend) as enriched:
         better = enriched.corrected
         weight = enriched.solve(quantity.gradient(better))
-        indicators = enriched.shares(enriched.residual * enriched.surplus(weight))
+        smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
+        indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
         left = float(weight @ enriched.system.constraints.free_part(enriched.unresolved))
         error = enriched.beyond(quantity.value(better) - value)
         return Estimate(

@@ -12,7 +12,7 @@ import skfem
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.estimate import Estimate, residual
-from skancf.adaptive.grow import DOERFLER, NEVER, Growth
+from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
 from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.marking import Below, Marking
 from skancf.adaptive.quantities import Quantity
@@ -283,19 +283,31 @@ class _Run:
         if abs(level.error) < found.estimate.rounding:
             return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
                                       "smaller tolerance cannot be met")  # fmt: skip
+        if stuck := self._in_smallest(found):
+            return Outcome.ROUNDING, stuck
         if why := why_without_limit(accepted, singular_points(found.answer.state.system)):
             return Outcome.NO_LIMIT, why
         if len(self.levels) >= self.asked.max_levels:
             return Outcome.BUDGET, f"max_levels = {self.asked.max_levels} meshes are spent"
         return None
 
+    def _in_smallest(self, found: _Found) -> str:
+        """That most of the error is in elements which rounding lets be no smaller; empty where it is not."""
+        shares, geometry = found.estimate.indicators, found.answer.state.system.geometry
+        full = ~may_be_quartered(geometry.mesh.leaves, geometry.surface)
+        if not shares[full].sum() > shares.sum() / 2:
+            return ""
+        x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)
+        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be; a "
+                "smaller tolerance cannot be met")  # fmt: skip
+
     def _too_much(self, level: Level, mesh: MeshQuadTree) -> tuple[Outcome, str] | None:
         """Why not to begin with the next mesh."""
         asked = self.asked
         if np.array_equal(mesh.leaves.keys, level.mesh.leaves.keys):
             x, y = level.mesh.p[:, level.mesh.t[:, int(np.argmax(level.indicators))]].mean(axis=1)
-            return Outcome.NO_LIMIT, (f"what is left of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small "
-                                      "as they can be: the number seems to have no limit there")  # fmt: skip
+            return Outcome.NO_LIMIT, (f"what is left of the error comes from elements at ({x:.6g}, {y:.6g}) that are as "
+                                      "small as they can be: the number seems to have no limit there")  # fmt: skip
         n_dofs = 12 * (mesh.p.shape[1] - len(mesh.hanging))
         if n_dofs > asked.max_dofs:
             return Outcome.BUDGET, f"max_dofs = {asked.max_dofs}: the next mesh has {n_dofs} nodal coordinates"

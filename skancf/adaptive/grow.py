@@ -22,7 +22,7 @@ SHARE_LEFT_SINGULAR = 0.5
 SMALLEST = 2.0**-12
 """Size of the smallest elements, of the extent of the surface. Stiffness grows with the inverse square of the size, and so
 does what rounding does to a displacement: 1e-7 of it with these, four times as much after each further quartering."""
-DOERFLER, NEVER = Doerfler(0.8), Never()
+DOERFLER, NEVER = Doerfler(0.9), Never()
 
 
 def may_be_quartered(leaves: Leaves, surface: Surface, smallest: float = SMALLEST) -> np.ndarray:

@@ -127,7 +127,7 @@ def test_elements_that_do_not_matter_are_merged():
     first, second, last = result.levels[0], result.levels[1], result.levels[-1]
     corner = np.array([[0.06], [0.06]])
     assert second.coarsened > 10 and second.n_elements < first.n_elements
-    assert last.mesh.levels[touching(last.mesh, corner)].max() < 3
+    assert last.mesh.levels[touching(last.mesh.leaves, corner)].max() < 3
     kept = sk.adapt(square(SIMPLE, FORCE), CENTRAL, 1e-4, linear=True, mesh=mesh, coarsening=sk.Never())
     assert not any(level.coarsened for level in kept.levels) and kept.levels[-1].n_elements > last.n_elements
     for run in (result, kept):
@@ -264,10 +264,10 @@ def test_nothing_marked_is_said():
 
 
 def test_rounding_ends_it():
-    """Small elements in the centre make rounding large: 1e-7 of the deflection at 2^-11 of the plate."""
+    """Small elements in the centre make rounding large: 1e-7 of the deflection at 2^-12 of the plate."""
     mesh = quadtree(sk.meshes.uniform(SQUARE, 4, 4))
-    for _ in range(9):
-        mesh = mesh.refined(touching(mesh, np.array([[0.5], [0.5]])))
+    for _ in range(10):
+        mesh = mesh.refined(touching(mesh.leaves, np.array([[0.5], [0.5]])))
     result = sk.adapt(square(SIMPLE, UNIFORM), CENTRAL, 1e-13, linear=True, mesh=mesh, coarsening=sk.Never())
     assert result.outcome is Outcome.ROUNDING and "rounding" in result.message and len(result.levels) < 6
     assert abs(result.value - 0.00406235266) < 3 * result.error_bar < 1e-6 * result.value
@@ -276,11 +276,11 @@ def test_rounding_ends_it():
 def test_the_smallest_elements_end_it():
     """What is left of the error is theirs, and other elements need no refinement."""
     mesh = quadtree(L_MESH)
-    for _ in range(11):
-        mesh = mesh.refined(touching(mesh, np.zeros((2, 1))))
-    result = sk.adapt(L_PLATE, sk.StrainEnergy(), 1e-9, linear=True, mesh=mesh, indicator=lambda state: np.isin(
-        np.arange(state.system.mesh.nelements), touching(state.system.mesh, np.zeros((2, 1)))).astype(float))  # fmt: skip
-    assert result.outcome is Outcome.ROUNDING and "smallest elements" in result.message and len(result.levels) == 1
+    for _ in range(12):
+        mesh = mesh.refined(touching(mesh.leaves, np.zeros((2, 1))))
+    result = sk.adapt(L_PLATE, Hidden(sk.SectionForce("M11", at=(0.0, 0.0))), 1e-3, linear=True, mesh=mesh)
+    assert result.outcome is Outcome.ROUNDING and "as small as rounding lets them be" in result.message
+    assert len(result.levels) == 1
 
 
 # --- numbers without a limit ---------------------------------------------------------------------------------------------
@@ -288,7 +288,7 @@ def test_the_smallest_elements_end_it():
 
 @pytest.mark.parametrize(("problem", "quantity", "more", "words"), [
     (square(SIMPLE, FORCE), sk.SectionForce("M11", at=CENTRE), {},
-     r"\(0.5, 0.5\).*within=\(\(0.45, 0.55\), \(0.45, 0.55\)\)"),
+     r"\(0.5, 0.5\).*within=\(\(0.25, 0.75\), \(0.25, 0.75\)\)"),
     (L_PLATE, sk.SectionForce("M22", at=(0.0, 0.0)), {"mesh": L_MESH}, r"re-entrant corner.*SectionForce\('M22', within="),
     (square(SIMPLE, FORCE), CENTRAL, {"theory": "full"},
      r"Displacement\(at=\(0.5, 0.5\)\).*DiskForce, or theory 'kirchhoff'"),
@@ -319,7 +319,7 @@ def test_an_error_that_is_all_at_a_corner_is_no_alarm_while_it_falls():
     mesh = sk.meshes.uniform(L_SHAPE, 12, 12, openings=[((0.0, 1.0), (-1.0, 0.0))])
     result = sk.adapt(L_PLATE, sk.StrainEnergy(), 1e-5, linear=True, mesh=mesh, max_levels=5, marking=sk.Maximum(0.9))
     for level in result.levels[1:]:
-        corner = touching(level.mesh, np.zeros((2, 1)))
+        corner = touching(level.mesh.leaves, np.zeros((2, 1)))
         assert level.indicators[corner].sum() > 0.5 * level.indicators.sum() and level.mesh.levels[corner].max() > 0
     assert result.outcome is Outcome.BUDGET
 
@@ -336,9 +336,9 @@ def test_every_indicator_leads_to_a_percent(indicator):
     result = l_run(rtol=1e-2, indicator=indicator)
     assert result.reached and abs(result.value - L_ENERGY) < 1e-2 * L_ENERGY
     # Uniform meshes need 192 elements for 1.5 %, and 768 for 0.7 %.
-    assert result.levels[-1].n_elements < 400
+    assert result.levels[-1].n_elements < 500
     depth = result.levels[-1].mesh.levels
-    corner = touching(result.levels[-1].mesh, np.zeros((2, 1)))
+    corner = touching(result.levels[-1].mesh.leaves, np.zeros((2, 1)))
     assert depth[corner].max() == depth.max()
     if indicator is by_recovery:
         assert result.value == l_run(rtol=1e-2, indicator="recovery").value
@@ -367,8 +367,8 @@ def test_a_force_on_the_seam_is_like_one_elsewhere():
     assert abs(seam.value - other.value) < seam.error_bar + other.error_bar
     mesh = seam.solution.system.mesh
     assert len(mesh.hanging) > 10
-    sides = [mesh.levels[touching(mesh, np.array([[1.0], [y]]))] for y in (0.0, 2 * pi)]
-    assert sorted(sides[0]) == sorted(sides[1]) and len(sides[0]) == 4
+    sides = [mesh.levels[touching(mesh.leaves, np.array([[1.0], [y]]))] for y in (0.0, 2 * pi)]
+    assert sorted(sides[0]) == sorted(sides[1]) and len(sides[0]) == 2
     assert sides[0].max() == mesh.levels.max()
 
 
@@ -385,7 +385,7 @@ def test_a_cap_with_a_pole():
 def test_a_force_across_a_pole_has_no_part_along():
     """The normal there is the limit of those around it, and a deflection along it has a limit."""
     cap = sk.SphereSector(1.0, (0.0, 0.8), 2 * pi, closed=True)
-    for force, why in (((0, 0, -1.0), None), ((1e-3, 0, -1.0), "sinks")):
+    for force, why in (((0, 0, -1.0), None), ((1e-2, 0, -1.0), "sinks")):
         problem = sk.Problem(cap, 0.02, MATERIAL, [], [sk.PointForce((0.0, 0.0), force)])
         found = no_limit(sk.Displacement((0.0, 0.0), force), problem.on(quadtree(starting_mesh(problem), cap), "kirchhoff"))
         assert (found is None) if why is None else why in found

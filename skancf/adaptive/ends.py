@@ -8,6 +8,7 @@ from skancf.adaptive.quantities import SectionForce
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import InputError, finite
+from skancf.meshes.forest import Leaves
 
 SAME = 1e-8
 
@@ -26,12 +27,21 @@ def singular_points(system: System, quantity: Any = None) -> np.ndarray:
             places.append(_ends(geometry, item.where))
         points = [getattr(item, name) for name in ("at", "start", "end") if hasattr(item, name)]
         places += [np.reshape(point, (2, 1)).astype(float) for point in points]
-    found = np.hstack(places)
+    found = _around_poles(geometry, _both_sides(geometry, np.hstack(places)))
     if not found.size:
         return found
-    found = _around_poles(geometry, found)
     scale = SAME * np.ptp(geometry.mesh.p, axis=1)[:, None]
     return np.asarray(found[:, np.unique(np.round(found / scale), axis=1, return_index=True)[1]])
+
+
+def _both_sides(geometry: Geometry, points: np.ndarray) -> np.ndarray:
+    """Points of a closed seam at both of its ends."""
+    for axis, (low, high) in geometry.closed_bounds().items():
+        for here, there in ((low, high), (high, low)):
+            other = points[:, np.abs(points[axis] - here) < SAME * (high - low)]
+            other[axis] = there
+            points = np.hstack([points, other])
+    return points
 
 
 def _boundary_corners(geometry: Geometry) -> np.ndarray:
@@ -67,22 +77,8 @@ def _around_poles(geometry: Geometry, points: np.ndarray) -> np.ndarray:
     return points
 
 
-def touching(mesh: Any, points: np.ndarray) -> np.ndarray:
-    """Elements that hold any of the points (2, n), across the seam of a closed direction too, (m,)."""
-    points = _across_seams(mesh, points)
-    slack = SAME * np.ptp(mesh.p, axis=1)[:, None]
-    low, high = mesh.p[:, mesh.t[0]] - slack, mesh.p[:, mesh.t[2]] + slack
-    inside = [((low <= point[:, None]) & (high >= point[:, None])).all(axis=0) for point in points.T]
+def touching(leaves: Leaves, points: np.ndarray) -> np.ndarray:
+    """Leaves that hold any of the points (2, n), (m,)."""
+    (low, high), slack = leaves.boxes, SAME * leaves.extent[:, None]
+    inside = [((low <= point[:, None] + slack) & (high >= point[:, None] - slack)).all(axis=0) for point in points.T]
     return np.flatnonzero(np.any(inside, axis=0)) if inside else np.empty(0, dtype=int)
-
-
-def _across_seams(mesh: Any, points: np.ndarray) -> np.ndarray:
-    """The points, and those on a seam once more at its other side."""
-    for axis in np.flatnonzero(mesh.leaves.forest.closed):
-        low, high = mesh.p[axis].min(), mesh.p[axis].max()
-        near = SAME * (high - low)
-        for end, other in ((low, high), (high, low)):
-            again = points[:, np.abs(points[axis] - end) < near].copy()
-            again[axis] = other
-            points = np.hstack([points, again])
-    return points

@@ -31,17 +31,18 @@ CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
 ROUNDING = np.finfo(float).eps / 4
 """Of the product of a row of a matrix, relative to the sum of the sizes of its terms."""
-NEAR = 1e-3
+NEAR = 1e-4
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
 
-def enriched_mesh(system: System, points: np.ndarray) -> MeshQuadTree:
+def enriched_mesh(system: System, points: np.ndarray) -> Any:
     """Every element quartered, and those at singular points (2, n) :data:`EXTRA` times more."""
-    mesh = system.mesh.refined()
+    mesh = system.mesh
+    leaves = mesh.leaves.refined(np.arange(mesh.nelements))
     for _ in range(EXTRA):
-        at_points = touching(mesh, points)
-        mesh = mesh.refined(at_points[may_be_quartered(mesh, SMALLEST / 2)[at_points]])
-    return mesh
+        at_points = touching(leaves, points)
+        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, SMALLEST / 2)[at_points]])
+    return mesh.regrown(leaves)
 
 
 class Refined:
@@ -62,20 +63,20 @@ class Refined:
         self._up = prolongation(coarse.geometry, self.system.geometry)
         self._down = prolongation(self.system.geometry, coarse.geometry)
 
-    def beyond(self, difference: float, shares: np.ndarray) -> float:
-        """Estimated limit minus value on the mesh, from the difference that refinement makes and the shares of elements.
+    def left(self, shares: np.ndarray) -> float:
+        """Part of an error that is left on the refined mesh, by the shares that elements have in it.
 
-        What is left is a sixteenth of the error in `kirchhoff`, which is of order four, and a quarter in `full`, of order
-        two; of that of elements at singular points, which are not quartered that often where they are small, up to a half.
+        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two; up to a half of
+        that of elements at singular points which are too small to be quartered more than once.
         """
-        coarse, fine = self.coarse.mesh, self.system.mesh
-        left = np.full(coarse.nelements, LEFT[self.system.geometry.theory.twist])
-        deepest = np.zeros(coarse.nelements, dtype=int)
-        np.maximum.at(deepest, ancestors_in(coarse.leaves, fine.leaves), fine.levels)
+        coarse, fine = self.coarse.mesh.leaves, self.system.mesh.leaves
+        left = np.full(len(coarse), LEFT[self.system.geometry.theory.twist])
+        deepest = np.zeros(len(coarse), dtype=int)
+        np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
         there = touching(coarse, self.points)
-        left[there] = LEFT_SINGULAR ** (deepest - coarse.levels)[there]
+        left[there] = LEFT_SINGULAR ** (deepest - coarse.cells.level)[there]
         total = shares.sum()
-        return difference / (1 - (float(shares @ left / total) if total else 0.0))
+        return float(shares @ left / total) if total else 0.0
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""

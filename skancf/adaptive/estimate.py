@@ -23,6 +23,8 @@ class Estimate:
         Sizes of the contributions of the elements to it; contributions of both signs may cancel in it.
     better : Solution
         The state one refinement further, where the estimate comes from.
+    left : float
+        Part of the contributions that refinement does not see; where they cancel, they may be what is left.
     rounding : float
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
     """
@@ -31,7 +33,13 @@ class Estimate:
     error: float
     indicators: np.ndarray
     better: Solution
+    left: float
     rounding: float = 0.0
+
+    @property
+    def bar(self) -> float:
+        """Size of the error, or of what is left of its contributions if these cancel, and of rounding."""
+        return max(abs(self.error), self.left * float(self.indicators.sum())) + self.rounding
 
 
 def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto") -> Estimate:
@@ -56,9 +64,11 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected
         weight = enriched.solve(quantity.gradient(better))
-        indicators = enriched.shares(enriched.residual * enriched.surplus(weight))
-        error = enriched.beyond(quantity.value(better) - value, indicators)
-        return Estimate(value, error, indicators, better, rounding=enriched.rounding(weight))
+        smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
+        indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
+        left = enriched.left(indicators)
+        error = (quantity.value(better) - value) / (1 - left)
+        return Estimate(value, error, indicators, better, left, enriched.rounding(weight))
 
 
 def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:

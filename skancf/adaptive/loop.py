@@ -37,8 +37,6 @@ INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
 }  # fmt: skip
 """By what elements are marked; the error bar is that of the quantity with each of them."""
 BELOW = Below(0.01)
-STUCK = 0.5
-"""Share of the indicators of elements that are as small as they may be, from which on others need no refinement."""
 COST = 1.3
 """Seconds of a mesh grow with this power of its coordinates."""
 T = TypeVar("T")
@@ -57,7 +55,7 @@ def adapt(
     indicator: str | Callable[[Solution], np.ndarray] = "goal",
     marking: Marking = DOERFLER,
     coarsening: Marking = BELOW,
-    max_dofs: int = 1_000_000,
+    max_dofs: int = 150_000,
     max_seconds: float | None = None,
     max_levels: int = 50,
     backend: str = "auto",
@@ -65,7 +63,6 @@ def adapt(
 ) -> AdaptiveResult:
     r"""Refine a mesh until a quantity is as accurate as asked: :math:`|\eta| \le \max(\text{rtol} |J|, \text{atol})`.
 
-    The values that two meshes and their estimates lead to agree as well by then, unless the first mesh is accurate enough.
     On each mesh the equilibrium is found, starting from that of the mesh before, and the error of the quantity is estimated
     by its dual weight (:func:`goal_estimate`); elements that contribute most are quartered, those that
     contribute next to nothing are merged. In nonlinear problems the dual weight belongs to the tangent at the solution.
@@ -195,10 +192,10 @@ class _Clock:
 
     seconds: dict[str, float]
 
-    def take(self, name: str, work: Callable[[], T]) -> T:
+    def take(self, name: str, work: Callable[..., T], *arguments: Any) -> T:
         begun = time.perf_counter()
         try:
-            return work()
+            return work(*arguments)
         finally:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begun
 
@@ -228,8 +225,8 @@ class _Run:
         if answer.found is None:
             _judge(answer.state)
         return AdaptiveResult(
-            answer.value, abs(estimate.error) + estimate.rounding, answer.value + estimate.error, answer.state,
-            tuple(self.levels), outcome, message, self.quantity.unit,
+            answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), outcome, message,
+            self.quantity.unit,
         )  # fmt: skip
 
     def _refine(self, system: System) -> tuple[Outcome, str]:
@@ -247,24 +244,23 @@ class _Run:
                 return end
             assert self.best is not None
             level, answer, _ = self.best
-            points = singular_points(answer.state.system, self.quantity)
-            grow = self.growth.next_mesh
-            mesh = clock.take("mark", lambda: grow(level.mesh, level.indicators, points, system.geometry.theory.twist))  # noqa: B023
+            at = answer.state.system
+            points = singular_points(at, self.quantity)
+            mesh = clock.take("mark", self.growth.next_mesh, at.geometry, level.indicators, points)
             if end := self._too_much(level, mesh):
                 return end
             merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
-            system = clock.take("assemble", lambda: self.problem.on(mesh, system.geometry.theory))  # noqa: B023
+            system = clock.take("assemble", self.problem.on, mesh, at.geometry.theory)
 
     def _on(self, system: System, start: Solution | None, merged: int, clock: _Clock) -> _Found:
         with warnings.catch_warnings():
             # Of coarse meshes; the last one is judged.
             warnings.simplefilter("ignore", OutOfDepth)
-            answer = clock.take("solve", lambda: self.analysis.solve(system, start))
-            estimate = clock.take("estimate", lambda: self.analysis.estimate(answer))
+            answer = clock.take("solve", self.analysis.solve, system, start)
+            estimate = clock.take("estimate", self.analysis.estimate, answer)
             indicators = estimate.indicators
             if self.indicator is not None:
-                own = self.indicator
-                indicators = clock.take("mark", lambda: check_indicators(own(answer.state)))
+                indicators = check_indicators(clock.take("mark", self.indicator, answer.state))
                 if len(indicators) != system.mesh.nelements:
                     raise InputError(f"indicator: it gives {len(indicators)} numbers for {system.mesh.nelements} elements; "
                                      "give one for each")  # fmt: skip
@@ -283,35 +279,39 @@ class _Run:
         else:
             self.best = found
         self.levels.append(level)
-        wanted = self.asked.tolerance(level.value) / max(abs(level.error), 1e-300)
-        note = f"{level.n_elements} elements: {level.value:.6g} +- {abs(level.error):.1g}"
+        wanted = self.asked.tolerance(level.value) / max(found.estimate.bar, 1e-300)
+        note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
         self.bar.at(min(1.0, wanted) ** 0.5, note)
 
     def _end(self, found: _Found) -> tuple[Outcome, str] | None:
         """Why to stop after a mesh."""
         level, accepted = found.level, [level for level in self.levels if not level.rejected]
-        tolerance = self.asked.tolerance(level.value)
-        # The estimate of a mesh that is too coarse may be small by chance: that of the mesh before has to lead to the same.
-        ends = [other.value + other.error for other in accepted[-2:]]
-        accurate = abs(level.error) + found.estimate.rounding <= tolerance and abs(ends[0] - ends[-1]) <= tolerance
-        if not level.rejected and accurate:
+        if not level.rejected and found.estimate.bar <= self.asked.tolerance(level.value):
             return Outcome.REACHED, ""
         if abs(level.error) < found.estimate.rounding:
             return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
                                       "smaller tolerance cannot be met")  # fmt: skip
+        if stuck := self._in_smallest(found):
+            return Outcome.ROUNDING, stuck
         if why := why_without_limit(accepted, singular_points(found.answer.state.system)):
             return Outcome.NO_LIMIT, why
         if len(self.levels) >= self.asked.max_levels:
             return Outcome.BUDGET, f"max_levels = {self.asked.max_levels} meshes are spent"
         return None
 
+    def _in_smallest(self, found: _Found) -> str:
+        """That most of the error is in elements which rounding lets be no smaller; empty where it is not."""
+        shares, geometry = found.estimate.indicators, found.answer.state.system.geometry
+        full = ~may_be_quartered(geometry.mesh.leaves, geometry.surface)
+        if not shares[full].sum() > shares.sum() / 2:
+            return ""
+        x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)
+        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be; a "
+                "smaller tolerance cannot be met")  # fmt: skip
+
     def _too_much(self, level: Level, mesh: MeshQuadTree) -> tuple[Outcome, str] | None:
         """Why not to begin with the next mesh."""
         asked = self.asked
-        stuck = level.indicators[~may_be_quartered(level.mesh)].sum()
-        if stuck > STUCK * level.indicators.sum():
-            return Outcome.ROUNDING, ("the error that is left comes from the smallest elements, and in still smaller ones "
-                                      "rounding grows faster than the error falls")  # fmt: skip
         if np.array_equal(mesh.leaves.keys, level.mesh.leaves.keys):
             return Outcome.UNMARKED, "no element is marked; take another indicator, or a marking that takes more"
         n_dofs = 12 * (mesh.p.shape[1] - len(mesh.hanging))
@@ -336,7 +336,7 @@ def _judge(state: Solution) -> None:
     away = np.ones(system.mesh.nelements, dtype=bool)
     for point in system.geometry.surface.position(*near).T:
         away &= np.linalg.norm(positions.T - point, axis=1) > reach
-    away[touching(system.mesh, near)] = False
+    away[touching(system.mesh.leaves, near)] = False
     warn_if_thick(state, away)
 
 

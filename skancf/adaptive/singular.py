@@ -18,8 +18,6 @@ SAME_POINT = 1e-8
 """Of the extent of the mesh: two points of the parameter plane closer than this are one."""
 ALONG = 1e-6
 """Part of a unit vector that counts, cosine of a right angle."""
-OFF_POLE = 1e-7
-"""Part of an element by which the place of a normal is moved inwards; the normal turns by less than counts."""
 TURNS_IN = np.radians(210)
 """Material about a node of the boundary beyond which it is a re-entrant corner, not a vertex of a curved hole's polygon."""
 
@@ -74,11 +72,8 @@ def has_part_along(geometry: Geometry, load: PointForce) -> bool:
 
 
 def normal_at(geometry: Geometry, at: Any) -> np.ndarray:
-    """The undeformed normal, a little inside where a pole leaves none."""
-    element, point = geometry.locate(at)
-    if geometry.ties.poles:
-        point = 0.5 + (1 - OFF_POLE) * (point - 0.5)
-    x, y = geometry.parameters(point[:, None], np.array([element]))[:, 0]
+    """The undeformed normal, at a pole its limit."""
+    x, y = geometry.within(finite("at", at))[:, None]
     return np.asarray(normal(geometry.surface, x, y)[:, 0])
 
 

@@ -75,4 +75,5 @@ class StabilityAnalysis:
             shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
             scale = np.abs(answer.state.q - found.linear.system.undeformed).max() / np.abs(found.shapes[number]).max()
             moved = Solution(fine, fine.undeformed + scale * improved)
-            return Estimate(value, enriched.beyond(factor - value, shares), shares, moved)
+            left = enriched.left(shares)
+            return Estimate(value, (factor - value) / (1 - left), shares, moved, left)

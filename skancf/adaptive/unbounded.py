@@ -25,7 +25,7 @@ def why_without_limit(levels: Sequence[Level], points: np.ndarray) -> str | None
         return None
     watched = levels[-LEVELS - 1 :]
     for point in points.T:
-        at = [touching(level.mesh, point[:, None]) for level in watched]
+        at = [touching(level.mesh.leaves, point[:, None]) for level in watched]
         parts = np.array([level.indicators[here].sum() for level, here in zip(watched, at, strict=True)])
         depths = np.array([level.mesh.levels[here].max() for level, here in zip(watched, at, strict=True)])
         alone = parts[-1] > MOST * watched[-1].indicators.sum()

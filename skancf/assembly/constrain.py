@@ -37,6 +37,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     InputError
         Where two supports ask for different values of the same coordinate.
     """
+    mixed = ~(geometry.ties.mix == np.eye(4)).all(axis=(1, 2))
     by_node: dict[int, list[tuple[np.ndarray, float, int]]] = defaultdict(list)
     histories: list[Any] = [None]
     for support in supports:
@@ -45,7 +46,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
             histories.append(history)
         number = next(k for k, known in enumerate(histories) if known is history)
         for mesh_node, a, value, own in support.rows(geometry):
-            on_node = a if own else (geometry.ties.mix[mesh_node].T @ a.reshape(4, 3)).ravel()
+            on_node = a if own or not mixed[mesh_node] else (geometry.ties.mix[mesh_node].T @ a.reshape(4, 3)).ravel()
             size = sqrt(on_node @ on_node)
             if size > PARALLEL * sqrt(a @ a):  # a vector that a pole does not have needs no holding
                 by_node[int(geometry.ties.node_of[mesh_node])].append((on_node / size, value / size, number))
@@ -55,14 +56,16 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     fixed = np.zeros((geometry.n_nodes, 12), dtype=bool)
     changes = np.zeros((len(histories), geometry.n_nodes, 12))
     frame_nodes, frames = [], []
+    known: dict[bytes, tuple[np.ndarray, int, np.ndarray, np.ndarray | None]] = {}
     for node, rows in by_node.items():
         A = np.array([row[0] for row in rows])
         values = np.zeros((len(rows), len(histories)))
         values[np.arange(len(rows)), [row[2] for row in rows]] = [row[1] for row in rows]
-        frame, rank, local = _frame(A, values)
-        _check_consistent(geometry, node, A, frame[:rank], local, values)
-        axes = np.abs(frame[:rank]).argmax(axis=1)
-        if np.allclose(np.abs(frame[:rank, axes]), np.eye(rank), atol=PARALLEL):
+        key = A.tobytes() + values.tobytes()
+        if key not in known:  # nodes along a straight edge are alike
+            known[key] = _held(geometry, node, A, values)
+        frame, rank, local, axes = known[key]
+        if axes is not None:
             fixed[node, axes] = True
         else:
             fixed[node, :rank] = True
@@ -72,6 +75,17 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     constraints = Constraints(fixed, np.array(frame_nodes, dtype=np.int64), np.array(frames).reshape(-1, 12, 12))
     parts = [(change.ravel(), history) for change, history in zip(changes, histories, strict=True) if change.any()]
     return constraints, PrescribedMotion(fixed.size, parts)
+
+
+def _held(
+    geometry: Geometry, node: int, A: np.ndarray, values: np.ndarray
+) -> tuple[np.ndarray, int, np.ndarray, np.ndarray | None]:
+    """Frame, rank and values of :func:`_frame`, and the coordinates that are held where these need no frame."""
+    frame, rank, local = _frame(A, values)
+    _check_consistent(geometry, node, A, frame[:rank], local, values)
+    axes = np.abs(frame[:rank]).argmax(axis=1)
+    plain = np.allclose(np.abs(frame[:rank, axes]), np.eye(rank), atol=PARALLEL)
+    return frame, rank, local, axes if plain else None
 
 
 def _frame(A: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, int, np.ndarray]:

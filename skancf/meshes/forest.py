@@ -154,6 +154,16 @@ class Leaves:
     def __len__(self) -> int:
         return len(self.keys)
 
+    @property
+    def boxes(self) -> np.ndarray:
+        """Lower left and upper right corners in the parameter plane, (2, 2, n): corner, coordinate."""
+        return self.forest.places(self.cells)[:, [0, 2]].swapaxes(0, 1)
+
+    @property
+    def extent(self) -> np.ndarray:
+        """Of the forest in both directions of the parameter plane, (2,)."""
+        return np.asarray(np.ptp(self.forest.points, axis=1))
+
     def find(self, cells: Cells) -> np.ndarray:
         """Number of each of these cells, (n,); -1 where it is no leaf."""
         wanted = cells.keys
@@ -172,6 +182,11 @@ class Leaves:
             front = front[~split[front]]
             split[front] = True
         return np.flatnonzero(split)
+
+    def refined(self, marked: np.ndarray) -> "Leaves":
+        """With these leaves split, and others as far as balance needs it."""
+        which = self.closure(marked)
+        return self.split(which) if which.size else self
 
     def split(self, which: np.ndarray) -> "Leaves":
         """With the children of some leaves instead of these."""

@@ -43,15 +43,17 @@ class Names:
         return fine
 
     def carried(self, old: Leaves, new: Leaves) -> "Names":
-        """The names on the leaves of another mesh: of a split leaf to its children, of merged ones to their parent."""
-        same, parent = old.find(new.cells), old.find(new.cells.parents)
-        child = np.where((same < 0) & (parent < 0), 0, -1)
-        first = new.cells.take(np.flatnonzero(child == 0)).children
-        sisters = old.find(first).reshape(-1, 4)
-        merged = np.flatnonzero(child == 0)
-        source = np.where(same >= 0, same, parent)
-        source[merged] = sisters[:, 0]
-        outer = _outer(new.cells) | (parent < 0) | (same >= 0)
+        """The names on the leaves of another mesh: of a split leaf to what it became, of merged ones to their parent."""
+        source, cells = old.find(new.cells), new.cells
+        outer, lost = np.ones((4, len(new)), dtype=bool), source < 0
+        while lost.any() and cells.level.max() > 0:
+            outer &= _outer(cells) | ~lost
+            cells = cells.parents
+            source = np.where(lost, old.find(cells), source)
+            lost = source < 0
+        merged = np.flatnonzero(lost)
+        sisters = old.find(new.cells.take(merged).children).reshape(-1, 4)
+        source[merged], outer[:, merged] = sisters[:, 0], True
         elements = {name: mask[source] for name, mask in self.elements.items()}
         sides = {}
         for name, mask in self.sides.items():

@@ -119,7 +119,7 @@ class MeshQuadTree(skfem.MeshQuad):
             where = self.p[:, self.t[:, deep[0]]].mean(axis=1)
             raise InputError(f"element {deep[0]} at ({where[0]:.6g}, {where[1]:.6g}) has level {DEEPEST}, the deepest; "
                              "begin with a finer coarse mesh")  # fmt: skip
-        return self._changed(self.leaves.split(split)) if split.size else self
+        return self.regrown(self.leaves.split(split)) if split.size else self
 
     def coarsened(self, elements: Any) -> "MeshQuadTree":
         """A mesh in which sisters that are all among these elements are merged, once.
@@ -135,7 +135,7 @@ class MeshQuadTree(skfem.MeshQuad):
             if again.shape == sisters.shape:
                 break
             sisters = again
-        return self._changed(self.leaves.merged(sisters)) if sisters.size else self
+        return self.regrown(self.leaves.merged(sisters)) if sisters.size else self
 
     def adapted(self, refine: Any, coarsen: Any = ()) -> "MeshQuadTree":
         """Refined where asked and needed for balance, then coarsened where asked and possible."""
@@ -143,7 +143,8 @@ class MeshQuadTree(skfem.MeshQuad):
         kept = finer.leaves.find(self.leaves.cells.take(self._numbers("coarsened", coarsen)))
         return finer.coarsened(kept[kept >= 0])
 
-    def _changed(self, leaves: Leaves) -> "MeshQuadTree":
+    def regrown(self, leaves: Leaves) -> "MeshQuadTree":
+        """The mesh of other leaves of the same forest, of which none is larger than the parents of these; names are kept."""
         return grown(leaves, Names.of(self).carried(self.leaves, leaves))
 
     def _numbers(self, what: str, elements: Any) -> np.ndarray:

@@ -15,12 +15,12 @@ Near the re-entrant corner, with 270 degrees of plate, they are no smooth functi
 
 (M. L. Williams, Surface stress singularities resulting from various boundary conditions in angular corners of plates under
 bending, *Proc. 1st US National Congress of Applied Mechanics*, 1952, 325-329). Moments grow like :math:`r^{z-1}` there. On
-uniform meshes of size h the strain energy is wrong by :math:`O(h^{2z})`, by :math:`N^{-z}` with N degrees of freedom, however
-high the order of the elements. Bicubic elements on the right meshes reach :math:`N^{-2}`.
+uniform meshes of size h the strain energy is wrong by :math:`O(h^{2z})`, by :math:`N^{-z}` with N degrees of freedom,
+however high the order of the elements. Bicubic elements on the right meshes reach :math:`N^{-2}`.
 
-The numbers to hit, for q = D = 1: :math:`w(-\tfrac12, \tfrac12) = 0.0031291` and :math:`\int w = 0.0035784`, both from graded
-meshes of bicubic Hermite elements and Richardson's extrapolation, and z above. In a linear problem the strain energy is
-:math:`\tfrac12 \int q w`, and that of conforming elements is a lower bound.
+The numbers to hit, for q = D = 1: :math:`w(-\tfrac12, \tfrac12) = 0.0031291` and :math:`\int w = 0.0035784`, both from
+graded meshes of bicubic Hermite elements and Richardson's extrapolation, and z above. In a linear problem the strain energy
+is :math:`\tfrac12 \int q w`, and that of conforming elements is a lower bound.
 """
 
 # %%
@@ -133,7 +133,8 @@ def main(size: str = "full", out: str = "out") -> dict[str, float]:
             print(f"{name}, {how}: {found[name][how]}\n{found[name][how].table()}\n")
         print(f"{name}, finest: {found[name]['truth']}, with its estimate {found[name]['truth'].corrected:.9g}\n")
     slopes = {how: slope(tables["energy", how], last) for how, last in {"adaptive": 4, "uniform": 2}.items()}
-    print(f"slope of the energy's error: {slopes['uniform']:.3f} uniform (theory {-z:.4f}), {slopes['adaptive']:.2f} adaptive")
+    print(f"slopes of the energy's error: uniform {slopes['uniform']:.3f} (theory {-z:.4f}), "
+          f"adaptive {slopes['adaptive']:.2f}")  # fmt: skip
     draw(found, tables, z, folder)
 
     w, energy = (found[name]["adaptive"] for name in QUANTITIES)

@@ -115,9 +115,7 @@ def on_patch(case: Case, side: float, **options: object) -> sk.AdaptiveResult:
     """The mean over a patch."""
     mesh = sk.meshes.refined_in(COARSE, [patch(side)], levels=round(np.log2(CELL / side)))
     mean = sk.SectionForce(case.component, within=((CORNER[0] - side, CORNER[0]), (CORNER[1], CORNER[1] + side)))
-    return sk.adapt(
-        case.problem, mean, **{"rtol": RTOL, "mesh": mesh, "linear": True, "coarsening": sk.Never(), **options}
-    )
+    return sk.adapt(case.problem, mean, **{"rtol": RTOL, "mesh": mesh, "linear": True, "coarsening": sk.Never(), **options})
 
 
 def growth(sides: np.ndarray, means: np.ndarray) -> np.ndarray:

@@ -298,8 +298,8 @@ def test_section_force_under_a_point_force(theory):
     system = on(theory, [sk.Clamp("left")], [sk.PointForce(MIDDLE, DOWN)])
     why = no_limit(AT_MIDDLE, system)
     assert "at=(0.5, 0.5)" in why and "PointForce" in why
-    assert "SectionForce('M11', within=((0.45, 0.55), (0.45, 0.55)))" in why
-    assert no_limit(SectionForce("M11", within=((0.45, 0.55), (0.45, 0.55))), system) is None
+    assert "SectionForce('M11', within=((0.25, 0.75), (0.25, 0.75)))" in why
+    assert no_limit(SectionForce("M11", within=((0.25, 0.75), (0.25, 0.75))), system) is None
     assert no_limit(SectionForce("M11", at=(0.5, 0.51)), system) is None
     assert no_limit(AT_MIDDLE, on(theory, [sk.Clamp("left")], [sk.DiskForce(MIDDLE, 0.1, DOWN)])) is None
     assert no_limit(AT_MIDDLE, on(theory, [sk.Clamp("left")], [sk.PointForce(MIDDLE, (0, 0, 0))])) is None

@@ -27,7 +27,7 @@ LEFT = {True: 1 / 16, False: 1 / 4}
 """Part of an error that is left on quartered elements, in theory `kirchhoff` and `full`."""
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
-NEAR = 1e-3
+NEAR = 1e-4
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
 
@@ -37,7 +37,7 @@ def enriched_mesh(system: System) -> Any:
     leaves = mesh.leaves.refined(np.arange(mesh.nelements))
     for _ in range(EXTRA):
         at_points = touching(leaves, points)
-        leaves = leaves.refined(at_points[may_be_quartered(leaves, SMALLEST / 2)[at_points]])
+        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, SMALLEST / 2)[at_points]])
     return mesh.regrown(leaves)
 
 
@@ -57,13 +57,18 @@ class Refined:
         self._up = prolongation(coarse.geometry, self.system.geometry)
         self._down = prolongation(self.system.geometry, coarse.geometry)
 
+    @property
+    def left(self) -> float:
+        """Part of an error that is left on quartered elements."""
+        return LEFT[self.system.geometry.theory.twist]
+
     def beyond(self, difference: float) -> float:
         """Estimated limit minus value on the mesh, from the difference that refinement makes.
 
         What is left is a sixteenth of the error in `kirchhoff`, which is of order four, and a quarter in `full`, of order
         two.
         """
-        return difference / (1 - LEFT[self.system.geometry.theory.twist])
+        return difference / (1 - self.left)
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""

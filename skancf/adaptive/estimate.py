@@ -23,6 +23,8 @@ class Estimate:
         Sizes of the contributions of the elements to it; contributions of both signs may cancel in it.
     better : Solution
         The state one refinement further, where the estimate comes from.
+    left : float
+        Part of the contributions that refinement does not see; where they cancel, they may be what is left.
     rounding : float
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
     """
@@ -31,7 +33,17 @@ class Estimate:
     error: float
     indicators: np.ndarray
     better: Solution
+    left: float
     rounding: float = 0.0
+
+    @property
+    def bar(self) -> float:
+        """Size of the error, or of what is left of its contributions if these cancel, and of rounding."""
+        return max(abs(self.error), self.left * float(self.indicators.sum())) + self.rounding
+
+
+SAFE = 3.0
+"""Times what the unresolved residual does to a value: rounding is random, and this one sample of it."""
 
 
 def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto") -> Estimate:
@@ -55,11 +67,12 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     with Enriched(state, backend=backend) as enriched:
         better = enriched.corrected
         weight = enriched.solve(quantity.gradient(better))
-        indicators = enriched.shares(enriched.residual * enriched.surplus(weight))
-        left = enriched.system.constraints.free_part(enriched.unresolved)
+        smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
+        indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
+        left = float(weight @ enriched.system.constraints.free_part(enriched.unresolved))
         error = enriched.beyond(quantity.value(better) - value)
         return Estimate(
-            value, error, indicators, better, rounding=float(np.abs(weight) @ np.abs(left))
+            value, error, indicators, better, enriched.left, rounding=SAFE * abs(left)
         )
 
 

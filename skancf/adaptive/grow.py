@@ -7,8 +7,10 @@ import numpy as np
 from skancf.adaptive.ends import touching
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.transfer import ancestors_in
+from skancf.assembly.geometry import Geometry
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
+from skancf.surfaces import Surface
 
 AGAIN = 3
 """Largest number of times that an element is quartered from one mesh to the next."""
@@ -18,15 +20,19 @@ two in `full`, and a quarter of the area."""
 SHARE_LEFT_SINGULAR = 0.5
 """The same for the quarter at a singular point."""
 SMALLEST = 2.0**-12
-"""Size of the smallest elements, of the extent of the mesh. Stiffness grows with the inverse square of the size, and so does
-what rounding does to a displacement: 1e-7 of it with these, four times as much after each further quartering."""
-DOERFLER, NEVER = Doerfler(0.8), Never()
+"""Size of the smallest elements, of the extent of the surface. Stiffness grows with the inverse square of the size, and so
+does what rounding does to a displacement: 1e-7 of it with these, four times as much after each further quartering."""
+DOERFLER, NEVER = Doerfler(0.9), Never()
 
 
-def may_be_quartered(leaves: Leaves, smallest: float = SMALLEST) -> np.ndarray:
-    """Which elements are larger than the smallest size, (n_elements,)."""
-    low, high = leaves.boxes
-    return np.asarray((high - low > 1.5 * smallest * leaves.extent[:, None]).any(axis=0))
+def may_be_quartered(leaves: Leaves, surface: Surface, smallest: float = SMALLEST) -> np.ndarray:
+    """Which elements are larger than the smallest size in both directions of the surface, (n_elements,)."""
+    corners = surface.position(*leaves.forest.places(leaves.cells))
+    sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=0)
+    # At a pole one side has no length.
+    lengths = np.maximum(sides[:2], sides[2:]).min(axis=0)
+    extent = np.linalg.norm(np.ptp(surface.position(*leaves.forest.points), axis=1))
+    return np.asarray(lengths > 1.5 * smallest * extent)
 
 
 @dataclass(frozen=True)
@@ -42,32 +48,32 @@ class Growth:
     refine: Marking = DOERFLER
     coarsen: Marking = NEVER
 
-    def next_mesh(self, mesh: MeshQuadTree, indicators: np.ndarray, points: np.ndarray, thin: bool) -> MeshQuadTree:
+    def next_mesh(self, geometry: Geometry, indicators: np.ndarray, points: np.ndarray) -> MeshQuadTree:
         """Quarters marked elements, and those of their quarters that would be marked again.
 
         ``points`` (2, n) are the singular ones.
         """
+        mesh: MeshQuadTree = geometry.mesh
         leaves = mesh.leaves
-        room = may_be_quartered(leaves)
+        room = may_be_quartered(leaves, geometry.surface)
         marked = self.refine.marked(np.where(room, indicators, 0.0))
         marked = marked[room[marked]]
         finer = leaves.refined(marked)
         if 0 < marked.size < len(leaves):
-            finer = _again(leaves, finer, indicators, float(indicators[marked].min()), points, thin)
+            finer = _again(geometry, finer, indicators, float(indicators[marked].min()), points)
         small = finer.find(leaves.cells.take(self.coarsen.marked(indicators)))
         return mesh.regrown(finer).coarsened(small[small >= 0])
 
 
-def _again(
-    leaves: Leaves, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray, thin: bool
-) -> Leaves:
+def _again(geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray) -> Leaves:
+    leaves, thin = geometry.mesh.leaves, geometry.theory.twist
     for depth in range(1, AGAIN):
         above = ancestors_in(leaves, finer)
         quartered = finer.cells.level - leaves.cells.level[above]
         left = np.where(quartered > 0, indicators[above] * SHARE_LEFT[thin] ** quartered, 0.0)
         singular = touching(finer, points)
         left[singular] = (indicators[above] * SHARE_LEFT_SINGULAR**quartered)[singular]
-        again = np.flatnonzero((left > 2 * least) & (quartered == depth) & may_be_quartered(finer))
+        again = np.flatnonzero((left > 2 * least) & (quartered == depth) & may_be_quartered(finer, geometry.surface))
         if not again.size:
             break
         finer = finer.refined(again)

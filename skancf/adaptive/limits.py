@@ -49,7 +49,7 @@ def no_limit(quantity: Quantity, system: System) -> str | None:
 
     Examples
     --------
-    >>> sk.adapt.no_limit(sk.adapt.Displacement(at=(0.5, 0.5)), system)
+    >>> sk.adaptive.no_limit(sk.Displacement(at=(0.5, 0.5)), system)
     """
     if isinstance(quantity, SectionForce):
         return None if quantity.at is None else _section_force(quantity, quantity.at, system)
@@ -137,10 +137,10 @@ def _at(point: Any) -> str:
 
 
 def _region(geometry: Geometry, at: Any) -> str:
-    """A rectangle of a tenth of the mesh about a point, as far as the surface goes."""
-    low, high = geometry.mesh.p.min(axis=1), geometry.mesh.p.max(axis=1)
-    point, half = geometry.within(finite("at", at)), (high - low) / 20
-    start, end = point - half, point + half
-    for axis in {0, 1} - set(geometry.closed_bounds()):
-        start[axis], end[axis] = max(start[axis], low[axis]), min(end[axis], high[axis])
+    """The rectangle around the elements that meet at a point: means are over whole elements."""
+    point, corners = geometry.within(finite("at", at)), geometry.mesh.p[:, geometry.mesh.t]
+    slack = 1e-9 * np.ptp(geometry.mesh.p, axis=1)[:, None]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    around = ((low <= point[:, None] + slack) & (high >= point[:, None] - slack)).all(axis=0)
+    start, end = low[:, around].min(axis=1), high[:, around].max(axis=1)
     return f"({', '.join(_at(pair) for pair in zip(start, end, strict=True))})"

@@ -12,7 +12,7 @@ import skfem
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.estimate import Estimate, residual
-from skancf.adaptive.grow import DOERFLER, NEVER, Growth
+from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
 from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.marking import Below, Marking
 from skancf.adaptive.quantities import Quantity
@@ -55,7 +55,7 @@ def adapt(
     indicator: str | Callable[[Solution], np.ndarray] = "goal",
     marking: Marking = DOERFLER,
     coarsening: Marking = BELOW,
-    max_dofs: int = 1_000_000,
+    max_dofs: int = 150_000,
     max_seconds: float | None = None,
     max_levels: int = 50,
     backend: str = "auto",
@@ -188,10 +188,10 @@ class _Clock:
 
     seconds: dict[str, float]
 
-    def take(self, name: str, work: Callable[[], T]) -> T:
+    def take(self, name: str, work: Callable[..., T], *arguments: Any) -> T:
         begun = time.perf_counter()
         try:
-            return work()
+            return work(*arguments)
         finally:
             self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begun
 
@@ -221,8 +221,8 @@ class _Run:
         if answer.found is None:
             _judge(answer.state)
         return AdaptiveResult(
-            answer.value, abs(estimate.error) + estimate.rounding, answer.value + estimate.error, answer.state,
-            tuple(self.levels), outcome, message, unit,
+            answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), outcome, message,
+            unit,
         )  # fmt: skip
 
     def _refine(self, system: System) -> tuple[Outcome, str]:
@@ -240,24 +240,22 @@ class _Run:
                 return end
             assert self.best is not None
             level, answer, _ = self.best
-            points = singular_points(answer.state.system)
-            grow = self.growth.next_mesh
-            mesh = clock.take("mark", lambda: grow(level.mesh, level.indicators, points, system.geometry.theory.twist))  # noqa: B023
+            at = answer.state.system
+            mesh = clock.take("mark", self.growth.next_mesh, at.geometry, level.indicators, singular_points(at))
             if end := self._too_much(level, mesh):
                 return end
             merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
-            system = clock.take("assemble", lambda: self.problem.on(mesh, system.geometry.theory))  # noqa: B023
+            system = clock.take("assemble", self.problem.on, mesh, at.geometry.theory)
 
     def _on(self, system: System, start: Solution | None, merged: int, clock: _Clock) -> _Found:
         with warnings.catch_warnings():
             # Of coarse meshes; the last one is judged.
             warnings.simplefilter("ignore", OutOfDepth)
-            answer = clock.take("solve", lambda: self.analysis.solve(system, start))
-            estimate = clock.take("estimate", lambda: self.analysis.estimate(answer))
+            answer = clock.take("solve", self.analysis.solve, system, start)
+            estimate = clock.take("estimate", self.analysis.estimate, answer)
             indicators = estimate.indicators
             if self.indicator is not None:
-                own = self.indicator
-                indicators = clock.take("mark", lambda: np.asarray(own(answer.state), dtype=float))
+                indicators = np.asarray(clock.take("mark", self.indicator, answer.state), dtype=float)
         level = Level(
             system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
             merged, clock.seconds,
@@ -273,29 +271,43 @@ class _Run:
         else:
             self.best = found
         self.levels.append(level)
-        wanted = self.asked.tolerance(level.value) / max(abs(level.error), 1e-300)
-        note = f"{level.n_elements} elements: {level.value:.6g} +- {abs(level.error):.1g}"
+        wanted = self.asked.tolerance(level.value) / max(found.estimate.bar, 1e-300)
+        note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
         self.bar.at(min(1.0, wanted) ** 0.5, note)
 
     def _end(self, found: _Found) -> tuple[Outcome, str] | None:
         """Why to stop after a mesh."""
         level, accepted = found.level, [level for level in self.levels if not level.rejected]
-        if not level.rejected and abs(level.error) + found.estimate.rounding <= self.asked.tolerance(level.value):
+        if not level.rejected and found.estimate.bar <= self.asked.tolerance(level.value):
             return Outcome.REACHED, ""
         if abs(level.error) < found.estimate.rounding:
             return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
                                       "smaller tolerance cannot be met")  # fmt: skip
+        if stuck := self._in_smallest(found):
+            return Outcome.ROUNDING, stuck
         if why := why_without_limit(accepted, singular_points(found.answer.state.system)):
             return Outcome.NO_LIMIT, why
         if len(self.levels) >= self.asked.max_levels:
             return Outcome.BUDGET, f"max_levels = {self.asked.max_levels} meshes are spent"
         return None
 
+    def _in_smallest(self, found: _Found) -> str:
+        """That most of the error is in elements which rounding lets be no smaller; empty where it is not."""
+        shares, geometry = found.estimate.indicators, found.answer.state.system.geometry
+        full = ~may_be_quartered(geometry.mesh.leaves, geometry.surface)
+        if not shares[full].sum() > shares.sum() / 2:
+            return ""
+        x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)
+        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be; a "
+                "smaller tolerance cannot be met")  # fmt: skip
+
     def _too_much(self, level: Level, mesh: MeshQuadTree) -> tuple[Outcome, str] | None:
         """Why not to begin with the next mesh."""
         asked = self.asked
         if np.array_equal(mesh.leaves.keys, level.mesh.leaves.keys):
-            return Outcome.NO_LIMIT, "no element can be made smaller: what is left of the error comes from the smallest ones"
+            x, y = level.mesh.p[:, level.mesh.t[:, int(np.argmax(level.indicators))]].mean(axis=1)
+            return Outcome.NO_LIMIT, (f"what is left of the error comes from elements at ({x:.6g}, {y:.6g}) that are as "
+                                      "small as they can be: the number seems to have no limit there")  # fmt: skip
         n_dofs = 12 * (mesh.p.shape[1] - len(mesh.hanging))
         if n_dofs > asked.max_dofs:
             return Outcome.BUDGET, f"max_dofs = {asked.max_dofs}: the next mesh has {n_dofs} nodal coordinates"

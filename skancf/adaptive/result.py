@@ -109,7 +109,7 @@ class AdaptiveResult:
         return self.outcome is Outcome.REACHED
 
     def __str__(self) -> str:
-        n = self.levels[-1].n_dofs if self.levels else 0
+        n = self.solution.system.n_dofs
         return f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit} ({n} nodal coordinates; {self.outcome.value})".replace(
             "  ", " "
         )

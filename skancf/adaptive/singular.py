@@ -72,9 +72,8 @@ def has_part_along(geometry: Geometry, load: PointForce) -> bool:
 
 
 def normal_at(geometry: Geometry, at: Any) -> np.ndarray:
-    """The undeformed normal, a little inside where a pole leaves none."""
-    element, point = geometry.locate(at)
-    x, y = geometry.parameters(geometry.inside(point[:, None]), np.array([element]))[:, 0]
+    """The undeformed normal, at a pole its limit."""
+    x, y = geometry.within(finite("at", at))[:, None]
     return np.asarray(normal(geometry.surface, x, y)[:, 0])
 
 

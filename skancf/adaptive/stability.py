@@ -75,4 +75,4 @@ class StabilityAnalysis:
             shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
             scale = np.abs(answer.state.q - found.linear.system.undeformed).max() / np.abs(found.shapes[number]).max()
             moved = Solution(fine, fine.undeformed + scale * improved)
-            return Estimate(value, enriched.beyond(factor - value), shares, moved)
+            return Estimate(value, enriched.beyond(factor - value), shares, moved, enriched.left)

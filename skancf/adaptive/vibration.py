@@ -8,6 +8,7 @@ import numpy as np
 from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.enriched import Enriched, Refined
 from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.quantities import StrainEnergy
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
@@ -58,7 +59,7 @@ class VibrationAnalysis:
     def solve(self, system: System, start: Solution | None) -> Answer:
         state, iterations, restarted = None, 0, False
         if self.quantity.loaded:
-            rest = self.statics.solve(system, start)
+            rest = replace(self.statics, quantity=StrainEnergy()).solve(system, start)
             state, iterations, restarted = rest.state, rest.iterations, rest.restarted
         found = _enough_modes(system, self.quantity.number, state, self.statics.backend)
         mode = _number(found, self.quantity.number)
@@ -93,7 +94,7 @@ class VibrationAnalysis:
         scale = np.abs(answer.state.q - found.state.q).max() / np.abs(shape).max()
         moved = (fine.undeformed if rest is None else rest.q) + scale * improved
         error = refined.beyond(_frequency(improved, stiffness, mass) - answer.value)
-        return Estimate(answer.value, error, shares, Solution(fine, moved))
+        return Estimate(answer.value, error, shares, Solution(fine, moved), refined.left)
 
 
 def _frequency(shape: np.ndarray, stiffness: BlockMatrix, mass: BlockMatrix) -> float:

@@ -8,8 +8,9 @@ parameter plane, the cubic Hermite function gives at the middle
     r_{,t} = \tfrac{3}{2 |s|} (r_1 - r_0) - \tfrac14 (r_{,t0} + r_{,t1}).
 
 On the bicubic element the same holds for the pair :math:`r_{,n}, r_{,nt}`: the field is C1 across the edge, and what the
-larger elements can be, smaller ones can. In theory `full`, :math:`r_{,n}` and :math:`r_{,z}` are the means of the ends', as
-they are linear along an edge there.
+larger elements can be, smaller ones can. In theory `full`, :math:`r_{,n}` and :math:`r_{,z}` are the means of the ends'.
+For :math:`r_{,z}`, which is linear along an edge, nothing is lost by that; :math:`r_{,n}` of the larger element is a cubic
+that depends on all its nodes, and only its linear part is kept.
 """
 
 from dataclasses import dataclass

@@ -9,6 +9,7 @@ import skfem
 from skancf.errors import InputError, number
 from skancf.meshes.counts import shape_for
 from skancf.meshes.fineness import Pair, coarse_lengths, fractions, pair
+from skancf.meshes.openings import Opening
 from skancf.meshes.placing import LARGEST_RATIO, place, place_natural
 from skancf.meshes.region import Region, Regions
 from skancf.meshes.sizes import Sizes
@@ -26,6 +27,7 @@ def graded(
     finest: float = 0.25,
     growth: float = 1.5,
     transition: float | Pair = 0.0,
+    openings: Sequence[Opening] = (),
 ) -> skfem.MeshQuad:
     r"""Rectangles over ``surface.bounds`` that are small in ``regions`` and grow geometrically to a coarse length.
 
@@ -61,6 +63,8 @@ def graded(
     transition : float or (2,) tuple
         Smallest length of a transition, for both or each direction (units of the parameter plane); a longer one has
         a gentler q. 0: as short as ``growth`` allows.
+    openings : sequence of ((x0, x1), (y0, y1))
+        Rectangles left out, as in :func:`uniform`; a region at their corners gives their sides mesh lines.
 
     Returns
     -------
@@ -96,7 +100,7 @@ def graded(
     else:
         nx, ny = shape_for(surface, along_x, along_y, nodes) if nodes is not None else _shape(shape)
         row_x, row_y = place(along_x, nx), place(along_y, ny)
-    return tensor(surface, row_x, row_y)
+    return tensor(surface, row_x, row_y, openings)
 
 
 def _along(

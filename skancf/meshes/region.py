@@ -17,7 +17,7 @@ class Region:
     half_size : (2,) tuple
         Half the lengths of the rectangle, positive. It may reach over the bounds of the surface.
     ratio : float
-        :math:`\sigma_i / \bar\sigma > 1`, the degree of stress concentration. The larger, the finer.
+        :math:`\sigma_i / \bar\sigma > 1`, the degree of stress concentration. The larger, the finer; 4 halves elements.
     value : float, optional
         :math:`\sigma_i` itself, for reports.
 
@@ -29,7 +29,7 @@ class Region:
 
     centre: tuple[float, float]
     half_size: tuple[float, float]
-    ratio: float
+    ratio: float = 4.0
     value: float | None = None
 
     def __post_init__(self) -> None:

@@ -28,7 +28,7 @@ class Displacement(Smooth):
 
     Examples
     --------
-    >>> tip = sk.adapt.Displacement(at=(1.0, 0.05))
+    >>> tip = sk.Displacement(at=(1.0, 0.05))
     >>> tip.value(solution), tip.gradient(solution)
     """
 

@@ -60,6 +60,11 @@ class Reaction:
                 out = out - skew @ held
         return np.asarray(out if system.foundation is None else out - system.foundation @ motion)
 
+    def lift(self, state: Solution) -> np.ndarray:
+        """The motion P c of the support, (n_dofs,): with it the dual weight z - P c is smooth, the answer to a support that
+        gives way."""
+        return state.system.constraints.fixed_part(self._motion(state.system))
+
     def _motion(self, system: System) -> np.ndarray:
         """The nodes of the place moved by one, (n_dofs,)."""
         out = np.zeros((system.geometry.n_nodes, 4, 3))

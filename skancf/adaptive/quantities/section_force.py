@@ -44,8 +44,8 @@ class SectionForce(Smooth):
 
     Examples
     --------
-    >>> sk.adapt.SectionForce("M11", at=(0.5, 0.5))
-    >>> sk.adapt.SectionForce("M11", within=((0.4, 0.6), (0.4, 0.6)))
+    >>> sk.SectionForce("M11", at=(0.5, 0.5))
+    >>> sk.SectionForce("M11", within=((0.4, 0.6), (0.4, 0.6)))
     """
 
     component: str

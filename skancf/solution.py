@@ -185,7 +185,7 @@ class Solution:
         """
         system, change = self.system, self.q - self.system.undeformed
         if self.linear:
-            return 0.5 * float(system.applied_force(system.undeformed) @ change)
+            return 0.5 * self.load_factor * float(system.applied_force(system.undeformed) @ change)
         return self.load_factor * float(system.applied_force(self.q, self.time) @ change)
 
     @property
@@ -208,7 +208,7 @@ class Solution:
         system = self.system
         if self.linear:
             start = system.undeformed
-            residual = system.stiffness() @ (self.q - start) - system.external_force(start)
+            residual = system.stiffness() @ (self.q - start) - self.load_factor * system.external_force(start)
         else:
             residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
         support = system.constraints.fixed_part(residual)

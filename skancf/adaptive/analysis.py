@@ -72,7 +72,7 @@ class StaticAnalysis:
 
     def solve(self, system: System, start: Solution | None) -> Answer:
         if self.linear:
-            state, iterations, restarted = _linear(system, self.backend), 0, False
+            state, iterations, restarted = _linear(system, self.load_factor, self.backend), 0, False
         else:
             state, iterations, restarted = self._nonlinear(system, start)
         return Answer(state, self.quantity.value(state), iterations, restarted)
@@ -101,8 +101,8 @@ def _pass_on_interrupt(status: Status) -> None:
         raise KeyboardInterrupt
 
 
-def _linear(system: System, backend: str) -> Solution:
-    change = system.linear_change(backend)
+def _linear(system: System, load_factor: float, backend: str) -> Solution:
+    change = load_factor * system.linear_change(backend)
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
-    return Solution(system, system.undeformed + change, linear=True)
+    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True)

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.grow import SMALLEST, may_be_quartered
+from skancf.adaptive.singular import singular_points, touching
 from skancf.adaptive.transfer import ancestors_in, prolongation
 from skancf.assembly.system import System
+from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
@@ -27,6 +28,8 @@ LEFT = {True: 1 / 16, False: 1 / 4}
 """Part of an error that is left on quartered elements, in theory `kirchhoff` and `full`."""
 LEFT_SINGULAR = 1 / 2
 """The same at a singular point, for each time that the elements there are quartered."""
+MOST = 12
+"""Elements of the refined mesh per element of the mesh."""
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
 ROUNDING = np.finfo(float).eps / 4
@@ -40,6 +43,8 @@ def enriched_mesh(system: System, points: np.ndarray) -> Any:
     mesh = system.mesh
     leaves = mesh.leaves.refined(np.arange(mesh.nelements))
     for _ in range(EXTRA):
+        if len(leaves) > MOST * (mesh.nelements + MOST):
+            break  # more singular points than elements
         at_points = touching(leaves, points)
         leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, SMALLEST / 2)[at_points]])
     return mesh.regrown(leaves)
@@ -127,6 +132,7 @@ class Enriched(Refined):
     def __init__(
         self, state: Solution, mesh: MeshQuadTree | None = None, quantity: Any = None, backend: str = "auto"
     ) -> None:
+        _require_at_rest(state)
         super().__init__(state.system, mesh, quantity)
         self.state = state
         self._solver = DirectSolver(self.system.pattern, self.system.constraints, backend)
@@ -140,8 +146,9 @@ class Enriched(Refined):
         change = self.up(self.state.q - self.coarse.undeformed)
         stiffness = fine.stiffness()
         self.start = fine.undeformed + change
-        self.residual = stiffness @ change - fine.external_force(fine.undeformed)
-        moved = fine.constraints.fixed_part(fine.prescribed() - change)
+        factor = self.state.load_factor
+        self.residual = stiffness @ change - factor * fine.external_force(fine.undeformed)
+        moved = fine.constraints.fixed_part(factor * fine.prescribed() - change)
         self._solver.factor(stiffness)
         self.stiffness = stiffness
         self._step = self._solver.solve(-(self.residual + stiffness @ moved), refinements=2) + moved
@@ -238,6 +245,15 @@ class Enriched(Refined):
         turned *= free[:, :, None] & free[:, None, :]
         turned += np.einsum("ni,ij->nij", (~free).astype(float) * np.abs(blocks).max(axis=(1, 2))[:, None], np.eye(12))
         return frames.swapaxes(1, 2) @ turned @ frames
+
+
+def _require_at_rest(state: Solution) -> None:
+    if not isinstance(state.system.mesh, MeshQuadTree):
+        raise InputError("the error is estimated on a refined mesh, and this one cannot be refined: make it by "
+                         "sk.meshes.quadtree(mesh, surface)")  # fmt: skip
+    if state.velocity is not None or state.time is not None:
+        raise InputError("the error is that of an equilibrium, and this is a state of a motion, whose inertia is no load; give "
+                         "an answer of solve or solve_linear")  # fmt: skip
 
 
 def _frames(nodal: np.ndarray) -> np.ndarray:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adaptive.ends import touching
 from skancf.adaptive.marking import Doerfler, Marking, Never
+from skancf.adaptive.singular import touching
 from skancf.adaptive.transfer import ancestors_in
 from skancf.assembly.geometry import Geometry
 from skancf.meshes import MeshQuadTree

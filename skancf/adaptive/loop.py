@@ -10,7 +10,6 @@ import numpy as np
 import skfem
 
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
-from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.estimate import Estimate, residual
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
 from skancf.adaptive.limits import drift, no_limit
@@ -18,6 +17,7 @@ from skancf.adaptive.marking import Below, Marking, check_indicators
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.recovery import recovery
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
+from skancf.adaptive.singular import singular_points, touching
 from skancf.adaptive.start import starting_mesh
 from skancf.adaptive.stress import face_stress
 from skancf.adaptive.transfer import ancestors_in

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skancf.adaptive.ends import touching
 from skancf.adaptive.result import Level
+from skancf.adaptive.singular import touching
 
 LEVELS = 3
 """Meshes over which an indicator is watched."""

@@ -186,7 +186,7 @@ def draw(found: dict, sides: np.ndarray, study: dict, folder: Path) -> None:
 
 def main(size: str = "full", out: str = "out") -> dict[str, np.ndarray]:
     """Print means with their error bars, save pictures; returns the means over the patches of both cases."""
-    strict, uniform_dofs = {"full": (50, 100_000), "small": (10, 7_000)}[size]
+    strict, uniform_dofs = {"full": (50, 100_000), "small": (5, 7_000)}[size]
     folder = Path(out)
     output.check_folder(folder)
     sides = 0.5 ** np.arange(3, 9)

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import skfem
 from problems import PULLED, hemisphere
+from reference import navier
 
 import skancf as sk
 from skancf.adaptive import Outcome, no_limit
 from skancf.adaptive.analysis import StaticAnalysis
-from skancf.adaptive.ends import touching
+from skancf.adaptive.singular import touching
 from skancf.adaptive.start import starting_mesh
 from skancf.errors import InputError
 from skancf.meshes import quadtree
@@ -407,3 +408,124 @@ def test_the_first_mesh_has_nodes_where_something_holds_or_acts():
     assert mesh.nelements < 80
     result, finer = (sk.adapt(problem, sk.Displacement((1.0, 0.5)), rtol, linear=True) for rtol in (1e-3, 1e-4))
     assert result.reached and finer.reached and abs(result.value - finer.value) < result.error_bar + finer.error_bar
+
+
+# --- what users do ---------------------------------------------------------------------------------------------------
+
+
+def hard_plate(thickness=0.01):
+    return sk.Problem(
+        sk.Rectangle(1.0, 1.0), thickness, sk.Isotropic(7e10, 0.3, 2700.0), [sk.SimpleSupport("boundary", "hard")],
+        [sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    )  # fmt: skip
+
+
+def test_a_small_deflection_follows_the_load_factor():
+    once, thrice = (
+        sk.adapt(hard_plate(), sk.Displacement((0.5, 0.5)), 1e-3, linear=True, load_factor=f) for f in (1.0, 3.0)
+    )
+    assert thrice.value == pytest.approx(3 * once.value, rel=1e-12)
+    assert thrice.error_bar == pytest.approx(3 * once.error_bar, rel=1e-6)
+    energies = [sk.adapt(hard_plate(), sk.StrainEnergy(), 1e-3, linear=True, load_factor=f).value for f in (1.0, 3.0)]
+    assert energies[1] == pytest.approx(9 * energies[0], rel=1e-12)
+    assert thrice.solution.work == pytest.approx(energies[1], rel=1e-3)  # both of the tolerance 1e-3
+    load = thrice.solution.reactions()[2]
+    assert load == pytest.approx(3000.0, rel=1e-9)
+
+
+def test_bars_of_moments_hold_against_the_series(rng):
+    """At places of no node: 12 of them, at each of which the asked accuracy holds and most bars hold the truth."""
+    plate, within = hard_plate(), 0
+    stiffness = 7e10 * 0.01**3 / (12 * (1 - 0.3**2))
+    for x, y in rng.uniform(0.1, 0.9, (12, 2)):
+        found = sk.adapt(plate, sk.SectionForce("M11", at=(x, y)), 1e-2, linear=True)
+        m, n = navier.orders(301)
+        w = 16 * -1000.0 / (np.pi**6 * stiffness * m * n * (m**2 + n**2) ** 2)
+        curvature = -np.pi**2 * w * (m**2 + 0.3 * n**2) * np.sin(m * np.pi * x) * np.sin(n * np.pi * y)
+        truth = -stiffness * curvature.sum()
+        assert found.reached
+        assert abs(found.value - truth) < 1.5 * 1e-2 * abs(truth), (x, y)
+        within += abs(found.value - truth) <= 1.1 * found.error_bar
+    assert within >= 9
+
+
+@pytest.mark.parametrize("thickness", [0.1, 0.2, 0.3])
+def test_thick_plates_are_told(thickness):
+    clamped = sk.Problem(
+        sk.Rectangle(1.0, 1.0), thickness, sk.Isotropic(7e10, 0.3, 2700.0), [sk.Clamp("boundary")],
+        [sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    )  # fmt: skip
+    with pytest.warns(sk.OutOfDepth, match="transverse shear"):
+        sk.adapt(clamped, sk.Displacement((0.5, 0.5)), 1e-2, linear=True)
+
+
+def test_a_corner_alone_makes_no_plate_thick(recwarn):
+    on_l(sk.Displacement((-0.5, 0.5)), 1e-2)
+    assert not [w for w in recwarn if issubclass(w.category, sk.OutOfDepth)]
+
+
+def test_a_state_in_motion_has_no_such_error():
+    plate = hard_plate()
+    system = plate.on(quadtree(sk.meshes.uniform(plate.surface, 2, 2)), "kirchhoff")
+    moving = sk.Solution(system, system.undeformed, velocity=np.zeros(system.n_dofs), time=0.1)
+    for judged in (lambda: sk.goal_estimate(moving, sk.StrainEnergy()), lambda: sk.residual(moving)):
+        with pytest.raises(InputError, match="state of a motion"):
+            judged()
+    bare = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 2, 2), "kirchhoff"))
+    with pytest.raises(InputError, match="quadtree"):
+        sk.goal_estimate(bare, sk.StrainEnergy())
+
+
+def test_loads_that_are_close_make_no_slivers():
+    loads = [sk.PointForce((0.5, 0.5), (0.0, 0.0, -1.0)), sk.PointForce((0.5002, 0.5), (0.0, 0.0, -1.0))]
+    plate = sk.Problem(
+        sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(7e10, 0.3, 2700.0), [sk.SimpleSupport("boundary", "hard")], loads
+    )
+    found = sk.adapt(plate, sk.Displacement((0.25, 0.5)), 1e-3, linear=True)
+    assert found.reached
+    sides = np.ptp(found.levels[0].mesh.p[:, found.levels[0].mesh.t], axis=1)
+    assert sides.max() < 4 * sides.min()
+
+
+def test_a_number_that_is_zero_is_told_apart():
+    found = sk.adapt(hard_plate(), sk.SectionForce("M12"), 1e-3, linear=True, max_levels=2)
+    assert not found.reached and "atol" in found.message
+    assert sk.adapt(hard_plate(), sk.SectionForce("M12"), 1e-3, atol=1e-6, linear=True).reached
+
+
+class Broken:
+    """A quantity that fails, or is no number, from the third mesh on."""
+
+    unit = "m"
+
+    def __init__(self, what):
+        self.what, self.inner, self.meshes = what, sk.Displacement((0.5, 0.5)), set()
+
+    def value(self, state):
+        self.meshes.add(state.system.mesh.nelements)
+        if len(self.meshes) > 4:  # two for each mesh, one of them refined
+            if self.what == "raise":
+                raise RuntimeError("no more")
+            return float("nan")
+        return self.inner.value(state)
+
+    def gradient(self, state):
+        return self.inner.gradient(state)
+
+
+@pytest.mark.parametrize("what", ["raise", "nan"])
+def test_what_was_computed_is_kept_when_a_quantity_fails(what):
+    found = sk.adapt(hard_plate(), Broken(what), 1e-9, linear=True)
+    assert found.outcome is Outcome.FAILED
+    assert len(found.levels) == 2 and np.isfinite([found.value, found.error_bar]).all()
+    assert ("no more" if what == "raise" else "finite") in found.message
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [({"problem": None}, "give a Problem"), ({"marking": 0.5}, "marking = 0.5: give a policy"),
+     ({"indicator": ["goal"]}, "indicator"), ({"coarsening": sk.Never}, "coarsening")],
+)  # fmt: skip
+def test_what_is_no_problem_or_policy_is_refused(given, match):
+    with pytest.raises(InputError, match=match):
+        sk.adapt(**{"problem": hard_plate(), "quantity": CENTRAL, **given})

@@ -10,7 +10,7 @@ from reference import elastica, navier
 
 import skancf as sk
 from skancf.adaptive import goal_estimate, residual
-from skancf.adaptive.ends import touching
+from skancf.adaptive.singular import touching
 from skancf.meshes import quadtree
 
 NU, THICKNESS = 0.3, 0.01

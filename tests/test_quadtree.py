@@ -86,7 +86,7 @@ def check_tiling(mesh, coarse):
 
 def check_nodes(mesh, periods):
     """Nodes are unique, hanging are those strictly inside an element's edge, in the middle of their ends."""
-    check_mesh(mesh.plain())
+    check_mesh(mesh)
     size, p = np.ptp(mesh.p), mesh.p
     apart = np.abs(p[:, :, None] - p[:, None]).max(axis=0) + np.eye(p.shape[1]) * size
     assert apart.min() > 1e-6 * size
@@ -241,6 +241,20 @@ def test_scikit_fem_sees_each_interior_edge_once(kind):
     # The broken jump of a field that is not continuous there shows: the plain mesh takes divided edges for a boundary.
     plain = mesh.plain()
     assert length(plain, plain.boundary_facets()) > length(mesh, mesh.boundary_facets()) + 1e-3
+
+
+def test_a_torn_mesh_is_refused():
+    tree = quadtree(uniform(sk.Rectangle(1.0, 1.0), 4, 4)).refined([0, 5])
+    with pytest.raises(InputError, match=r"node \d+ at .* would be torn there"):
+        sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(1.0, 0.3, 1.0)).on(tree.plain(), "kirchhoff")
+
+
+def test_a_tree_fits_its_surface():
+    tube = sk.CylinderSector(1.0, 1.0, 2 * np.pi, closed=True)
+    bare = quadtree(uniform(tube, 2, 4))
+    with pytest.raises(InputError, match=r"quadtree\(coarse mesh, surface\)"):
+        quadtree(bare, tube)
+    assert quadtree(bare) is bare
 
 
 def test_jumps_of_a_field_with_a_free_hanging_node_show():

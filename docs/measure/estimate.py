@@ -14,10 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import skancf as sk
-from skancf.adaptive.ends import singular_points, touching
 from skancf.adaptive.enriched import LEFT, Enriched
 from skancf.adaptive.grow import SMALLEST, may_be_quartered
 from skancf.adaptive.quantities import Quantity
+from skancf.adaptive.singular import singular_points, touching
 from skancf.adaptive.transfer import prolongation, transfer
 from skancf.meshes import MeshQuadTree
 from skancf.statics.load_steps import HalveAndGrow, equilibrium

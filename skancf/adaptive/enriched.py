@@ -252,8 +252,8 @@ def _require_at_rest(state: Solution) -> None:
         raise InputError("the error is estimated on a refined mesh, and this one cannot be refined: make it by "
                          "sk.meshes.quadtree(mesh, surface)")  # fmt: skip
     if state.velocity is not None or state.time is not None:
-        raise InputError("the error is that of an equilibrium, and this is a state of a motion, whose inertia is no load; give "
-                         "an answer of solve or solve_linear")  # fmt: skip
+        raise InputError("the error is that of an equilibrium, and this is a state of a motion, whose inertia is no load; "
+                         "give an answer of solve or solve_linear")  # fmt: skip
 
 
 def _frames(nodal: np.ndarray) -> np.ndarray:

@@ -17,13 +17,13 @@ from skancf.adaptive.marking import Below, Marking, check_indicators
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.recovery import recovery
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
-from skancf.adaptive.singular import singular_points, touching
+from skancf.adaptive.singular import singular_points, strong_points, touching
 from skancf.adaptive.start import starting_mesh
 from skancf.adaptive.stress import face_stress
 from skancf.adaptive.transfer import ancestors_in
 from skancf.adaptive.unbounded import why_without_limit
 from skancf.assembly.system import System
-from skancf.errors import InputError, NoLimit, OutOfDepth, SkancfError, number, positive
+from skancf.errors import DidNotConverge, InputError, NoLimit, OutOfDepth, number, positive
 from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
 from skancf.progress import Progress
@@ -88,11 +88,13 @@ def adapt(
         against raw moments and membrane forces; the nodal stress at the faces (:func:`stress_indicator`); or a function of
         the state. The error bar is that of the quantity in each case.
     marking, coarsening : Marking
-        Policies.
+        Policies. Default: those elements are quartered that hold nine tenths of the error, and those merged that hold less
+        than a hundredth of the mean.
     max_dofs : int
-        Most nodal coordinates of a mesh on which the quantity is computed. The estimate takes four times as many.
+        Most nodal coordinates of a mesh on which the quantity is computed. The estimate takes four to five times as many,
+        and more on coarse meshes with many singular points.
     max_seconds : float, optional
-        No mesh is begun that would end later, by what the last ones took.
+        No mesh is begun that would end later, by what the last ones took. The first one is always finished.
     max_levels : int
 
     Returns
@@ -113,7 +115,7 @@ def adapt(
     >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-3)
     >>> print(result)
     """
-    _check(rtol, atol, indicator, max_dofs, max_seconds, max_levels)
+    _check(problem, rtol, atol, indicator, (marking, coarsening), max_dofs, max_seconds, max_levels)
     needed = ("unit", "analysis") if hasattr(quantity, "analysis") else ("unit", "value", "gradient")
     if not all(hasattr(quantity, name) for name in needed):
         raise InputError(f"quantity = {quantity!r}: give a quantity such as Displacement(at=(0.5, 0.5)), or an object with "
@@ -129,13 +131,19 @@ def adapt(
 
 
 def _check(
-    rtol: float, atol: float, indicator: Any, max_dofs: int, max_seconds: float | None, max_levels: int
-) -> None:
+    problem: Any, rtol: float, atol: float, indicator: Any, policies: tuple[Any, Any], max_dofs: int,
+    max_seconds: float | None, max_levels: int,
+) -> None:  # fmt: skip
+    if not isinstance(problem, Problem):
+        raise InputError(f"problem = {problem!r}: give a Problem")
     if number("atol", atol) < 0:
         raise InputError(f"atol = {atol}: give an absolute accuracy of at least 0")
     if not (number("rtol", rtol) > 0 or (rtol == 0 and atol > 0)):
         raise InputError(f"rtol = {rtol}: give a relative accuracy greater than zero, such as 1e-3")
-    if not callable(indicator) and indicator not in INDICATORS:
+    for name, policy in zip(("marking", "coarsening"), policies, strict=True):
+        if isinstance(policy, type) or not hasattr(policy, "marked"):
+            raise InputError(f"{name} = {policy!r}: give a policy such as Doerfler(0.9), Maximum(0.5) or Never()")
+    if not callable(indicator) and not (isinstance(indicator, str) and indicator in INDICATORS):
         raise InputError(f"indicator = {indicator!r}: choose one of {list(INDICATORS)}, or give a function of a Solution")
     positive("max_dofs", max_dofs)
     positive("max_levels", max_levels)
@@ -222,6 +230,8 @@ class _Run:
             outcome, message = Outcome.INTERRUPTED, "interrupted from the keyboard; the last finished mesh is kept"
         assert self.best is not None
         _, answer, estimate = self.best
+        if outcome is not Outcome.REACHED and abs(answer.value) < estimate.bar:
+            message += ". The value is zero within its error bar: say by atol how near to zero is near enough"
         if answer.found is None:
             _judge(answer.state)
         return AdaptiveResult(
@@ -234,23 +244,22 @@ class _Run:
         merged, clock = 0, _Clock({})
         while True:
             try:
-                found = self._on(system, start, merged, clock)
-            except SkancfError as failed:
+                self._keep(self._on(system, start, merged, clock))
+                assert self.best is not None
+                level, answer, _ = self.best
+                if end := self._end():
+                    return end
+                at = answer.state.system
+                points = singular_points(at, self.quantity)
+                mesh = clock.take("mark", self.growth.next_mesh, at.geometry, level.indicators, points)
+                if end := self._too_much(level, mesh):
+                    return end
+                merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
+                system = clock.take("assemble", self.problem.on, mesh, at.geometry.theory)
+            except Exception as failed:  # noqa: PERF203 - a user's indicator may fail too; what is computed is kept
                 if self.best is None:
                     raise
-                return Outcome.FAILED, f"the mesh of {system.mesh.nelements} elements had no answer: {failed}"
-            self._keep(found)
-            if end := self._end(found):
-                return end
-            assert self.best is not None
-            level, answer, _ = self.best
-            at = answer.state.system
-            points = singular_points(at, self.quantity)
-            mesh = clock.take("mark", self.growth.next_mesh, at.geometry, level.indicators, points)
-            if end := self._too_much(level, mesh):
-                return end
-            merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
-            system = clock.take("assemble", self.problem.on, mesh, at.geometry.theory)
+                return Outcome.FAILED, f"after the mesh of {system.mesh.nelements} elements: {failed}"
 
     def _on(self, system: System, start: Solution | None, merged: int, clock: _Clock) -> _Found:
         with warnings.catch_warnings():
@@ -264,6 +273,9 @@ class _Run:
                 if len(indicators) != system.mesh.nelements:
                     raise InputError(f"indicator: it gives {len(indicators)} numbers for {system.mesh.nelements} elements; "
                                      "give one for each")  # fmt: skip
+        if not np.isfinite([answer.value, estimate.bar]).all():
+            raise DidNotConverge(f"the quantity is {answer.value} +- {estimate.bar} on {system.mesh.nelements} elements: it "
+                                 "must be a finite number")  # fmt: skip
         level = Level(
             system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
             merged, clock.seconds,
@@ -283,18 +295,20 @@ class _Run:
         note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
         self.bar.at(min(1.0, wanted) ** 0.5, note)
 
-    def _end(self, found: _Found) -> tuple[Outcome, str] | None:
+    def _end(self) -> tuple[Outcome, str] | None:
         """Why to stop after a mesh."""
-        level, accepted = found.level, [level for level in self.levels if not level.rejected]
-        if not level.rejected and found.estimate.bar <= self.asked.tolerance(level.value):
+        assert self.best is not None
+        found, accepted = self.best, [level for level in self.levels if not level.rejected]
+        level = found.level
+        if found.estimate.bar <= self.asked.tolerance(level.value):
             return Outcome.REACHED, ""
         if abs(level.error) < found.estimate.rounding:
             return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
                                       "smaller tolerance cannot be met")  # fmt: skip
-        if stuck := self._in_smallest(found):
-            return Outcome.ROUNDING, stuck
         if why := why_without_limit(accepted, singular_points(found.answer.state.system)):
             return Outcome.NO_LIMIT, why
+        if stuck := self._in_smallest(found):
+            return Outcome.ROUNDING, stuck
         if len(self.levels) >= self.asked.max_levels:
             return Outcome.BUDGET, f"max_levels = {self.asked.max_levels} meshes are spent"
         return None
@@ -306,8 +320,8 @@ class _Run:
         if not shares[full].sum() > shares.sum() / 2:
             return ""
         x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)
-        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be; a "
-                "smaller tolerance cannot be met")  # fmt: skip
+        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be: a "
+                "smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
 
     def _too_much(self, level: Level, mesh: MeshQuadTree) -> tuple[Outcome, str] | None:
         """Why not to begin with the next mesh."""
@@ -327,22 +341,22 @@ class _Run:
 
 
 def _judge(state: Solution) -> None:
-    """A warning where the thin theory is not enough, elements at singular points left out: the shear energy of theory
-    `kirchhoff` has no limit at a re-entrant corner or a point load, which tells nothing of the rest."""
-    system = state.system
-    near = singular_points(system)
+    """A warning where the thin theory is not enough, elements at re-entrant corners, point loads and point supports left
+    out: the shear energy of theory `kirchhoff` has no limit there, which tells nothing of the rest."""
+    system, near = state.system, strong_points(state.system)
     positions = system.geometry.surface.position(*system.geometry.parameters(CENTRE)[:, :, 0])
     reach = NEAR_SINGULAR * system.problem.section.thickness
     away = np.ones(system.mesh.nelements, dtype=bool)
     for point in system.geometry.surface.position(*near).T:
         away &= np.linalg.norm(positions.T - point, axis=1) > reach
     away[touching(system.mesh.leaves, near)] = False
-    warn_if_thick(state, away)
+    areas = system.assembly.areas.sum(axis=1)
+    warn_if_thick(state, away if areas[away].sum() > areas.sum() / 2 else None)
 
 
 CENTRE = np.array([[0.5], [0.5]])
 NEAR_SINGULAR = 3.0
-"""Thicknesses around a singular point in which no thin theory is meant."""
+"""Thicknesses around a strong point in which no thin theory is meant."""
 
 
 def _merged(old: MeshQuadTree, new: MeshQuadTree) -> int:

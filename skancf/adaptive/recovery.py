@@ -4,7 +4,6 @@ The section forces :math:`s = (N, M)` of a finite element answer jump between el
 each node, where they are best, is closer to the exact ones, so that the difference tells the error.
 """
 
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -77,7 +76,7 @@ def recovered(geometry: Geometry, raw: np.ndarray, degree: int) -> np.ndarray:
     """
     points, own, mesh = square_quadrature(3)[0], averaging_nodes(geometry), geometry.mesh
     scale, coefficients = _fits(geometry, own, raw, degree)
-    element, corner, node, share = _blended(mesh)
+    element, corner, node, share = _blended(geometry)
     trust = _trust(geometry, own)[own[node]]
     most = np.zeros(geometry.n_elements, dtype=int)
     np.maximum.at(most, element, trust)
@@ -108,19 +107,13 @@ def _fits(geometry: Geometry, own: np.ndarray, raw: np.ndarray, degree: int) -> 
     return scale, sides @ np.linalg.pinv(matrices, rcond=SINGULAR, hermitian=True)
 
 
-def _blended(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _blended(geometry: Geometry) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Which nodes' polynomials make up those at the corners of elements: elements, corners, nodes, shares, each (m,)."""
-    hanging, ends = _hanging(mesh)
+    mesh, hanging, ends = geometry.mesh, geometry.hanging.nodes, geometry.hanging.ends
     parents = np.tile(np.arange(mesh.p.shape[1]), (2, 1))
     parents[:, hanging] = ends
     corner, element = np.indices(mesh.t.shape).reshape(2, -1)
     return np.tile(element, 2), np.tile(corner, 2), parents[:, mesh.t].ravel(), np.full(2 * element.size, 0.5)
-
-
-def _hanging(mesh: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes in the middle of a coarser neighbour's edge (m,) and the ends of that edge (2, m)."""
-    nodes, ends = (np.asarray(getattr(mesh, name, ()), dtype=int) for name in ("hanging", "hanging_ends"))
-    return nodes, ends.reshape(2, -1)
 
 
 def _trust(geometry: Geometry, own: np.ndarray) -> np.ndarray:
@@ -130,7 +123,7 @@ def _trust(geometry: Geometry, own: np.ndarray) -> np.ndarray:
     """
     mesh, inner = geometry.mesh, np.ones(len(own), dtype=bool)
     edges = mesh.facets[:, geometry.boundary]
-    hanging, ends = _hanging(mesh)
+    hanging, ends = geometry.hanging.nodes, geometry.hanging.ends
     # A divided edge and its halves have elements on both sides, whatever their number of neighbours says.
     divided = np.isin(edges, hanging).any(axis=0) | np.isin(_keys(edges, len(own)), _keys(ends, len(own)))
     inner[own[edges[:, ~divided]]] = False

@@ -93,6 +93,7 @@ class AdaptiveResult:
     message : str
         Why it stopped, if the accuracy was not reached.
     unit : str
+        Of a problem in SI units.
     """
 
     value: float

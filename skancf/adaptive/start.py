@@ -3,7 +3,6 @@
 import numpy as np
 import skfem
 
-from skancf.errors import InputError
 from skancf.meshes import tensor
 from skancf.meshes.counts import stretch
 from skancf.meshes.tensor import bounds_of
@@ -32,17 +31,19 @@ def starting_mesh(problem: Problem) -> skfem.MeshQuad:
         count = max(2, round(np.sqrt(ELEMENTS) * (wide if axis == 0 else 1 / wide)))
         if closed_directions(problem.surface)[axis]:
             count = max(AROUND, count)
-        rows.append(_row(low, high, count, _needed(problem, axis)))
+        rows.append(_row(low, high, count, _held(problem, axis), _loaded(problem, axis)))
     return tensor(problem.surface, *rows)  # type: ignore[arg-type]
 
 
-def _needed(problem: Problem, axis: int) -> list[float]:
-    """Coordinates of single points where something acts or holds."""
-    found = []
-    for item in (*problem.supports, *problem.loads):
-        at = getattr(item, "at", None)
-        found += [at] if at is not None else _points(getattr(item, "where", None))
+def _held(problem: Problem, axis: int) -> list[float]:
+    """Coordinates of single points that are held: they must have nodes."""
+    found = [point for support in problem.supports for point in _points(getattr(support, "where", None))]
     return [float(point[axis]) for point in found]
+
+
+def _loaded(problem: Problem, axis: int) -> list[float]:
+    """Coordinates of points where something acts: nodes there help."""
+    return [float(load.at[axis]) for load in problem.loads if hasattr(load, "at")]
 
 
 def _points(where: object) -> list:
@@ -53,14 +54,13 @@ def _points(where: object) -> list:
     return [point for place in where for point in _points(place)]
 
 
-def _row(low: float, high: float, count: int, needed: list[float]) -> np.ndarray:
-    """About ``count`` even steps that meet the needed coordinates."""
-    inner = sorted({x for x in needed if low + SAME * (high - low) < x < high - SAME * (high - low)})
-    fixed = np.array([low, *inner, high])
-    apart = np.diff(fixed, prepend=-np.inf) > SAME * (high - low)
-    fixed = fixed[apart]
+def _row(low: float, high: float, count: int, held: list[float], loaded: list[float]) -> np.ndarray:
+    """About ``count`` even steps that meet the coordinates that are held, and those loaded where no sliver comes of it."""
+    fixed = np.array([low, high])
+    for points, least in ((held, SAME * (high - low)), (loaded, (high - low) / count / 4)):
+        for x in sorted(points):
+            if low < x < high and np.abs(fixed - x).min() > least:
+                fixed = np.sort(np.append(fixed, x))
     parts = np.maximum(1, np.round(count * np.diff(fixed) / (high - low)).astype(int))
     row = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(fixed[:-1], fixed[1:], parts, strict=True)])
-    if not np.isfinite(row).all():
-        raise InputError(f"bounds ({low}, {high}): a mesh needs finite ones")
     return np.append(row, high)

@@ -103,6 +103,9 @@ def _require_one_tree(old: Geometry, new: Geometry) -> None:
     one, two = (g.mesh.leaves.forest for g in (old, new))
     if one is not two and not (np.array_equal(one.points, two.points) and np.array_equal(one.corners, two.corners)):
         raise InputError("transfer: the meshes grow from different coarse meshes; refine or coarsen one and the same")
+    here, there = (g.surface.position(*one.points) for g in (old, new))
+    if one.closed != two.closed or np.abs(here - there).max() > 1e-9 * np.abs(here).max():
+        raise InputError("transfer: the meshes lie on different surfaces")
     if old.theory.name != new.theory.name:
         raise InputError(f"transfer: the state is one of theory {old.theory.name!r}, the system of {new.theory.name!r}; "
                          "their nodal vectors are different")  # fmt: skip

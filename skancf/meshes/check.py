@@ -4,12 +4,15 @@ from typing import Any
 
 import numpy as np
 import skfem
+from scipy.spatial import cKDTree
 
 from skancf.errors import InputError
 
 # Twice a corner's triangle over the square of the longest edge. Rounding of coordinates of order one leaves about
 # 1e-16; a rectangle of aspect ratio 1e6 still has 1e-6.
 DEGENERATE = 1e-12
+# Of half an edge's length: nearer to its line and farther from its ends is inside.
+INSIDE = 1e-6
 
 
 def check_mesh(mesh: Any) -> None:
@@ -24,7 +27,8 @@ def check_mesh(mesh: Any) -> None:
     ------
     InputError
         For anything that is not a ``skfem.MeshQuad`` with straight edges, points that are not finite, a quad that is
-        not convex or has no area (its number and corners are named), and nodes without an element.
+        not convex or has no area (its number and corners are named), nodes without an element, and nodes in the middle of
+        another element's edge, where the surface would be torn.
     """
     if not isinstance(mesh, skfem.MeshQuad) or isinstance(mesh, skfem.MeshQuad2):
         raise InputError(f"mesh is a {type(mesh).__name__}: give a skfem.MeshQuad (straight edges; "
@@ -38,6 +42,27 @@ def check_mesh(mesh: Any) -> None:
     if unused.size:
         raise InputError(f"{unused.size} nodes belong to no element (first: {unused[0]}): their unknowns would have no "
                          "stiffness; mesh.remove_unused_nodes() drops them")
+    if not hasattr(mesh, "hanging"):
+        _check_joined(mesh)
+
+
+def _check_joined(mesh: skfem.MeshQuad) -> None:
+    """No node of the boundary lies inside an edge of it."""
+    ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
+    nodes = mesh.boundary_nodes()
+    middle, half = ends.mean(axis=1), (ends[:, 1] - ends[:, 0]) / 2
+    length = np.linalg.norm(half, axis=0)
+    near = cKDTree(mesh.p[:, nodes].T).query_ball_point(middle.T, length * (1 - INSIDE))
+    facet = np.repeat(np.arange(len(near)), [len(found) for found in near])
+    node = nodes[np.concatenate([*near, []]).astype(int)]
+    away = mesh.p[:, node] - middle[:, facet]
+    off = np.abs(away[0] * half[1, facet] - away[1] * half[0, facet]) / length[facet] ** 2
+    torn = np.flatnonzero(off < INSIDE)
+    if torn.size:
+        x, y = mesh.p[:, node[torn[0]]]
+        raise InputError(f"node {node[torn[0]]} at ({x:.6g}, {y:.6g}) lies inside the edge of an element that does not have "
+                         "it: the surface would be torn there; give both sides the same nodes, or refine a "
+                         "sk.meshes.quadtree")
 
 
 def corner_jacobians(points: np.ndarray, quads: np.ndarray) -> np.ndarray:

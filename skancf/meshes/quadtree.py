@@ -16,6 +16,8 @@ from skancf.surfaces import Surface, closed_directions
 
 # Of the extent of the mesh: coordinates that are closer are one line.
 SAME = 1e-9
+MOST_ROOTS = 2**18
+"""So many have numbers among the keys of cells."""
 
 
 @dataclass(repr=False)
@@ -52,7 +54,8 @@ class MeshQuadTree(skfem.MeshQuad):
         return np.asarray(self.leaves.cells.level)
 
     def plain(self) -> skfem.MeshQuad:
-        """The same points and elements as a plain scikit-fem mesh, to which hanging nodes are nothing special."""
+        """The same points and elements as a plain scikit-fem mesh, to which hanging nodes are nothing special: a field on it
+        is torn at them. For what scikit-fem does with meshes; :meth:`Problem.on` refuses it."""
         return skfem.MeshQuad(self.p, self.t)
 
     # What differs from a conforming mesh
@@ -173,13 +176,31 @@ class MeshQuadTree(skfem.MeshQuad):
 
     def _roots_at(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The root that holds each point (2, n), -1 for none, and the place in it, (2, n) in [0, 1]."""
-        forest = self.leaves.forest
+        forest, (lines, grid) = self.leaves.forest, self._grid()
+        slack = SAME * np.ptp(forest.points, axis=1)
+        root = np.full(at.shape[1], -1)
+        for sign_x in (1, -1):
+            for sign_y in (1, -1):  # a point on a line belongs to either side
+                moved = at + slack[:, None] * [[sign_x], [sign_y]]
+                i, j = (np.searchsorted(line, x, side="right") - 1 for line, x in zip(lines, moved, strict=True))
+                inside = (i >= 0) & (j >= 0) & (i < grid.shape[0]) & (j < grid.shape[1])
+                found = np.where(inside, grid[np.where(inside, i, 0), np.where(inside, j, 0)], -1)
+                root = np.where(root < 0, found, root)
         low, high = forest.points[:, forest.corners[0]], forest.points[:, forest.corners[2]]
-        slack = SAME * np.ptp(forest.points, axis=1)[:, None, None]
-        inside = ((at[:, :, None] >= low[:, None] - slack) & (at[:, :, None] <= high[:, None] + slack)).all(axis=0)
-        root = np.where(inside.any(axis=1), inside.argmax(axis=1), -1)
-        local = (at - low[:, root]) / (high - low)[:, root]
-        return root, np.clip(local, 0.0, 1.0)
+        return root, np.clip((at - low[:, root]) / (high - low)[:, root], 0.0, 1.0)
+
+    def _grid(self) -> tuple[list[np.ndarray], np.ndarray]:
+        """Mesh lines of the roots in both directions, and the root in each cell between them, -1 for none."""
+        if not hasattr(self, "_cached_grid"):
+            forest = self.leaves.forest
+            lines = [np.unique(row) for row in forest.points]
+            grid = np.full([len(line) - 1 for line in lines], -1)
+            first, last = ([np.searchsorted(line, forest.points[k, forest.corners[c]]) for k, line in enumerate(lines)]
+                           for c in (0, 2))  # fmt: skip
+            for root in range(forest.n_roots):
+                grid[first[0][root] : last[0][root], first[1][root] : last[1][root]] = root
+            self._cached_grid = lines, grid
+        return self._cached_grid
 
 
 @dataclass(frozen=True)
@@ -219,7 +240,7 @@ class _Meeting:
 
 
 def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTree:
-    """A quadtree mesh from a coarse mesh of aligned rectangles.
+    """A quadtree mesh from a coarse mesh of aligned rectangles. Orientations of named interior boundaries are not kept.
 
     Parameters
     ----------
@@ -233,9 +254,13 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     InputError
         For an element that is no aligned rectangle, and for ends of a closed direction that do not match.
     """
+    closed = closed_directions(surface) if surface is not None else (False, False)
     if isinstance(mesh, MeshQuadTree):
-        return mesh
-    forest = forest_of(mesh, closed_directions(surface) if surface is not None else (False, False))
+        if surface is None or closed == tuple(mesh.leaves.forest.closed):
+            return mesh
+        raise InputError(f"a quadtree whose directions are closed as {tuple(mesh.leaves.forest.closed)}, on a surface with "
+                         f"{closed}: make it by quadtree(coarse mesh, surface)")  # fmt: skip
+    forest = forest_of(mesh, closed)
     coarse = skfem.MeshQuad(forest.points, forest.corners)
     names = Names.of(replace(coarse, _boundaries=_facets_by_ends(mesh, coarse), _subdomains=mesh.subdomains))
     return grown(Leaves(forest, forest.roots), names)
@@ -245,6 +270,8 @@ def forest_of(mesh: skfem.MeshQuad, closed: tuple[bool, bool]) -> Forest:
     """The forest of a coarse mesh whose directions are closed or not."""
     check_mesh(mesh)
     require_aligned(mesh)
+    if mesh.nelements >= MOST_ROOTS:
+        raise InputError(f"a coarse mesh of {mesh.nelements} elements: give fewer than {MOST_ROOTS}, and refine them")
     points = _on_lines(mesh.p)
     corners = _counter_clockwise(points, mesh.t)
     coarse = skfem.MeshQuad(points, corners)

@@ -18,6 +18,8 @@ ARRAYS = {"points": (2, -1), "corners": (4, -1), "cells": (4, -1)}
 
 def save(mesh: MeshQuadTree, path: AnyPath) -> Path:
     """Write a mesh to ``*.npz``; an older file stays as it was until the new one is whole."""
+    if not isinstance(mesh, MeshQuadTree):
+        raise InputError(f"mesh is a {type(mesh).__name__}: give a quadtree, or save by scikit-fem's mesh.save")
     file, names = check_file(path, ".npz"), Names.of(mesh)
     forest = mesh.leaves.forest
     with replacing(file) as part, part.open("wb") as stream:

@@ -7,6 +7,4 @@ from skancf.adaptive.quantities.reaction import Reaction
 from skancf.adaptive.quantities.rotation import Rotation
 from skancf.adaptive.quantities.section_force import SectionForce
 
-ALL = [Displacement, Reaction, Rotation, SectionForce, StrainEnergy]
-
-__all__ = ["ALL", "Displacement", "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy"]
+__all__ = ["Displacement", "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy"]

@@ -208,7 +208,7 @@ def test_the_papers_plate_is_refined_under_the_force():
     )  # fmt: skip
     mesh = uniform(SQUARE, 12, 12)
     state = sk.solve(plate.on(mesh, "full")).unwrap()
-    regions = sk.adapt.stress_regions(state)
+    regions = sk.stress_regions(state)
     fine = refined_in(mesh, regions)
     middle = max(regions, key=lambda region: region.ratio if region.centre == (0.5, 0.5) else 0.0)
     assert middle.centre == (0.5, 0.5)

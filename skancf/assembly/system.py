@@ -103,6 +103,10 @@ class System:
         The computed strains of that state are rounding, 1e-16; as a prestress they would count against the bending of a
         plate of thickness t and side a with the factor (a / t)^2.
         """
+        return self._stiffness
+
+    @cached_property
+    def _stiffness(self) -> BlockMatrix:
         return self._unstressed()
 
     def plain_stiffness(self) -> BlockMatrix:

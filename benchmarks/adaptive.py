@@ -185,11 +185,15 @@ def bookkeeping(largest: int) -> list[dict[str, Any]]:
             factors, _ = timed(lambda: solver.factor(matrix), runs)  # noqa: B023
         total = grow + maps + structure
         rows.append({
-            "elements": mesh.nelements, "mark": mark, "balance": grow - mark, "maps": maps, "sparsity": structure,
-            "tangent": tangent, "factors": factors, "share": total / (tangent + factors),
+            "elements": mesh.nelements,
+            **{name: f"{seconds:.2g}" for name, seconds in (
+                ("mark", mark), ("balance", grow - mark), ("maps", maps), ("sparsity", structure), ("tangent", tangent),
+                ("factors", factors),
+            )},
+            "share": round(total / (tangent + factors), 2),
         })  # fmt: skip
         print(f"{mesh.nelements:>9}{1e3 * mark:>9.2f}{1e3 * (grow - mark):>12.2f}{1e3 * maps:>9.2f}{1e3 * structure:>13.2f}"
-              f"{1e3 * total:>9.2f}{1e3 * tangent:>12.1f}{1e3 * factors:>12.1f}{rows[-1]['share']:>7.2f}")  # fmt: skip
+              f"{1e3 * total:>9.2f}{1e3 * tangent:>12.1f}{1e3 * factors:>12.1f}{rows[-1]['share']:>7}")  # fmt: skip
     return rows
 
 

@@ -10,32 +10,25 @@ import numpy as np
 import skfem
 
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
-from skancf.adaptive.estimate import Estimate, residual
+from skancf.adaptive.asked import INDICATORS, Asked, check, first_system, newton_rtol
+from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
-from skancf.adaptive.limits import drift, no_limit
+from skancf.adaptive.judge import judge
 from skancf.adaptive.marking import Below, Marking, check_indicators
 from skancf.adaptive.quantities import Quantity
-from skancf.adaptive.recovery import recovery
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
-from skancf.adaptive.singular import singular_points, strong_points, touching
+from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
-from skancf.adaptive.stress import face_stress
 from skancf.adaptive.transfer import ancestors_in
 from skancf.adaptive.unbounded import why_without_limit
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, InputError, NoLimit, OutOfDepth, number, positive
+from skancf.errors import DidNotConverge, InputError, OutOfDepth, number
 from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
 from skancf.progress import Progress
 from skancf.solution import Solution
-from skancf.statics.causes import require_support
-from skancf.statics.depth import warn_if_thick
 from skancf.theories import Theory
 
-INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
-    "goal": None, "residual": residual, "recovery": recovery, "stress": face_stress,
-}  # fmt: skip
-"""By what elements are marked; the error bar is that of the quantity with each of them."""
 BELOW = Below(0.01)
 COST = 1.3
 """Seconds of a mesh grow with this power of its coordinates."""
@@ -115,75 +108,19 @@ def adapt(
     >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-3)
     >>> print(result)
     """
-    _check(problem, rtol, atol, indicator, (marking, coarsening), max_dofs, max_seconds, max_levels)
+    check(problem, rtol, atol, indicator, (marking, coarsening), max_dofs, max_seconds, max_levels)
     needed = ("unit", "analysis") if hasattr(quantity, "analysis") else ("unit", "value", "gradient")
     if not all(hasattr(quantity, name) for name in needed):
         raise InputError(f"quantity = {quantity!r}: give a quantity such as Displacement(at=(0.5, 0.5)), or an object with "
                          "unit, value and gradient")  # fmt: skip
-    statics = StaticAnalysis(quantity, linear, number("load_factor", load_factor), _newton_rtol(rtol), backend)
+    statics = StaticAnalysis(quantity, linear, number("load_factor", load_factor), newton_rtol(rtol), backend)
     analysis = quantity.analysis(statics) if hasattr(quantity, "analysis") else statics
     first = quadtree(starting_mesh(problem) if mesh is None else mesh, problem.surface)
-    asked = _Asked(rtol, atol, max_dofs, max_seconds, max_levels)
+    asked = Asked(rtol, atol, max_dofs, max_seconds, max_levels)
     with Progress("adapt", 1.0, shown=progress) as bar:
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
         run = _Run(problem, quantity, analysis, Growth(marking, coarsening), by, asked, bar)
-        return run.go(_first_system(problem, first, theory, quantity, analysis, max_dofs))
-
-
-def _check(
-    problem: Any, rtol: float, atol: float, indicator: Any, policies: tuple[Any, Any], max_dofs: int,
-    max_seconds: float | None, max_levels: int,
-) -> None:  # fmt: skip
-    if not isinstance(problem, Problem):
-        raise InputError(f"problem = {problem!r}: give a Problem")
-    if number("atol", atol) < 0:
-        raise InputError(f"atol = {atol}: give an absolute accuracy of at least 0")
-    if not (number("rtol", rtol) > 0 or (rtol == 0 and atol > 0)):
-        raise InputError(f"rtol = {rtol}: give a relative accuracy greater than zero, such as 1e-3")
-    for name, policy in zip(("marking", "coarsening"), policies, strict=True):
-        if isinstance(policy, type) or not hasattr(policy, "marked"):
-            raise InputError(f"{name} = {policy!r}: give a policy such as Doerfler(0.9), Maximum(0.5) or Never()")
-    if not callable(indicator) and not (isinstance(indicator, str) and indicator in INDICATORS):
-        raise InputError(f"indicator = {indicator!r}: choose one of {list(INDICATORS)}, or give a function of a Solution")
-    positive("max_dofs", max_dofs)
-    positive("max_levels", max_levels)
-    if max_seconds is not None:
-        positive("max_seconds", max_seconds, "s")
-
-
-def _newton_rtol(rtol: float) -> float:
-    """Of Newton's method, which gains at least a factor ten more with its last step."""
-    return min(1e-4, max(1e-7, 1e-2 * rtol))
-
-
-def _first_system(
-    problem: Problem, mesh: MeshQuadTree, theory: str | Theory, quantity: Any, analysis: Analysis, max_dofs: int
-) -> System:
-    """The system on the first mesh, on which all that can be known without a solve is checked."""
-    system = problem.on(mesh, theory)
-    if system.n_dofs > max_dofs:
-        raise InputError(f"max_dofs = {max_dofs}: the first mesh of {mesh.nelements} elements already has {system.n_dofs} "
-                         "nodal coordinates; allow more, or begin with a coarser mesh")  # fmt: skip
-    if why := no_limit(quantity, system):
-        raise NoLimit(why)
-    if hint := drift(system):
-        warnings.warn(hint, OutOfDepth, stacklevel=3)
-    if isinstance(analysis, StaticAnalysis):
-        require_support(system)
-    return system
-
-
-class _Asked(NamedTuple):
-    """What the user asked for and allows."""
-
-    rtol: float
-    atol: float
-    max_dofs: int
-    max_seconds: float | None
-    max_levels: int
-
-    def tolerance(self, value: float) -> float:
-        return max(self.rtol * abs(value), self.atol)
+        return run.go(first_system(problem, first, theory, quantity, analysis, max_dofs))
 
 
 class _Found(NamedTuple):
@@ -213,7 +150,7 @@ class _Run:
 
     def __init__(
         self, problem: Problem, quantity: Any, analysis: Analysis, growth: Growth,
-        indicator: Callable[[Solution], np.ndarray] | None, asked: _Asked, bar: Progress,
+        indicator: Callable[[Solution], np.ndarray] | None, asked: Asked, bar: Progress,
     ) -> None:  # fmt: skip
         self.problem, self.quantity, self.analysis, self.growth = problem, quantity, analysis, growth
         self.indicator, self.asked, self.bar = indicator, asked, bar
@@ -233,7 +170,7 @@ class _Run:
         if outcome is not Outcome.REACHED and abs(answer.value) < estimate.bar:
             message += ". The value is zero within its error bar: say by atol how near to zero is near enough"
         if answer.found is None:
-            _judge(answer.state)
+            judge(answer.state)
         return AdaptiveResult(
             answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), outcome, message,
             self.quantity.unit,
@@ -338,25 +275,6 @@ class _Run:
                 return Outcome.BUDGET, (f"max_seconds = {asked.max_seconds:g}: {spent:.2g} s are spent, and the next mesh "
                                         f"would take some {expected:.2g} s")  # fmt: skip
         return None
-
-
-def _judge(state: Solution) -> None:
-    """A warning where the thin theory is not enough, elements at re-entrant corners, point loads and point supports left
-    out: the shear energy of theory `kirchhoff` has no limit there, which tells nothing of the rest."""
-    system, near = state.system, strong_points(state.system)
-    positions = system.geometry.surface.position(*system.geometry.parameters(CENTRE)[:, :, 0])
-    reach = NEAR_SINGULAR * system.problem.section.thickness
-    away = np.ones(system.mesh.nelements, dtype=bool)
-    for point in system.geometry.surface.position(*near).T:
-        away &= np.linalg.norm(positions.T - point, axis=1) > reach
-    away[touching(system.mesh.leaves, near)] = False
-    areas = system.assembly.areas.sum(axis=1)
-    warn_if_thick(state, away if areas[away].sum() > areas.sum() / 2 else None)
-
-
-CENTRE = np.array([[0.5], [0.5]])
-NEAR_SINGULAR = 3.0
-"""Thicknesses around a strong point in which no thin theory is meant."""
 
 
 def _merged(old: MeshQuadTree, new: MeshQuadTree) -> int:

@@ -1,0 +1,81 @@
+"""What a user asks of the loop, and what is checked before any work."""
+
+import warnings
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from skancf.adaptive.analysis import Analysis, StaticAnalysis
+from skancf.adaptive.estimate import residual
+from skancf.adaptive.limits import drift, no_limit
+from skancf.adaptive.recovery import recovery
+from skancf.adaptive.stress import face_stress
+from skancf.assembly.system import System
+from skancf.errors import InputError, NoLimit, OutOfDepth, number, positive
+from skancf.meshes import MeshQuadTree
+from skancf.problem import Problem
+from skancf.solution import Solution
+from skancf.statics.causes import require_support
+from skancf.theories import Theory
+
+INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
+    "goal": None, "residual": residual, "recovery": recovery, "stress": face_stress,
+}  # fmt: skip
+"""By what elements are marked; the error bar is that of the quantity with each of them."""
+
+
+def check(
+    problem: Any, rtol: float, atol: float, indicator: Any, policies: tuple[Any, Any], max_dofs: int,
+    max_seconds: float | None, max_levels: int,
+) -> None:  # fmt: skip
+    if not isinstance(problem, Problem):
+        raise InputError(f"problem = {problem!r}: give a Problem")
+    if number("atol", atol) < 0:
+        raise InputError(f"atol = {atol}: give an absolute accuracy of at least 0")
+    if not (number("rtol", rtol) > 0 or (rtol == 0 and atol > 0)):
+        raise InputError(f"rtol = {rtol}: give a relative accuracy greater than zero, such as 1e-3")
+    for name, policy in zip(("marking", "coarsening"), policies, strict=True):
+        if isinstance(policy, type) or not hasattr(policy, "marked"):
+            raise InputError(f"{name} = {policy!r}: give a policy such as Doerfler(0.9), Maximum(0.5) or Never()")
+    if not callable(indicator) and not (isinstance(indicator, str) and indicator in INDICATORS):
+        raise InputError(f"indicator = {indicator!r}: choose one of {list(INDICATORS)}, or give a function of a Solution")
+    positive("max_dofs", max_dofs)
+    positive("max_levels", max_levels)
+    if max_seconds is not None:
+        positive("max_seconds", max_seconds, "s")
+
+
+def newton_rtol(rtol: float) -> float:
+    """Of Newton's method, which gains at least a factor ten more with its last step."""
+    return min(1e-4, max(1e-7, 1e-2 * rtol))
+
+
+def first_system(
+    problem: Problem, mesh: MeshQuadTree, theory: str | Theory, quantity: Any, analysis: Analysis, max_dofs: int
+) -> System:
+    """The system on the first mesh, on which all that can be known without a solve is checked."""
+    system = problem.on(mesh, theory)
+    if system.n_dofs > max_dofs:
+        raise InputError(f"max_dofs = {max_dofs}: the first mesh of {mesh.nelements} elements already has {system.n_dofs} "
+                         "nodal coordinates; allow more, or begin with a coarser mesh")  # fmt: skip
+    if why := no_limit(quantity, system):
+        raise NoLimit(why)
+    if hint := drift(system):
+        warnings.warn(hint, OutOfDepth, stacklevel=3)
+    if isinstance(analysis, StaticAnalysis):
+        require_support(system)
+    return system
+
+
+class Asked(NamedTuple):
+    """What the user asked for and allows."""
+
+    rtol: float
+    atol: float
+    max_dofs: int
+    max_seconds: float | None
+    max_levels: int
+
+    def tolerance(self, value: float) -> float:
+        return max(self.rtol * abs(value), self.atol)

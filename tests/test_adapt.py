@@ -529,3 +529,14 @@ def test_what_was_computed_is_kept_when_a_quantity_fails(what):
 def test_what_is_no_problem_or_policy_is_refused(given, match):
     with pytest.raises(InputError, match=match):
         sk.adapt(**{"problem": hard_plate(), "quantity": CENTRAL, **given})
+
+
+def test_means_are_over_the_same_rectangle_on_all_meshes(recwarn):
+    mean = sk.SectionForce("M11", within=((0.3, 0.77), (0.1, 0.6)))
+    found = sk.adapt(hard_plate(), mean, 1e-3, linear=True)
+    assert found.reached and not [w for w in recwarn if "line" in str(w.message)]
+    first = found.levels[0].mesh
+    for axis, sides in enumerate(mean.within):
+        assert np.isin(sides, first.p[axis]).all()
+    with pytest.warns(sk.OutOfDepth, match=r"x = 0.3 lies between the mesh lines 0.25 and 0.5"):
+        sk.adapt(hard_plate(), mean, 1e-1, linear=True, mesh=sk.meshes.uniform(SQUARE, 4, 4))

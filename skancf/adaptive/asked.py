@@ -61,11 +61,31 @@ def first_system(
                          "nodal coordinates; allow more, or begin with a coarser mesh")  # fmt: skip
     if why := no_limit(quantity, system):
         raise NoLimit(why)
-    if hint := drift(system):
-        warnings.warn(hint, OutOfDepth, stacklevel=3)
+    for hint in (drift(system), _between_lines(quantity, mesh)):
+        if hint:
+            warnings.warn(hint, OutOfDepth, stacklevel=3)
     if isinstance(analysis, StaticAnalysis):
         require_support(system)
     return system
+
+
+def _between_lines(quantity: Any, mesh: MeshQuadTree) -> str | None:
+    """That the rectangle of a mean is another one on each mesh; None where its sides are lines of the first mesh or will be
+    after a few halvings."""
+    for axis, sides in enumerate(getattr(quantity, "within", None) or ()):
+        lines = np.unique(mesh.leaves.forest.points[axis])
+        for side in (side for side in sides if lines[0] < side < lines[-1]):
+            k = np.searchsorted(lines, side) - 1
+            share = HALVINGS * (side - lines[k]) / (lines[k + 1] - lines[k])
+            if abs(share - round(share)) > 1e-6:
+                return (f"within: {'xy'[axis]} = {side:.6g} lies between the mesh lines {lines[k]:.6g} and "
+                        f"{lines[k + 1]:.6g}, and no halving meets it: the mean is over another rectangle on each mesh; "
+                        "begin with a mesh that has the line, or without one of your own")  # fmt: skip
+    return None
+
+
+HALVINGS = 2**6
+"""Parts of an element whose lines count as lines of the mesh."""
 
 
 class Asked(NamedTuple):

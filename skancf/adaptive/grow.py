@@ -66,6 +66,7 @@ class Growth:
 
 
 def _again(geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray) -> Leaves:
+    """With quarters quartered again whose indicators will exceed the smallest of the marked ones twice."""
     leaves, thin = geometry.mesh.leaves, geometry.theory.twist
     for depth in range(1, AGAIN):
         above = ancestors_in(leaves, finer)

@@ -69,7 +69,8 @@ def adapt(
     rtol, atol : float
         The asked accuracy, relative to the value and absolute (in the unit of the quantity).
     mesh : skfem.MeshQuad, optional
-        Where to begin. Default: some 16 elements over the bounds of the surface, with nodes at point loads and supports.
+        Where to begin. Default: some 16 elements over the bounds of the surface, with nodes at point loads and supports,
+        and lines along the sides of a mean's rectangle.
     theory
         As in :meth:`Problem.on`.
     linear : bool
@@ -115,7 +116,7 @@ def adapt(
                          "unit, value and gradient")  # fmt: skip
     statics = StaticAnalysis(quantity, linear, number("load_factor", load_factor), newton_rtol(rtol), backend)
     analysis = quantity.analysis(statics) if hasattr(quantity, "analysis") else statics
-    first = quadtree(starting_mesh(problem) if mesh is None else mesh, problem.surface)
+    first = quadtree(starting_mesh(problem, quantity) if mesh is None else mesh, problem.surface)
     asked = Asked(rtol, atol, max_dofs, max_seconds, max_levels)
     with Progress("adapt", 1.0, shown=progress) as bar:
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator

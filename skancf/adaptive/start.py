@@ -1,5 +1,7 @@
 """Where the loop begins."""
 
+from typing import Any
+
 import numpy as np
 import skfem
 
@@ -15,8 +17,9 @@ AROUND = 8
 SAME = 1e-9
 
 
-def starting_mesh(problem: Problem) -> skfem.MeshQuad:
-    """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads and supports.
+def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
+    """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads and supports, and along
+    the sides of the rectangle over which a quantity is a mean.
 
     Raises
     ------
@@ -31,7 +34,9 @@ def starting_mesh(problem: Problem) -> skfem.MeshQuad:
         count = max(2, round(np.sqrt(ELEMENTS) * (wide if axis == 0 else 1 / wide)))
         if closed_directions(problem.surface)[axis]:
             count = max(AROUND, count)
-        rows.append(_row(low, high, count, _held(problem, axis), _loaded(problem, axis)))
+        sides = getattr(quantity, "within", None) or ((), ())
+        held = [*_held(problem, axis), *map(float, sides[axis])]
+        rows.append(_row(low, high, count, held, _loaded(problem, axis)))
     return tensor(problem.surface, *rows)  # type: ignore[arg-type]
 
 

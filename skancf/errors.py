@@ -69,3 +69,15 @@ def vector(name: str, value: Any, size: int) -> np.ndarray:
     if array.shape != (size,):
         raise InputError(f"{name} = {value}: give {size} numbers, not an array of shape {array.shape}")
     return array
+
+
+NO_DIRECTION = "this is no direction; give three components, not all zero"
+
+
+def unit_vector(name: str, value: Any, need: str = NO_DIRECTION) -> np.ndarray:
+    """``value`` as a direction of space, of length one; ``need`` says why zero is none."""
+    direction = vector(name, value, 3)
+    length = float(np.linalg.norm(direction))
+    if not length:
+        raise InputError(f"{name} = (0, 0, 0): {need}")
+    return np.asarray(direction / length)

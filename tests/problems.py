@@ -14,3 +14,13 @@ def hemisphere(thickness: float = 0.04, force: float = 1.0) -> sk.Problem:
         [sk.Symmetry("start"), sk.Symmetry("end"), sk.Roller(PULLED)],
         [sk.PointForce(PULLED, (force, 0, 0)), sk.PointForce(PUSHED, (0, -force, 0))],
     )  # fmt: skip
+
+
+SURFACES = {
+    "flat": (sk.Rectangle(1.0, 0.8), 2, 2),
+    "tube": (sk.CylinderSector(1.0, 1.0, 2 * pi, closed=True), 2, 4),
+    "ring": (sk.AnnulusSector(0.5, 1.0, 2 * pi, closed=True), 2, 4),
+    "cap": (sk.SphereSector(1.0, (0.0, 0.8), 2 * pi, closed=True), 2, 4),
+    "disc": (sk.AnnulusSector(0.0, 1.0, 2 * pi, closed=True), 2, 4),
+}  # fmt: skip
+"""A surface of each kind, and the elements of a coarse mesh in both directions."""

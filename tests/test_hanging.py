@@ -4,6 +4,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from problems import SURFACES
 
 import skancf as sk
 from skancf.assembly import hanging
@@ -12,13 +13,6 @@ from skancf.meshes import quadtree, uniform
 
 MATERIAL = sk.Isotropic(1e6, 0.3, 2000.0)
 theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
-SURFACES = {
-    "flat": (sk.Rectangle(1.0, 0.8), 2, 2),
-    "tube": (sk.CylinderSector(1.0, 1.0, 2 * pi, closed=True), 2, 4),
-    "ring": (sk.AnnulusSector(0.5, 1.0, 2 * pi, closed=True), 2, 4),
-    "cap": (sk.SphereSector(1.0, (0.0, 0.8), 2 * pi, closed=True), 2, 4),
-    "disc": (sk.AnnulusSector(0.0, 1.0, 2 * pi, closed=True), 2, 4),
-}  # fmt: skip
 every = pytest.mark.parametrize("name", SURFACES)
 
 

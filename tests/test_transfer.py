@@ -5,6 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 import skfem
+from problems import SURFACES
 
 import skancf as sk
 from skancf.adaptive import transfer
@@ -17,13 +18,6 @@ from skancf.meshes.quadtree import grown
 DENSITY, THICKNESS = 2000.0, 0.05
 MATERIAL = sk.Isotropic(1e6, 0.3, DENSITY)
 theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
-SURFACES = {
-    "flat": (sk.Rectangle(1.0, 0.8), 2, 2),
-    "tube": (sk.CylinderSector(1.0, 1.0, 2 * pi, closed=True), 2, 4),
-    "ring": (sk.AnnulusSector(0.5, 1.0, 2 * pi, closed=True), 2, 4),
-    "cap": (sk.SphereSector(1.0, (0.0, 0.8), 2 * pi, closed=True), 2, 4),
-    "disc": (sk.AnnulusSector(0.0, 1.0, 2 * pi, closed=True), 2, 4),
-}  # fmt: skip
 
 
 def tree(name, factor=1):

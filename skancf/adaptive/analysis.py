@@ -3,16 +3,13 @@
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import numpy as np
-
 from skancf.adaptive.estimate import Estimate, goal_estimate
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.transfer import transfer
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge
 from skancf.solution import Solution
 from skancf.statics import HalveAndGrow
-from skancf.statics.load_steps import equilibrium
+from skancf.statics.load_steps import equilibrium, small_deflection
 from skancf.statics.newton import Status
 
 
@@ -72,7 +69,8 @@ class StaticAnalysis:
 
     def solve(self, system: System, start: Solution | None) -> Answer:
         if self.linear:
-            state, iterations, restarted = _linear(system, self.load_factor, self.backend), 0, False
+            state = small_deflection(system, self.load_factor, backend=self.backend)
+            iterations, restarted = 0, False
         else:
             state, iterations, restarted = self._nonlinear(system, start)
         return Answer(state, self.quantity.value(state), iterations, restarted)
@@ -99,10 +97,3 @@ class StaticAnalysis:
 def _pass_on_interrupt(status: Status) -> None:
     if status is Status.INTERRUPTED:
         raise KeyboardInterrupt
-
-
-def _linear(system: System, load_factor: float, backend: str) -> Solution:
-    change = load_factor * system.linear_change(backend)
-    if not np.isfinite(change).all():
-        raise DidNotConverge("the linear answer is not finite")
-    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True)

@@ -6,12 +6,13 @@ of its error. The residual vanishes on what the coarse mesh can do; the rest of 
 :math:`z - P I z` over its nodal interpolant, which lives in the bubbles of elements and edges.
 """
 
+from functools import cached_property
 from types import TracebackType
 from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.grow import SMALLEST, may_be_quartered
+from skancf.adaptive.grow import LEFT, LEFT_SINGULAR, SMALLEST, may_be_quartered
 from skancf.adaptive.singular import singular_points, touching
 from skancf.adaptive.transfer import ancestors_in, prolongation
 from skancf.assembly.system import System
@@ -20,14 +21,10 @@ from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 from skancf.statics.load_steps import equilibrium
-from skancf.statics.newton import factored, newton, work
+from skancf.statics.newton import newton, skew_part, work
 
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
-LEFT = {True: 1 / 16, False: 1 / 4}
-"""Part of an error that is left on quartered elements, in theory `kirchhoff` and `full`."""
-LEFT_SINGULAR = 1 / 2
-"""The same at a singular point, for each time that the elements there are quartered."""
 MOST = 12
 """Elements of the refined mesh per element of the mesh."""
 CHORDS = 6
@@ -125,8 +122,8 @@ class Enriched(Refined):
     start : (n_fine,) array
         The state's nodal coordinates there.
     residual : (n_fine,) array
-    unresolved : (n_fine,) array
-        What is left of it after the step: rounding, and what Newton's method left.
+    stiffness : BlockMatrix
+        Tangent of the refined system there; where Newton's method had to go far, at its solution.
     """
 
     def __init__(
@@ -134,36 +131,39 @@ class Enriched(Refined):
     ) -> None:
         _require_at_rest(state)
         super().__init__(state.system, mesh, quantity)
-        self.state = state
-        self._solver = DirectSolver(self.system.pattern, self.system.constraints, backend)
+        self.state, self._backend = state, backend
+        fine, factor = self.system, state.load_factor
         if state.linear:
-            self._start_linear()
+            change, self.stiffness = self.up(state.q - self.coarse.undeformed), fine.stiffness()
+            self.start, gap = fine.undeformed + change, factor * fine.prescribed() - change
+            self.residual = self.stiffness @ change - factor * fine.external_force(fine.undeformed)
         else:
-            self._start_nonlinear()
+            self.start = self.up(state.q) + self._turned_gap()
+            gap = fine.undeformed + factor * fine.prescribed() - self.start
+            self.residual, self.stiffness = self._residual(self.start), fine.tangent(self.start, factor=factor)
+        self._moved = fine.constraints.fixed_part(gap)
 
-    def _start_linear(self) -> None:
-        fine = self.system
-        change = self.up(self.state.q - self.coarse.undeformed)
-        stiffness = fine.stiffness()
-        self.start = fine.undeformed + change
-        factor = self.state.load_factor
-        self.residual = stiffness @ change - factor * fine.external_force(fine.undeformed)
-        moved = fine.constraints.fixed_part(factor * fine.prescribed() - change)
-        self._solver.factor(stiffness)
-        self.stiffness = stiffness
-        self._step = self._solver.solve(-(self.residual + stiffness @ moved), refinements=2) + moved
-        self.unresolved = self.residual + stiffness @ self._step
+    @cached_property
+    def _solver(self) -> DirectSolver:
+        return DirectSolver(self.system.pattern, self.system.constraints, self._backend)
 
-    def _start_nonlinear(self) -> None:
-        fine, factor = self.system, self.state.load_factor
-        self.start = self.up(self.state.q) + self._turned_gap()
-        self.residual = self._residual(self.start)
-        moved = fine.constraints.fixed_part(fine.undeformed + factor * fine.prescribed() - self.start)
-        tangent = factored(fine, self.start, factor, self._solver)
-        self.stiffness = tangent.matrix
+    @cached_property
+    def _step(self) -> np.ndarray:
+        """To the solution of the refined system; leaves the factors of its tangent in the solver."""
+        moved = self._moved
+        self._solver.factor(self.stiffness)
+        if self.state.linear:
+            return self._solver.solve(-(self.residual + self.stiffness @ moved), refinements=2) + moved
+        tangent = SkewSolver(self.stiffness, skew_part(self.system, self.start, self.state.load_factor), self._solver)
         first = tangent.solve(-(self.residual + tangent.multiply(moved))) + moved
-        self._step = self._chord(first, tangent)
-        self.unresolved = self._residual(self.start + self._step)
+        return self._chord(first, tangent)
+
+    @property
+    def unresolved(self) -> np.ndarray:
+        """What is left of the residual after the step, (n_fine,): rounding, and what Newton's method left."""
+        if self.state.linear:
+            return self.residual + self.stiffness @ self._step
+        return self._residual(self.start + self._step)
 
     def _residual(self, q: np.ndarray) -> np.ndarray:
         return self.system.internal_force(q) - self.state.load_factor * self.system.external_force(q)
@@ -197,7 +197,8 @@ class Enriched(Refined):
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self._solver.close()
+        if "_solver" in vars(self):
+            self._solver.close()
 
     def _turned_gap(self) -> np.ndarray:
         """What the refined undeformed surface has beyond the coarse one, turned as the surface has turned at each node.
@@ -213,7 +214,7 @@ class Enriched(Refined):
         return np.asarray(np.einsum("nij,nkj,nvk->nvi", frames[1], frames[0], gap).ravel())
 
     def solve(self, force: np.ndarray) -> np.ndarray:
-        """K^-1 force on the free coordinates."""
+        """K^-1 force on the free coordinates, after the step."""
         return self._solver.solve(force)
 
     def rounding(self, weight: np.ndarray) -> float:

@@ -14,11 +14,11 @@ from skancf.surfaces import Surface
 
 AGAIN = 3
 """Largest number of times that an element is quartered from one mesh to the next."""
-SHARE_LEFT = {True: 1 / 64, False: 1 / 16}
-"""Part of an element's indicator that a quarter of it will have where the solution is smooth: order four in `kirchhoff`,
-two in `full`, and a quarter of the area."""
-SHARE_LEFT_SINGULAR = 0.5
-"""The same for the quarter at a singular point."""
+LEFT = {True: 1 / 16, False: 1 / 4}
+"""Part of an error that is left on quartered elements where the solution is smooth: order four in `kirchhoff`, two in
+`full`. Of an element's indicator each quarter has a quarter of it."""
+LEFT_SINGULAR = 1 / 2
+"""The same at a singular point, where one of the quarters has all of it."""
 SMALLEST = 2.0**-13
 """Size of the smallest elements, of the extent of the surface. Stiffness grows with the inverse square of the size, and so
 does what rounding does to a displacement: 1e-7 of it with these, four times as much after each further quartering."""
@@ -71,9 +71,9 @@ def _again(geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: flo
     for depth in range(1, AGAIN):
         above = ancestors_in(leaves, finer)
         quartered = finer.cells.level - leaves.cells.level[above]
-        left = np.where(quartered > 0, indicators[above] * SHARE_LEFT[thin] ** quartered, 0.0)
+        left = np.where(quartered > 0, indicators[above] * (LEFT[thin] / 4) ** quartered, 0.0)
         singular = touching(finer, points)
-        left[singular] = (indicators[above] * SHARE_LEFT_SINGULAR**quartered)[singular]
+        left[singular] = (indicators[above] * LEFT_SINGULAR**quartered)[singular]
         again = np.flatnonzero((left > 2 * least) & (quartered == depth) & may_be_quartered(finer, geometry.surface))
         if not again.size:
             break

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.quantities import Displacement, Quantity, SectionForce, StrainEnergy
-from skancf.adaptive.quantities.quantity import unit_vector
 from skancf.adaptive.singular import (
     at_free_right_angle,
     has_part_along,
+    holding,
     normal_at,
     point_forces,
     point_supports,
@@ -17,7 +17,7 @@ from skancf.adaptive.singular import (
 )
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
-from skancf.errors import finite
+from skancf.errors import finite, unit_vector
 from skancf.loads import PointForce
 from skancf.supports import Clamp, NoRotation
 
@@ -139,8 +139,7 @@ def _at(point: Any) -> str:
 def _region(geometry: Geometry, at: Any) -> str:
     """The rectangle around the elements that meet at a point: means are over whole elements."""
     point, corners = geometry.within(finite("at", at)), geometry.mesh.p[:, geometry.mesh.t]
-    slack = 1e-9 * np.ptp(geometry.mesh.p, axis=1)[:, None]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    around = ((low <= point[:, None] + slack) & (high >= point[:, None] - slack)).all(axis=0)
+    around = holding(low, high, point, np.ptp(geometry.mesh.p, axis=1))
     start, end = low[:, around].min(axis=1), high[:, around].max(axis=1)
     return f"({', '.join(_at(pair) for pair in zip(start, end, strict=True))})"

@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.quantities import SectionForce
-from skancf.adaptive.quantities.quantity import unit_vector
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
-from skancf.errors import InputError, finite
+from skancf.errors import InputError, finite, unit_vector
 from skancf.loads import DiskForce, PointForce
 from skancf.meshes.forest import Leaves
 from skancf.supports import Clamp, NoRotation, Pin, SimpleSupport, Symmetry
@@ -90,10 +89,16 @@ def _around_poles(geometry: Geometry, points: np.ndarray) -> np.ndarray:
     return points
 
 
+def holding(low: np.ndarray, high: np.ndarray, point: np.ndarray, extent: np.ndarray) -> np.ndarray:
+    """Which boxes, (2, n) each end, hold a point (2,), on their rim too."""
+    slack = SAME_POINT * extent[:, None]
+    return np.asarray(((low <= point[:, None] + slack) & (high >= point[:, None] - slack)).all(axis=0))
+
+
 def touching(leaves: Leaves, points: np.ndarray) -> np.ndarray:
     """Leaves that hold any of the points (2, n), (m,)."""
-    (low, high), slack = leaves.boxes, SAME_POINT * leaves.extent[:, None]
-    inside = [((low <= point[:, None] + slack) & (high >= point[:, None] - slack)).all(axis=0) for point in points.T]
+    low, high = leaves.boxes
+    inside = [holding(low, high, point, leaves.extent) for point in points.T]
     return np.flatnonzero(np.any(inside, axis=0)) if inside else np.empty(0, dtype=int)
 
 

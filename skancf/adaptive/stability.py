@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
@@ -13,6 +11,7 @@ from skancf.errors import InputError
 from skancf.meshes.tensor import whole
 from skancf.solution import Solution
 from skancf.statics.buckling import buckling
+from skancf.statics.modes import moved_along
 from skancf.statics.tangents import linear_tangent
 
 
@@ -73,7 +72,6 @@ class StabilityAnalysis:
             weight = enriched.solve(value**2 * softening(fine, fine.undeformed, phi))
             shares = enriched.shares(value * residual * enriched.surplus(step))
             shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
-            scale = np.abs(answer.state.q - found.linear.system.undeformed).max() / np.abs(found.shapes[number]).max()
-            moved = Solution(fine, fine.undeformed + scale * improved)
+            moved = moved_along(Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
             left = enriched.left(shares)
             return Estimate(value, (factor - value) / (1 - left), shares, moved, left)

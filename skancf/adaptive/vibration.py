@@ -14,7 +14,7 @@ from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.meshes.tensor import whole
 from skancf.solution import Solution
-from skancf.statics.modes import Modes, modes
+from skancf.statics.modes import Modes, modes, moved_along
 from skancf.statics.soft import factor_shifted
 from skancf.statics.tangents import state_tangent
 
@@ -91,11 +91,10 @@ class VibrationAnalysis:
             step = -solver.solve(residual)
         improved = phi + step
         shares = refined.shares(residual * refined.surplus(step)) * _per_eigenvalue(answer.value, value)
-        scale = np.abs(answer.state.q - found.state.q).max() / np.abs(shape).max()
-        moved = (fine.undeformed if rest is None else rest.q) + scale * improved
+        moved = moved_along(rest or Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
         left = refined.left(shares)
         error = (_frequency(improved, stiffness, mass) - answer.value) / (1 - left)
-        return Estimate(answer.value, error, shares, Solution(fine, moved), left)
+        return Estimate(answer.value, error, shares, moved, left)
 
 
 def _frequency(shape: np.ndarray, stiffness: BlockMatrix, mass: BlockMatrix) -> float:

@@ -10,7 +10,7 @@ import skfem
 from skancf.elements.nodal import require_aligned
 from skancf.errors import InputError
 from skancf.meshes.check import check_mesh
-from skancf.meshes.forest import BOTTOM, DEEPEST, LEFT, RIGHT, TOP, Forest, Leaves
+from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TOP, Forest, Leaves
 from skancf.meshes.names import Names
 from skancf.surfaces import Surface, closed_directions
 
@@ -304,8 +304,7 @@ def _counter_clockwise(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
     """Corners of each rectangle from the lower left one on."""
     place = points[:, quads]
     above = (place > place.mean(axis=1, keepdims=True)).astype(int)
-    number = np.array([[0, 3], [1, 2]])[above[0], above[1]]
-    return np.take_along_axis(quads, np.argsort(number, axis=0), axis=0)
+    return np.take_along_axis(quads, np.argsort(CORNER_NUMBER[above[0], above[1]], axis=0), axis=0)
 
 
 def _neighbours(coarse: skfem.MeshQuad, closed: tuple[bool, bool]) -> np.ndarray:

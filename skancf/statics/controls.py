@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.errors import InputError, number, positive, vector
+from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
 from skancf.solution import probe
 from skancf.statics.newton import Constraint
@@ -169,8 +169,7 @@ class DisplacementReached:
 
 def _check_place(at: Any, direction: Any) -> None:
     vector("at", at, 2)
-    if not np.any(vector("direction", direction, 3)):
-        raise InputError("direction = (0, 0, 0): give the direction in which the displacement counts")
+    unit_vector("direction", direction, "give the direction in which the displacement counts")
 
 
 def end_of_path(system: Any, until: "float | DisplacementReached", origin: np.ndarray) -> Constraint:
@@ -183,8 +182,7 @@ def end_of_path(system: Any, until: "float | DisplacementReached", origin: np.nd
 
 def displacement_row(system: Any, at: Any, direction: Any) -> np.ndarray:
     """The linear form that gives the position of a point along a direction: row . q, shape (n_dofs,)."""
-    unit = np.asarray(direction, float) / np.linalg.norm(direction)
-    return np.outer(probe(system, at).toarray()[0], unit).ravel()
+    return np.outer(probe(system, at).toarray()[0], unit_vector("direction", direction)).ravel()
 
 
 class _Arc:

@@ -244,7 +244,12 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
         When a rigid motion is free.
     """
     require_support(system)
-    change = system.linear_change(backend)
+    return warn_if_thick(small_deflection(system, backend=backend))
+
+
+def small_deflection(system: System, load_factor: float = 1.0, *, backend: str = "auto") -> Solution:
+    """:func:`solve_linear` for a system that is known to be supported, without a judgement of its theory."""
+    change = load_factor * system.linear_change(backend)
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
-    return warn_if_thick(Solution(system, system.undeformed + change, linear=True))
+    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.protocols import Assembly
-from skancf.errors import InputError, positive, vector
+from skancf.errors import InputError, positive, unit_vector, vector
 from skancf.supports.conditions import Support
 
 
@@ -79,8 +79,8 @@ class Foundation(Support):
 
     def __post_init__(self) -> None:
         positive("stiffness", self.stiffness, "N/m3")
-        if self.direction is not None and not np.any(vector("direction", self.direction, 3)):
-            raise InputError("direction = (0, 0, 0): a foundation needs a direction in which it pushes")
+        if self.direction is not None:
+            unit_vector("direction", self.direction, "a foundation needs a direction in which it pushes")
 
     def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
         geometry, theory = assembly.geometry, assembly.geometry.theory
@@ -89,8 +89,7 @@ class Foundation(Support):
             d = theory.normals(geometry.undeformed_local, points, geometry.side)
             d = d / np.linalg.norm(d, axis=1, keepdims=True)
         else:
-            unit = np.array(self.direction, float) / np.linalg.norm(self.direction)
-            d = np.broadcast_to(unit[:, None], (geometry.n_elements, 3, points.shape[1]))
+            d = np.broadcast_to(unit_vector("direction", self.direction)[:, None], (geometry.n_elements, 3, points.shape[1]))
         stiffness = self.stiffness * np.einsum("en,ein,ejn->enij", assembly.areas, d, d)
         table = np.broadcast_to(theory.position_table(points)[0], (geometry.n_elements, 16, points.shape[1]))
         return [(np.arange(geometry.n_elements), spring_matrices(table, stiffness))]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, finite, vector
+from skancf.errors import InputError, finite, unit_vector
 from skancf.history import History, check_history
 from skancf.supports.conditions import (
     FOURTH,
@@ -117,12 +117,10 @@ class Roller(Support):
 
     def __post_init__(self) -> None:
         checked_kind(self.kind)
-        if not np.any(vector("direction", self.direction, 3)):
-            raise InputError("direction = (0, 0, 0): a roller needs a direction in which it holds")
+        unit_vector("direction", self.direction, "a roller needs a direction in which it holds")
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        unit = np.array(self.direction) / np.linalg.norm(self.direction)
-        rows = held_along(geometry, self.where, unit[None])
+        rows = held_along(geometry, self.where, unit_vector("direction", self.direction)[None])
         return rows + no_tilt_along(geometry, self.where) if self.kind == "hard" else rows
 
 

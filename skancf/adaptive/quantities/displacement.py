@@ -5,9 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from skancf.adaptive.quantities.quantity import Smooth, unit_vector
-from skancf.errors import vector
-from skancf.solution import Solution, probe
+from skancf.adaptive.quantities.quantity import Smooth
+from skancf.errors import unit_vector, vector
+from skancf.solution import Solution
+from skancf.statics.controls import displacement_row
 
 
 @dataclass(frozen=True)
@@ -45,5 +46,4 @@ class Displacement(Smooth):
         return float(self._gradient(state, q) @ (q - state.system.undeformed))
 
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
-        weights = probe(state.system, self.at).toarray()[0]
-        return np.outer(weights, unit_vector("direction", self.direction)).ravel()
+        return displacement_row(state.system, self.at, self.direction)

@@ -1,10 +1,10 @@
 """What a quantity of interest knows."""
 
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from typing import Protocol
 
 import numpy as np
 
-from skancf.errors import InputError, vector
 from skancf.solution import Solution
 
 
@@ -28,7 +28,7 @@ class Quantity(Protocol):
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
 
 
-class Smooth:
+class Smooth(ABC):
     """A quantity that is a smooth function of the nodal coordinates, given by :meth:`_value` and :meth:`_gradient`."""
 
     def value(self, state: Solution) -> float:
@@ -42,18 +42,10 @@ class Smooth:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
         return self._gradient(state, state.system.undeformed if state.linear else state.q)
 
+    @abstractmethod
     def _value(self, state: Solution, q: np.ndarray) -> float:
         """With the loads and the time of a state, but nodal coordinates q."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
-        raise NotImplementedError
-
-
-def unit_vector(name: str, value: Any) -> np.ndarray:
-    """A direction of space, of length one."""
-    direction = vector(name, value, 3)
-    length = float(np.linalg.norm(direction))
-    if not length:
-        raise InputError(f"{name} = {value}: this is no direction; give three components, not all zero")
-    return direction / length
+        """Its derivative with respect to them."""

@@ -5,8 +5,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from skancf.adaptive.quantities.quantity import unit_vector
 from skancf.assembly.system import System
+from skancf.errors import unit_vector
 from skancf.solution import Solution
 
 

@@ -5,9 +5,9 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from skancf.adaptive.quantities.quantity import Smooth, unit_vector
+from skancf.adaptive.quantities.quantity import Smooth
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, vector
+from skancf.errors import InputError, unit_vector, vector
 from skancf.solution import Solution
 
 PARALLEL = 1e-6

@@ -193,7 +193,12 @@ class Solution:
         """Kinetic energy (J); zero in statics."""
         if self.velocity is None:
             return 0.0
-        return 0.5 * float(self.velocity @ (self.system.mass @ self.velocity))
+        return self.system.kinetic_energy(self.velocity)
+
+    @property
+    def momenta(self) -> np.ndarray:
+        """Linear momentum (N s) and angular momentum about the origin (N m s), (2, 3); zero in statics."""
+        return np.zeros((2, 3)) if self.velocity is None else self.system.momenta(self.q, self.velocity)
 
     def reactions(self, where: Any = None) -> np.ndarray:
         """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere, those of springs included.

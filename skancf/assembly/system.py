@@ -216,6 +216,19 @@ class System:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""
         return self.gathered_mass(self.assembly.sections.shape, self.assembly.mass_shapes)
 
+    def kinetic_energy(self, v: np.ndarray) -> float:
+        """Half of v . M v (J)."""
+        return 0.5 * float(v @ (self.mass @ v))
+
+    def momenta(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        r"""Linear momentum (N s) and angular momentum about the origin (N m s), (2, 3).
+
+        What M v does on a translation and on a spin of the whole body: with the vectors :math:`q_i, (M v)_i` of all nodes,
+        :math:`\sum_i (M v)_i` over positions, and :math:`\sum_i q_i \times (M v)_i` over positions and slopes.
+        """
+        of_vectors, nodal = (self.mass @ v).reshape(-1, 4, 3), self._nodal(q)
+        return np.stack([of_vectors[:, 0].sum(axis=0), np.cross(nodal, of_vectors).sum(axis=(0, 1))])
+
     def gathered_mass(self, shape: np.ndarray, shapes: np.ndarray) -> BlockMatrix:
         """The mass matrix of elements whose local vectors have the matrices ``shapes[shape]``, (n_elements, 16, 16)."""
         out = np.zeros((self.pattern.n_blocks, 12, 12))

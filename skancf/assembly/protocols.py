@@ -27,6 +27,9 @@ class Assembly(Protocol):
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         """Forces that do the work of given stresses (n_elements, n_strains, n_points)."""
 
+    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Forces f of given stresses with f . (q1 - q0) = stresses . (strains(q1) - strains(q0)) and no moment."""
+
     def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
         """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
 

@@ -67,8 +67,23 @@ class System:
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         """Derivative of the strain energy, springs and foundations included, (n_dofs,)."""
-        force = self.assembly.internal_force(self._nodal(q)).ravel()
-        return force if self.foundation is None else force + self.foundation @ (q - self.undeformed)
+        return self._with_springs(self.assembly.internal_force(self._nodal(q)), q)
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """:meth:`internal_force` with given stresses, those of :meth:`stresses`: (n_dofs,)."""
+        return self._with_springs(self.assembly.force_of(self._nodal(q), stresses), q)
+
+    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """The force f of given stresses, and of springs, between two states, (n_dofs,).
+
+        With the mean of the stresses of both, f . (q1 - q0) is the change of the strain energy, to rounding, and f has no
+        moment about the middle of the two: see :func:`skancf.theories.kirchhoff_point.discrete_gradient`.
+        """
+        force = self.assembly.force_between(self._nodal(q0), self._nodal(q1), stresses)
+        return self._with_springs(force, 0.5 * (q0 + q1))
+
+    def _with_springs(self, force: np.ndarray, q: np.ndarray) -> np.ndarray:
+        return force.ravel() if self.foundation is None else force.ravel() + self.foundation @ (q - self.undeformed)
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
         """Stresses at the integration points with their weights, extrapolated linearly along ``change``.

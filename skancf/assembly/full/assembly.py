@@ -6,8 +6,7 @@ from typing import cast
 import numpy as np
 
 from skancf.assembly.base import CompiledAssembly
-from skancf.assembly.full import kernels, tangent_kernel
-from skancf.assembly.full.residual_kernel import residual
+from skancf.assembly.full import kernels, residual_kernel, tangent_kernel
 from skancf.assembly.full.sections import Sections, build_sections
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
@@ -18,7 +17,7 @@ from skancf.theories.full import D1, D2, N_IN_PLANE, R1, R2, D, Full, covariant_
 class FullAssembly(CompiledAssembly):
     """See :class:`skancf.assembly.protocols.Assembly`."""
 
-    residual_kernel, stress_kernel, tangent_kernel = residual, kernels.stresses, tangent_kernel.tangent
+    residual_kernel, stress_kernel, tangent_kernel = residual_kernel.residual, kernels.stresses, tangent_kernel.tangent
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         super().__init__(geometry, section, schedule)
@@ -29,8 +28,12 @@ class FullAssembly(CompiledAssembly):
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        force = self.theory.strain_forces(self.geometry.local(q), self.theory.quadrature[0], stresses)
-        return self.geometry.nodal(force, np.arange(self.geometry.n_elements))
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(residual_kernel.force_of, q, stresses, self._rule, self.geometry.maps, self._elements, out)
+        return out
+
+    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        return self.force_of(0.5 * (q0 + q1), stresses)  # strains are quadratic
 
     @cached_property
     def mass_shapes(self) -> np.ndarray:

@@ -241,3 +241,27 @@ def residual(start, stop, order, q, rule, maps, elements, out):
             point_forces(rule, p, x, stress, collected, f, force)
         sample_forces(rule, sx, collected, sf, force)
         scatter_batch(base, stop, order, force, maps, out)
+
+
+@njit(**OPTIONS)
+def force_of(start, stop, order, q, stresses, rule, maps, elements, out):
+    """Force of given stresses (n_elements, 14, 16), which have the weights, added to out (n_nodes, 4, 3)."""
+    n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
+    classes = np.zeros(LANES, dtype=np.int64)
+    local, force = np.empty((16, 3, LANES)), np.empty((16, 3, LANES))
+    x, f = np.empty((4, 3, LANES)), np.empty((4, 3, LANES))
+    sx, sf = np.empty((n_samples, 5, 3, LANES)), np.empty((n_samples, 5, 3, LANES))
+    collected, stress = np.empty((n_rows, LANES)), np.zeros((N_STRAINS, LANES))
+    for base in range(start, stop, LANES):
+        gather_batch(base, stop, order, q, maps, elements, local, classes)
+        sample_jets_batch(rule, local, sx)
+        force[:] = 0.0
+        collected[:] = 0.0
+        for p in range(N_POINTS):
+            point_jets(rule, p, local, x)
+            for lane in range(min(LANES, stop - base)):
+                for k in range(N_STRAINS):
+                    stress[k, lane] = stresses[order[base + lane], k, p]
+            point_forces(rule, p, x, stress, collected, f, force)
+        sample_forces(rule, sx, collected, sf, force)
+        scatter_batch(base, stop, order, force, maps, out)

@@ -48,6 +48,11 @@ class ThinAssembly(CompiledAssembly):
         self.schedule.run(kernels.force_of, q, stresses, self._rule, self.geometry.maps, out)
         return out
 
+    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(kernels.force_between, q0, q1, stresses, self._rule, self.geometry.maps, out)
+        return out
+
     @cached_property
     def mass_shapes(self) -> np.ndarray:
         table = self.geometry.theory.position_table(self.geometry.theory.quadrature[0])[0]

@@ -27,6 +27,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.dynamics import FixedStep, GeneralizedAlpha, LocalError, Motion, simulate
+from skancf.dynamics.spectrum import Spectrum, spectrum
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, SingularMatrix, SkancfError
 from skancf.loads import (
@@ -139,6 +140,7 @@ __all__ = [
     "SingularMatrix",
     "SkancfError",
     "Solution",
+    "Spectrum",
     "SphereSector",
     "Spring",
     "StaticResult",
@@ -161,6 +163,7 @@ __all__ = [
     "simulate",
     "solve",
     "solve_linear",
+    "spectrum",
     "stress_indicator",
     "stress_regions",
     "through_thickness",

@@ -7,6 +7,7 @@ from skancf.output.files import read, write
 from skancf.output.panels import draw_cells
 from skancf.output.pictures import animation, picture
 from skancf.output.sampling import Samples, sample
+from skancf.output.spectrum_chart import spectrum_chart
 from skancf.output.tables import save_table
 
 __all__ = [
@@ -24,5 +25,6 @@ __all__ = [
     "read",
     "sample",
     "save_table",
+    "spectrum_chart",
     "write",
 ]

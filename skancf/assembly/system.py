@@ -94,17 +94,22 @@ class System:
         return self.assembly.stresses(self._nodal(q), change, keep_strains=False)[1]
 
     def tangent(
-        self, q: np.ndarray, stresses: np.ndarray | None = None, time: float | None = None, factor: float = 1.0
-    ) -> BlockMatrix:
+        self, q: np.ndarray, stresses: np.ndarray | None = None, time: float | None = None, factor: float = 1.0,
+        stiffer: float = 1.0,
+    ) -> BlockMatrix:  # fmt: skip
         """Symmetric part of the derivative of the residual.
 
-        Stresses other than those of q give the mixed tangent of Newton's method.
+        Stresses other than those of q give the mixed tangent of Newton's method. The law counts ``stiffer`` times, as that
+        of a material with damping does over a step.
         """
         if stresses is None:
             stresses = self.stresses(q)
-        held = self._initial_stresses(time)
+        held = self.held_back(time)
+        stresses = stresses if held is None else stresses - factor * held
         out = np.zeros((self.pattern.n_blocks, 12, 12))
-        self.assembly.tangent(self._nodal(q), stresses if held is None else stresses - factor * held, self._slots, out)
+        self.assembly.tangent(self._nodal(q), stresses if stiffer == 1 else stresses / stiffer, self._slots, out)
+        if stiffer != 1:
+            out *= stiffer
         nodal = q.reshape(-1, 4, 3)
         for load in self.loads:
             load.add_stiffness(nodal, time, factor, self._slots, out)
@@ -147,7 +152,7 @@ class System:
 
     def held_back_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray | None:
         """Forces of held back free strains at a time, (n_dofs,); None without any."""
-        held = self._initial_stresses(time)
+        held = self.held_back(time)
         return None if held is None else self.assembly.force_of(self._nodal(q), held).ravel()
 
     def applied_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
@@ -155,7 +160,8 @@ class System:
         nodal = self._nodal(q)
         return sum((load.force(nodal, time) for load in self.loads), np.zeros_like(nodal)).ravel()
 
-    def _initial_stresses(self, time: float | None) -> np.ndarray | None:
+    def held_back(self, time: float | None) -> np.ndarray | None:
+        """Stresses of held back free strains at a time, as :meth:`stresses` has them; None without any."""
         return total(load.initial_stresses(time) for load in self.loads)
 
     def temperature(self, points: np.ndarray, time: float | None = None) -> np.ndarray | None:
@@ -186,7 +192,7 @@ class System:
         with the free strain of the temperature change at a time, and its ``factor``.
         """
         strains, stresses = self.assembly.stresses(self._nodal(q), None, keep_strains=True)
-        energy, held = 0.5 * float(np.vdot(strains, stresses)), self._initial_stresses(time)
+        energy, held = 0.5 * float(np.vdot(strains, stresses)), self.held_back(time)
         if held is not None:
             energy += factor**2 * self.thermal_energy(time) - factor * float(np.vdot(held, strains))
         if self.foundation is not None:
@@ -230,6 +236,19 @@ class System:
     def mass(self) -> BlockMatrix:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""
         return self.gathered_mass(self.assembly.sections.shape, self.assembly.mass_shapes)
+
+    retardation = 0.0
+    viscous: BlockMatrix | None = None
+
+    @property
+    def weight(self):
+        return np.zeros(self.n_dofs)
+
+    def impulses(self):
+        return []
+
+    def check_histories(self, begin, end):
+        pass
 
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""

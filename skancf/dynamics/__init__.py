@@ -1,8 +1,29 @@
-"""Motion: time integrators, step control, the loop."""
+"""Motion: rules of integration, step control, the loop, and what it leaves behind."""
 
+from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
+from skancf.dynamics.ledger import Ledger, MeshEvent
+from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.motion import Motion, MotionStatus
 from skancf.dynamics.simulate import simulate
-from skancf.dynamics.steps import FixedStep, LocalError
+from skancf.dynamics.spectrum import Spectrum, spectrum
+from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, NewtonCount
+from skancf.dynamics.trapezoidal import Trapezoidal
 
-__all__ = ["FixedStep", "GeneralizedAlpha", "LocalError", "Motion", "MotionStatus", "simulate"]
+__all__ = [
+    "EnergyBalance",
+    "EnergyMomentum",
+    "FixedStep",
+    "GeneralizedAlpha",
+    "ImplicitMidpoint",
+    "Ledger",
+    "LocalError",
+    "MeshEvent",
+    "Motion",
+    "MotionStatus",
+    "NewtonCount",
+    "Spectrum",
+    "Trapezoidal",
+    "simulate",
+    "spectrum",
+]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.dynamics.ledger import Ledger
 from skancf.errors import DidNotConverge, InputError, number
 from skancf.solution import Solution, probe
 
@@ -17,13 +18,18 @@ class MotionStatus(Enum):
 
     FINISHED = "finished"
     STEP_TOO_SMALL = "the step became too small"
+    UNBALANCED = "the energy balance left its tolerance"
     FAILED = "an error on the way"
     INTERRUPTED = "interrupted from the keyboard"
 
 
 @dataclass(frozen=True)
 class Step:
-    """One attempted step: its end and length (s), error, Newton iterations, factorisations, accepted or not."""
+    """One attempted step.
+
+    Its end and length (s), relative error and energy without a source (see :class:`~skancf.dynamics.steps.Attempt`), Newton
+    iterations, factorisations, unknowns, accepted or not.
+    """
 
     time: float
     dt: float
@@ -31,6 +37,30 @@ class Step:
     iterations: int
     factorisations: int
     accepted: bool
+    imbalance: float = 0.0
+    n_dofs: int = 0
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a run on one mesh and without a jump of velocities: states (n, n_dofs) at times (n,).
+
+    ``outputs`` (n,) says which of them are at output times; the others are its ends.
+    """
+
+    system: System
+    times: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    outputs: np.ndarray
+
+    def at(self, time: float) -> Solution:
+        """The state at a time, cubic between the times that there are."""
+        k = min(int(np.searchsorted(self.times, time, side="right")) - 1, len(self.times) - 2)
+        if k < 0:
+            return Solution(self.system, self.q[0], self.v[0], time)
+        q, v = hermite(time, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
+        return Solution(self.system, q, v, time)
 
 
 @dataclass(frozen=True)
@@ -39,23 +69,21 @@ class Motion:
 
     Attributes
     ----------
-    times : (n,) array
-        Output times (s).
-    q, v : (n, n_dofs) arrays
-        Nodal coordinates and their rates.
+    stretches : tuple of Stretch
+        Parts of the run, each on one mesh.
     steps : tuple of Step
         Every attempted step.
+    ledger : Ledger
+        Energies, work, dissipation and momenta at the end of every accepted step; :meth:`book` has them at output times.
     records : dict of name to (times, values)
         The quantities asked for, at every accepted step.
     seconds : float
-        Wall time.
+        Wall time, of all processes that a restarted run has taken.
     """
 
-    system: System
-    times: np.ndarray
-    q: np.ndarray
-    v: np.ndarray
+    stretches: tuple[Stretch, ...]
     steps: tuple[Step, ...]
+    ledger: Ledger
     records: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
     status: MotionStatus = MotionStatus.FINISHED
     message: str = ""
@@ -76,30 +104,61 @@ class Motion:
             raise DidNotConverge(self.message)
         return self
 
+    @property
+    def times(self) -> np.ndarray:
+        """Output times (s), (n,)."""
+        return np.concatenate([part.times[part.outputs] for part in self.stretches])
+
+    @property
+    def system(self) -> System:
+        """The system of the run; for a run on several meshes, whose states have each their own, an error."""
+        if any(part.system is not self.stretches[0].system for part in self.stretches):
+            raise InputError("this motion has states on several meshes, each with its own system and nodal coordinates; "
+                             "take them from motion.states, or motion.at(time)")  # fmt: skip
+        return self.stretches[0].system
+
+    @property
+    def q(self) -> np.ndarray:
+        """Nodal coordinates at the output times, (n, n_dofs), of a run on one mesh."""
+        return self._joined("q")
+
+    @property
+    def v(self) -> np.ndarray:
+        """Their rates, (n, n_dofs)."""
+        return self._joined("v")
+
+    def _joined(self, name: str) -> np.ndarray:
+        n = self.system.n_dofs
+        return np.concatenate([getattr(part, name)[part.outputs].reshape(-1, n) for part in self.stretches])
+
     def at(self, time: float) -> Solution:
-        """State at any time, by cubic interpolation between output times."""
-        t = number("time", time)
-        if not self.times[0] <= t <= self.times[-1]:
-            raise InputError(f"time = {t} s: the motion is known from {self.times[0]} to {self.times[-1]} s")
-        k = min(int(np.searchsorted(self.times, t, side="right")) - 1, len(self.times) - 2)
-        if k < 0:
-            return Solution(self.system, self.q[0], self.v[0], t)
-        q, v = hermite(t, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
-        return Solution(self.system, q, v, t)
+        """State at any time, by cubic interpolation between output times; after the event where one is at that time."""
+        t, first, last = number("time", time), self.stretches[0].times[0], self.stretches[-1].times[-1]
+        if not first <= t <= last:
+            raise InputError(f"time = {t} s: the motion is known from {first} to {last} s")
+        return next(part for part in reversed(self.stretches) if part.times[0] <= t).at(t)
 
     @property
     def states(self) -> Iterator[Solution]:
-        """The states at the output times."""
-        for t, q, v in zip(self.times, self.q, self.v, strict=True):
-            yield Solution(self.system, q, v, float(t))
+        """The states at the output times, each with its own system."""
+        for part in self.stretches:
+            for t, q, v in zip(part.times[part.outputs], part.q[part.outputs], part.v[part.outputs], strict=True):
+                yield Solution(part.system, q, v, float(t))
+
+    def book(self) -> Ledger:
+        """The ledger at the output times."""
+        return self.ledger.at(self.times)
 
     def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Displacement of one point of the parameter plane at the output times, (n, 3)."""
         if z:
             return np.array([state.displacement(at, z) for state in self.states])
-        point = probe(self.system, at)
-        change = (self.q - self.system.undeformed).reshape(len(self.q), -1, 3)
-        return np.einsum("p,tpi->ti", point.data, change[:, point.indices])
+        parts = []
+        for part in self.stretches:
+            point = probe(part.system, at)
+            change = (part.q[part.outputs] - part.system.undeformed).reshape(int(part.outputs.sum()), -1, 3)
+            parts.append(np.einsum("p,tpi->ti", point.data, change[:, point.indices]))
+        return np.concatenate(parts)
 
     def history(self, quantity: Callable[[Solution], Any]) -> np.ndarray:
         """A quantity of each state at the output times, (n, ...)."""

@@ -1,63 +1,75 @@
-"""The loop in time: integrator, step control and output are objects beside it."""
+"""Motion of a system: what a user asks, checked and handed to the loop."""
 
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from skancf.assembly.system import System
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
-from skancf.dynamics.motion import Motion, MotionStatus, Step, hermite
-from skancf.dynamics.step_solver import StepSolver
-from skancf.dynamics.steps import FixedStep, LocalError
+from skancf.dynamics.energy_momentum import EnergyMomentum
+from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.recorder import Quantity, Recorder
+from skancf.dynamics.rule import Rule
+from skancf.dynamics.run import MeshPolicy, Run, Settings
+from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, StepControl
 from skancf.errors import InputError, finite, positive
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
 from skancf.thinness import warn_if_mass_is_off
-
-Quantity = Callable[[Solution], Any]
 
 
 def simulate(
     system: System,
     t_end: float,
     *,
+    rtol: float = 1e-3,
     dt: float | None = None,
-    rtol: float = 1e-4,
-    steps: FixedStep | LocalError | None = None,
-    rho_inf: float = 0.8,
+    steps: StepControl | None = None,
+    rule: Rule | None = None,
+    rho_inf: float | None = None,
     outputs: int | Sequence[float] = 201,
     record: Mapping[str, Quantity] | None = None,
     velocity: np.ndarray | None = None,
     start: Solution | None = None,
-    newton_rtol: float = 1e-5,
+    balance: float | None = 0.1,
+    follow: MeshPolicy | None = None,
+    newton_rtol: float | None = None,
     backend: str = "auto",
     progress: bool = True,
 ) -> Motion:
-    """Motion from the undeformed state at rest, or from ``start``, by the generalised-alpha rule.
+    """Motion from the undeformed state at rest, or from ``start``.
 
     Parameters
     ----------
     t_end : float
         Length of the run (s).
-    dt : float, optional
-        Fixed step. Without it steps follow the local error.
     rtol : float
-        Tolerance of a step's local error, relative to displacement plus thickness: see :class:`LocalError`.
+        Asked accuracy: errors of the steps add up to this part of the displacement (plus the thickness) by the end of the
+        run; see :class:`LocalError`.
+    dt : float, optional
+        Fixed step (s) instead.
     steps
         Any other step control; overrides ``dt`` and ``rtol``.
-    rho_inf : float
-        Spectral radius at infinite frequency: 1 damps nothing, 0 most.
+    rule
+        A rule of integration; default :class:`GeneralizedAlpha`, and :class:`EnergyMomentum` where energy must be kept.
+    rho_inf : float, optional
+        Short for ``rule=GeneralizedAlpha(rho_inf)``: spectral radius at infinite frequency, default 0.8; 1 damps nothing, 0
+        most.
     outputs : int or times
         Number of equidistant output times, or the times. States between steps are interpolated with cubics.
     record : mapping of name to function of a Solution, optional
         Quantities kept at every accepted step.
     velocity : (n_dofs,) array, optional
         Initial velocity of the nodal coordinates.
-    newton_rtol : float
+    balance : float or None
+        Largest part of the energy that the integration may gain or lose: a run in which the energy balance leaves this
+        tolerance stops. None: do not look.
+    follow
+        Meshes that follow the motion, see :class:`~skancf.Follow`.
+    newton_rtol : float, optional
         Newton's method ends when the energy of its correction is less than this squared times the largest kinetic energy
-        so far, or the step's first correction.
+        so far, or the step's first correction. Default: that of the rule.
     progress : bool
         Show a progress bar.
 
@@ -72,32 +84,56 @@ def simulate(
         For times, tolerances or velocities that cannot be used.
     """
     t_end = positive("t_end", t_end, "s")
-    positive("newton_rtol", newton_rtol)
+    for name, value in (("newton_rtol", newton_rtol), ("balance", balance)):
+        if value is not None:
+            positive(name, value)
     for name, quantity in (record or {}).items():
         if not callable(quantity):
             raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")
+    rule = _rule(rule, rho_inf)
+    control = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
+    if isinstance(control, EnergyBalance) and isinstance(rule, EnergyMomentum):
+        raise InputError("steps=EnergyBalance(...) with rule=EnergyMomentum(): this rule balances at any step, right or "
+                         "wrong; control the steps by LocalError")  # fmt: skip
     if start is not None:
         require_same_mesh(system, start)
     warn_if_mass_is_off(system)
     begin = 0.0 if start is None or start.time is None else start.time
-    times = _output_times(outputs, begin, begin + t_end)
-    control = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
+    system.check_histories(begin, begin + t_end)
+    times = output_times(outputs, begin, begin + t_end)
     q = system.undeformed.copy() if start is None else start.q.copy()
     v = _initial_velocity(system, velocity, start, begin, t_end)
+    settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
     began = clock.perf_counter()
     with Progress("dynamics", t_end, shown=progress) as bar:
-        run = _Run(system, GeneralizedAlpha(rho_inf), control, times, record or {}, newton_rtol, backend)
-        status, message = run.go(q, v, begin, begin + t_end, bar)
-    n = len(run.saved_q)
+        run = Run(system, settings, Recorder(times, record or {}), q, v)
+        try:
+            status, message = run.go(bar)
+        finally:
+            run.close()
+    return motion_of(run, status, message, clock.perf_counter() - began)
+
+
+def motion_of(run: Run, status: MotionStatus, message: str, seconds: float) -> Motion:
+    """What a run has."""
+    recorder = run.recorder
     return Motion(
-        system, times[:n] if status is MotionStatus.FINISHED else np.array(run.saved_times),
-        np.array(run.saved_q), np.array(run.saved_v), tuple(run.steps),
-        {name: (np.array(run.record_times), np.array(values)) for name, values in run.values.items()},
-        status, message, clock.perf_counter() - began,
-    )  # fmt: skip
+        tuple(recorder.finished), tuple(run.steps), run.book.ledger(), recorder.records, status, message, seconds
+    )
 
 
-def _output_times(outputs: int | Sequence[float], begin: float, end: float) -> np.ndarray:
+def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:
+    if rule is None:
+        return GeneralizedAlpha() if rho_inf is None else GeneralizedAlpha(rho_inf)
+    if rho_inf is not None:
+        raise InputError(f"rho_inf = {rho_inf} and rule = {rule!r}: rho_inf is short for a rule; give one of them")
+    if not isinstance(rule, Rule):
+        raise InputError(f"rule = {rule!r}: give a rule of integration, for example GeneralizedAlpha(0.8)")
+    return rule
+
+
+def output_times(outputs: int | Sequence[float], begin: float, end: float) -> np.ndarray:
+    """The output times of a run."""
     if isinstance(outputs, (int, np.integer)):
         if outputs < 2:
             raise InputError(f"outputs = {outputs}: give at least 2 output times")
@@ -126,93 +162,3 @@ def _initial_velocity(
     if v.size != system.n_dofs:
         raise InputError(f"velocity has {v.size} entries; the system has {system.n_dofs} nodal coordinates")
     return system.constraints.free_part(v) + rate
-
-
-class _Run:
-    """State of one run; everything it keeps is usable whenever it stops."""
-
-    def __init__(
-        self, system: System, rule: GeneralizedAlpha, control: FixedStep | LocalError, times: np.ndarray,
-        record: Mapping[str, Quantity], newton_rtol: float, backend: str,
-    ):  # fmt: skip
-        self.system, self.rule, self.control, self.times, self.record = system, rule, control, times, record
-        self.solver = StepSolver(system, rule, newton_rtol, backend)
-        self.saved_times: list[float] = []
-        self.saved_q: list[np.ndarray] = []
-        self.saved_v: list[np.ndarray] = []
-        self.steps: list[Step] = []
-        self.record_times: list[float] = []
-        self.values: dict[str, list[Any]] = {name: [] for name in record}
-        translation = np.zeros((system.n_dofs // 12, 4, 3))
-        translation[:, 0, 0] = 1
-        mass = np.abs((system.mass @ translation.ravel()).reshape(-1, 4, 3)[:, 0, 0])
-        self.weights = mass / mass.sum()
-
-    def size(self, u: np.ndarray) -> float:
-        """Mass-weighted root mean square of positions."""
-        r = u.reshape(-1, 4, 3)[:, 0]
-        return float(np.sqrt(self.weights @ (r * r).sum(axis=1)))
-
-    def go(self, q: np.ndarray, v: np.ndarray, begin: float, end: float, bar: Progress) -> tuple[MotionStatus, str]:
-        try:
-            return self._go(q, v, begin, end, bar)
-        except KeyboardInterrupt:
-            return MotionStatus.INTERRUPTED, f"interrupted from the keyboard at t = {self._reached(begin):.6g} s"
-        except Exception as error:  # whatever a load, a record or the machine raises, what was computed is kept
-            if not self.steps:
-                raise
-            return MotionStatus.FAILED, f"stopped at t = {self._reached(begin):.6g} s, what was computed is kept: {error!r}"
-        finally:
-            self.solver.close()
-
-    def _go(self, q: np.ndarray, v: np.ndarray, begin: float, end: float, bar: Progress) -> tuple[MotionStatus, str]:
-        a = self.solver.initial_acceleration(q, v, begin)
-        thickness = self.system.problem.section.thickness
-        guess = np.sqrt(2e-3 * thickness / max(self.size(a), 1e-300))
-        dt = self.control.first(min(float(guess), (end - begin) / 20))
-        shortest = dt * self.control.smallest
-        t, largest = begin, thickness
-        self._keep(t, q, v)
-        self._save_until(t, t, q, q, v, v)
-        while t < end - 1e-12 * (end - begin):
-            step = min(dt, end - t)
-            outcome = self.solver.step(q, v, a, t, step)
-            error = np.inf
-            if outcome.converged:
-                error = self.size(self.rule.local_error(outcome.a - a, step)) / largest
-            accepted = outcome.converged and self.control.accepts(error)
-            self.steps.append(Step(t + step, step, error, outcome.iterations, outcome.factorisations, accepted))
-            if accepted:
-                self._save_until(t, t + step, q, outcome.q, v, outcome.v)
-                t, q, v, a = t + step, outcome.q, outcome.v, outcome.a
-                largest = max(largest, thickness + self.size(q - self.system.undeformed))
-                self._keep(t, q, v)
-            dt = self.control.next_step(dt if step < dt and accepted else step, error) if outcome.converged else step / 2
-            bar.at(t - begin, f"t = {t:.4g} s, step {dt:.2g} s, {outcome.iterations} iterations")
-            if dt < shortest:
-                reason = outcome.message if not outcome.converged else f"local error {error:.1e}"
-                return MotionStatus.STEP_TOO_SMALL, (
-                    f"the run stopped at t = {t:.6g} s: its step fell to {dt:.1e} s ({reason}); "
-                    "what was computed is kept. Look for a mechanism, an element that folds, or a load that jumps."
-                )
-        return MotionStatus.FINISHED, ""
-
-    def _reached(self, begin: float) -> float:
-        return max((step.time for step in self.steps if step.accepted), default=begin)
-
-    def _keep(self, t: float, q: np.ndarray, v: np.ndarray) -> None:
-        self.record_times.append(t)
-        for name, quantity in self.record.items():
-            self.values[name].append(quantity(Solution(self.system, q, v, t)))
-
-    def _save_until(
-        self, t0: float, t1: float, q0: np.ndarray, q1: np.ndarray, v0: np.ndarray, v1: np.ndarray
-    ) -> None:
-        """Save the states at the output times up to t1."""
-        slack = 1e-9 * (self.times[-1] - self.times[0] + 1e-300)
-        while len(self.saved_times) < len(self.times) and self.times[len(self.saved_times)] <= t1 + slack:
-            t = float(self.times[len(self.saved_times)])
-            q, v = (q1, v1) if t >= t1 - slack else hermite(t, np.array([t0, t1]), np.array([q0, q1]), np.array([v0, v1]))
-            self.saved_times.append(t)
-            self.saved_q.append(q)
-            self.saved_v.append(v)

@@ -1,118 +1,171 @@
 """One implicit step: Newton's method that keeps its factors as long as they converge."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse.linalg import LinearOperator, gmres
 
 from skancf.assembly.system import System
-from skancf.dynamics.generalized_alpha import GeneralizedAlpha
+from skancf.dynamics.acceleration import Anderson
+from skancf.dynamics.rule import Rule
+from skancf.dynamics.state import State
 from skancf.errors import SingularMatrix
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.statics.newton import ROUNDING, work
 
-MAX_ITERATIONS = 20
-SLOW = 0.25
-"""Factors of an earlier step are renewed when a correction is not this much smaller than the one before."""
+MAX_ITERATIONS = 25
+EASY = 4
+"""A step that takes no more iterations with new factors may be tried with them again."""
+SLOW = 0.5
+"""Factors of an earlier step are given up where a correction is not this much smaller than the one before."""
+STALLED = 0.5
+"""Where corrections are no more than this smaller, and tiny, rounding is what is left of them."""
+TINY = 1e-20
+"""Energy of such corrections, relative to the largest."""
+SMALL = 1e-7
+"""Change of coordinates over which the residual is differenced."""
+INNER, VECTORS = 1e-3, 8
+"""How far, and with how many vectors, GMRES goes in each iteration."""
 
 
 @dataclass(frozen=True)
 class StepOutcome:
-    """State at the end of a step, if it converged."""
+    """The increment and the state at the end of a step, if it converged."""
 
     converged: bool
-    q: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
+    end: State
+    u: np.ndarray
     iterations: int
     factorisations: int
     message: str = ""
+
+    def after(self, spent: "StepOutcome") -> "StepOutcome":
+        """This outcome with the iterations of an earlier attempt counted in."""
+        return replace(
+            self, iterations=self.iterations + spent.iterations,
+            factorisations=self.factorisations + spent.factorisations,
+        )  # fmt: skip
 
 
 class StepSolver:
     """Solves the steps of a run; keeps matrix, factors and the step they belong to."""
 
-    def __init__(self, system: System, rule: GeneralizedAlpha, rtol: float, backend: str):
-        self.system, self.rule, self.rtol = system, rule, rtol
+    def __init__(self, system: System, rule: Rule, rtol: float | None = None, backend: str = "auto"):
+        self.system, self.rule, self.rtol = system, rule, rule.newton_rtol if rtol is None else rtol
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
         self.factored_dt = 0.0
+        self.rough = False
         self.energy = 0.0
         self.rounding = 0.0
 
     def close(self) -> None:
         self.linear.close()
 
+    def forget(self) -> None:
+        """Factor anew at the next step, as a run that starts there does."""
+        self.factored_dt = 0.0
+
     def initial_acceleration(self, q: np.ndarray, v: np.ndarray, time: float) -> np.ndarray:
         """M a = external - internal force, on the free coordinates."""
         self.linear.factor(self.system.mass)
-        self.factored_dt = 0.0
-        self.energy = 0.5 * float(v @ (self.system.mass @ v))
-        return self.linear.solve(self.system.external_force(q, time) - self.system.internal_force(q))
+        self.forget()
+        self.energy = max(self.energy, self.system.kinetic_energy(v))
+        force = self.system.external_force(q, time) - self.system.internal_force(q)
+        return self.linear.solve(force if self.system.viscous is None else force - self.system.viscous @ v)
 
-    def step(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, t: float, dt: float) -> StepOutcome:
-        """One step of length dt from (q, v, a) at t."""
-        rule, system, mass = self.rule, self.system, self.system.mass
-        t_alpha = t + (1 - rule.alpha_f) * dt
-        target = system.undeformed + system.prescribed(t + dt)
-        q1 = q + dt * v + 0.5 * dt**2 * a
-        q1 = q1 + system.constraints.fixed_part(target - q1)
-        factorisations, last, largest, message = 0, np.inf, 0.0, ""
-        renew = self.factored_dt != dt
+    def jump(self, impulse: np.ndarray) -> np.ndarray:
+        """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""
+        self.linear.factor(self.system.mass)
+        self.forget()
+        return self.linear.solve(impulse, refinements=2)
+
+    def residual(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        """Inertia, damping and internal force less the loads."""
+        rule, system = self.rule, self.system
+        out = system.mass @ rule.acceleration(u, start, dt) + rule.internal_force(system, u, start, dt)
+        if system.viscous is not None:
+            out += system.viscous @ rule.rate(u, start, dt)
+        return out - system.applied_force(*rule.at_stage(u, start, dt))
+
+    def step(self, start: State, dt: float) -> StepOutcome:
+        """One step of length dt: at first with the factors at hand, and where these do not do, with new ones throughout."""
+        outcome = self._newton(start, dt) if self.factored_dt == dt and not self.rough else None
+        if outcome is None or not outcome.converged:
+            spent = outcome
+            outcome = self._newton(start, dt, fresh=True)
+            self.rough = outcome.iterations > EASY
+            if spent is not None:
+                outcome = outcome.after(spent)
+        return outcome
+
+    def _newton(self, start: State, dt: float, fresh: bool = False) -> StepOutcome:
+        u = self._first_guess(start, dt, fresh)
+        before, step = np.zeros_like(u), u  # the first guess counts as a correction of no increment at all
+        history, factorisations, last, largest, message = Anderson(), 0, np.inf, 0.0, ""
         for iteration in range(1, MAX_ITERATIONS + 1):
-            a1 = rule.acceleration(q1, q, v, a, dt)
-            middle = rule.alpha_f * q + (1 - rule.alpha_f) * q1
-            residual = (
-                mass @ ((1 - rule.alpha_m) * a1 + rule.alpha_m * a)
-                + system.internal_force(middle)
-                - system.external_force(middle, t_alpha)
-            )
+            residual = self.residual(u, start, dt)
             if not np.isfinite(residual).all():
-                message = f"values that are not finite {self._place(residual)}"
+                message = "values that are not finite"
                 break
-            if renew:
+            if fresh:
                 try:
-                    self._factor(middle, t_alpha, dt)
+                    self._factor(u, start, dt, self.rule.stresses(self.system, before, start, dt, step))
                 except SingularMatrix as singular:
-                    message = str(singular)
-                    break
+                    return StepOutcome(False, start, u, iteration, factorisations, str(singular))
                 factorisations += 1
             change = -self.linear.solve(residual, refinements=0)
             energy = work(change, residual)
-            if not np.isfinite(energy):
-                message = f"values that are not finite {self._place(residual)}"
-                break
-            fresh, renew = renew, False
             largest = max(largest, energy)
-            if energy <= self.rtol**2 * max(self.energy, largest) + self.rounding:
-                q1 = q1 + change
-                return self._finish(q1, q, v, a, dt, iteration, factorisations)
-            if energy > SLOW**2 * last and not fresh:
-                renew = True
-            elif iteration > 4 and energy > 100 * last:
-                message = f"Newton's method diverged {self._place(residual)}"
+            scale = max(self.energy, largest)
+            if energy <= self.rtol**2 * scale + self.rounding or STALLED * last < energy < TINY * scale:
+                return self._finished(u + change, start, dt, iteration, factorisations)
+            if not np.isfinite(energy) or (not fresh and energy > SLOW**2 * last):
+                message = "no convergence with factors of an earlier step"
                 break
-            q1, last = q1 + change, energy
+            if fresh and not self.rule.symmetric:
+                step = self._with_skew_part(change, residual, u, start, dt)
+            else:
+                step = change if fresh else history.step(change, residual)
+            before, u, last = u, u + step, energy
         else:
-            message = f"no convergence in {MAX_ITERATIONS} iterations {self._place(residual)}"
-        self.factored_dt = 0.0
-        return StepOutcome(False, q, v, a, iteration, factorisations, message)
+            message = f"no convergence in {MAX_ITERATIONS} iterations"
+        self.forget()
+        return StepOutcome(False, start, u, iteration, factorisations, f"{message} {self._place(residual)}")
 
-    def _finish(
-        self, q1: np.ndarray, q: np.ndarray, v: np.ndarray, a: np.ndarray, dt: float, iterations: int, factorisations: int
-    ) -> StepOutcome:
-        a1 = self.rule.acceleration(q1, q, v, a, dt)
-        v1 = self.rule.velocity(a1, v, a, dt)
-        self.energy = max(self.energy, 0.5 * float(v1 @ (self.system.mass @ v1)))
-        return StepOutcome(True, q1, v1, a1, iterations, factorisations)
+    def _first_guess(self, start: State, dt: float, fresh: bool) -> np.ndarray:
+        """Accelerations of what the steps do not resolve spoil a guess; where the steps are easy they make it better."""
+        u = dt * start.v if fresh else dt * start.v + 0.5 * dt**2 * start.a
+        target = self.system.undeformed + self.system.prescribed(start.time + dt) - start.q
+        return u + self.system.constraints.fixed_part(target - u)
 
-    def _factor(self, middle: np.ndarray, time: float, dt: float) -> None:
-        tangent = self.system.tangent(middle, time=time)
+    def _finished(self, u: np.ndarray, start: State, dt: float, iterations: int, factorisations: int) -> StepOutcome:
+        end = self.rule.end(u, start, dt)
+        self.energy = max(self.energy, self.system.kinetic_energy(end.v))
+        return StepOutcome(True, end, u, iterations, factorisations)
+
+    def _with_skew_part(
+        self, change: np.ndarray, residual: np.ndarray, u: np.ndarray, start: State, dt: float
+    ) -> np.ndarray:
+        """The correction of the whole tangent, by GMRES on differences of the residual, preconditioned by the factors."""
+
+        def product(x: np.ndarray) -> np.ndarray:
+            size = SMALL / max(float(np.abs(x).max()), 1e-300)
+            return self.linear.solve((self.residual(u + size * x, start, dt) - residual) / size, refinements=0)
+
+        operator = LinearOperator((u.size, u.size), matvec=product, dtype=np.float64)
+        return np.asarray(gmres(operator, change, x0=change, rtol=INNER, atol=0.0, restart=VECTORS, maxiter=1)[0])
+
+    def _factor(self, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> None:
+        rule, system = self.rule, self.system
+        tangent = rule.stiffness(system, u, start, dt, stresses)
         values = tangent.values
-        values *= self.rule.stiffness_factor
-        values += self.rule.mass_factor(dt) * self.system.mass.values
+        values += rule.mass_factor(dt) * system.mass.values
+        if system.viscous is not None:
+            values += rule.damping_factor(dt) * system.viscous.values
         self.linear.factor(BlockMatrix(tangent.pattern, values))
         self.factored_dt = dt
         # The energy that rounding of the coordinates puts into a correction.
-        self.rounding = ROUNDING**2 * float(np.abs(tangent.diagonal()) @ (middle * middle))
+        self.rounding = ROUNDING**2 * float(np.abs(tangent.diagonal()) @ (start.q + u) ** 2)
 
     def _place(self, residual: np.ndarray) -> str:
         """Where in the plate the residual is largest."""

@@ -1,0 +1,255 @@
+r"""The book of a run: energies, work, dissipation and momenta, and whether they balance.
+
+.. math:: T + U + V = (T + U + V)_0 + W - D + R
+
+with the kinetic, strain and potential energy T, U and V (of weight without a history), the work W of all other loads, of
+supports that move, of impulses and of temperature, the energy D that damping takes, and the change R by changes of the mesh.
+What is left over is the error of the integration: what a rule takes out of what the steps do not resolve, or puts in.
+Momenta change by the impulses of loads, supports, springs and damping.
+"""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.dynamics.rule import Rule
+from skancf.dynamics.state import State
+
+
+@dataclass(frozen=True)
+class MeshEvent:
+    """A change of the mesh: time (s), elements before and after, what it did to the energies (J) and momenta."""
+
+    time: float
+    before: int
+    after: int
+    strain: float
+    kinetic: float
+    linear: float
+    angular: float
+    again: bool = False
+    """Whether the run went back to here, because the motion had outrun the fine part of the mesh."""
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """The book at times (n,); energies in J, momenta (n, 3) in N s and, about the origin, N m s.
+
+    Attributes
+    ----------
+    times, kinetic, strain, potential, work, dissipation, remeshing : (n,) arrays
+        ``work``, ``dissipation`` and ``remeshing`` are sums from the start.
+    linear, angular : (n, 3) arrays
+    linear_impulse, angular_impulse : (n, 3) arrays
+        Of loads, supports, springs and damping from outside, from the start.
+    events : tuple of MeshEvent
+    """
+
+    times: np.ndarray
+    kinetic: np.ndarray
+    strain: np.ndarray
+    potential: np.ndarray
+    work: np.ndarray
+    dissipation: np.ndarray
+    remeshing: np.ndarray
+    linear: np.ndarray
+    angular: np.ndarray
+    linear_impulse: np.ndarray
+    angular_impulse: np.ndarray
+    events: tuple[MeshEvent, ...] = ()
+
+    @property
+    def energy(self) -> np.ndarray:
+        """Kinetic, strain and potential energy together, (n,)."""
+        return self.kinetic + self.strain + self.potential
+
+    @property
+    def balance(self) -> np.ndarray:
+        """Energy that has no source: of the integration itself (J), (n,)."""
+        return self.energy - self.energy[0] - self.work + self.dissipation - self.remeshing
+
+    @property
+    def turnover(self) -> np.ndarray:
+        """The largest amount that any of the energies and their sums came to so far (J), (n,): what a balance is compared with."""
+        amounts = np.abs([self.kinetic, self.strain, self.potential, self.work, self.dissipation]).max(axis=0)
+        return np.asarray(np.maximum.accumulate(amounts))
+
+    @property
+    def momentum_balance(self) -> np.ndarray:
+        """Linear and angular momentum that have no source, (n, 2, 3)."""
+        linear = self.linear - self.linear[0] - self.linear_impulse
+        return np.stack([linear, self.angular - self.angular[0] - self.angular_impulse], axis=1)
+
+    def at(self, times: Any) -> "Ledger":
+        """The book at other times, linear between those of the steps, so that what balances there balances here."""
+        wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        columns = {name: _interpolated(wanted, self.times, getattr(self, name)) for name in COLUMNS}
+        return Ledger(wanted, **columns, events=self.events)
+
+    def table(self) -> dict[str, np.ndarray]:
+        """Columns of numbers with names, as :func:`skancf.output.save_table` writes them."""
+        out: dict[str, np.ndarray] = {"time": self.times}
+        for name in COLUMNS:
+            values = getattr(self, name)
+            out |= {name: values} if values.ndim == 1 else {f"{name}_{i}": values[:, k] for k, i in enumerate("xyz")}
+        return out | {"balance": self.balance}
+
+
+COLUMNS = tuple(field.name for field in fields(Ledger) if field.name not in ("times", "events"))
+SUMS = ("work", "dissipation", "remeshing", "linear_impulse", "angular_impulse")
+
+
+def _interpolated(wanted: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    if values.ndim == 1:
+        return np.interp(wanted, times, values)
+    return np.stack([np.interp(wanted, times, column) for column in values.T], axis=1)
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Nodal forces at one time of a step: loads but weight, supports, damping and springs from outside (n_dofs,)."""
+
+    time: float
+    loads: np.ndarray
+    supports: np.ndarray
+    outside: np.ndarray
+
+    def at(self, time: float, before: "Forces") -> "Forces":
+        """Linear through those of the step before."""
+        if self.time == before.time or self.time == time:
+            return self
+        s = (time - self.time) / (self.time - before.time)
+        parts = ((1 + s) * getattr(self, k) - s * getattr(before, k) for k in ("loads", "supports", "outside"))
+        return Forces(time, *parts)
+
+
+class Book:
+    """Keeps the ledger of a run, step by step."""
+
+    def __init__(self, system: System, state: State):
+        self.times: list[float] = []
+        self.rows: list[dict[str, Any]] = []
+        self.events: list[MeshEvent] = []
+        self.sums: dict[str, Any] = {name: np.zeros(3) if "impulse" in name else 0.0 for name in SUMS}
+        self.turnover = 0.0
+        self.before = forces_at_rest(system, state)
+        self._write(system, state)
+
+    def ledger(self) -> Ledger:
+        columns = {name: np.array([row[name] for row in self.rows]) for name in COLUMNS}
+        return Ledger(np.array(self.times), **columns, events=tuple(self.events))
+
+    def _write(self, system: System, state: State) -> None:
+        linear, angular = system.momenta(state.q, state.v)
+        row = {
+            "kinetic": system.kinetic_energy(state.v), "strain": system.strain_energy(state.q, 1.0, state.time),
+            "potential": -float(system.weight @ (state.q - system.undeformed)), "linear": linear, "angular": angular,
+            **self.sums,
+        }  # fmt: skip
+        self.times.append(state.time)
+        self.rows.append(row)
+        amounts = [abs(row[name]) for name in ("kinetic", "strain", "potential", "work", "dissipation")]
+        self.turnover = max(self.turnover, *amounts)
+
+    @property
+    def imbalance(self) -> float:
+        """Energy without a source so far, relative to the largest amount of any (signed)."""
+        first, last = self.rows[0], self.rows[-1]
+        energy = [row["kinetic"] + row["strain"] + row["potential"] for row in (first, last)]
+        left = energy[1] - energy[0] - last["work"] + last["dissipation"] - last["remeshing"]
+        return float(left / max(self.turnover, 1e-300))
+
+    def step(self, system: System, rule: Rule, start: State, u: np.ndarray, end: State, residual: Any) -> None:
+        """Book a step; ``residual()`` is that of the step's equations at its solution."""
+        dt = end.dt
+        forces = self._forces(system, rule, start, u, dt, residual)
+        middle = forces.at(start.time + 0.5 * dt, self.before)
+        self.before = forces
+        total, q = middle.loads + middle.supports + middle.outside + system.weight, start.q + 0.5 * u
+        rate = rule.rate(u, start, dt)
+        lost = 0.0 if system.viscous is None else float((system.viscous @ rate) @ u)
+        if system.retardation:
+            stresses = rule.viscous_stresses(system, u, start, dt)
+            lost += float(rule.force_of(system, u, start, dt, stresses) @ u) - self._springs(system, rule, start, u)
+        self._add(
+            work=float((middle.loads + middle.supports) @ u) + heat(system, start, end), dissipation=lost,
+            linear_impulse=dt * total.reshape(-1, 4, 3)[:, 0].sum(axis=0),
+            angular_impulse=dt * np.cross(q.reshape(-1, 4, 3), total.reshape(-1, 4, 3)).sum(axis=(0, 1)),
+        )  # fmt: skip
+        self._write(system, end)
+
+    def _springs(self, system: System, rule: Rule, start: State, u: np.ndarray) -> float:
+        """Work of the springs that :meth:`Rule.force_of` adds."""
+        if system.foundation is None:
+            return 0.0
+        at = start.q + rule.stage * u
+        return float((system.foundation @ (at - system.undeformed)) @ u)
+
+    def _forces(
+        self, system: System, rule: Rule, start: State, u: np.ndarray, dt: float, residual: Any
+    ) -> Forces:
+        at, time = rule.at_stage(u, start, dt)
+        supports, outside = np.zeros_like(u), np.zeros_like(u)
+        if system.constraints.fixed.any():
+            supports = system.constraints.fixed_part(residual())
+        if system.viscous is not None:
+            outside = outside - system.viscous @ rule.rate(u, start, dt)
+        if system.foundation is not None:
+            outside = outside - system.foundation @ (at - system.undeformed)
+        return Forces(time, system.applied_force(at, time) - system.weight, supports, outside)
+
+    def jump(self, system: System, before: State, after: State) -> None:
+        """Book an impulse: its work is that on the mean of the rates, and so is that of the supports."""
+        change = system.mass @ (after.v - before.v)
+        self._add(
+            work=float(change @ (0.5 * (before.v + after.v))), linear_impulse=change.reshape(-1, 4, 3)[:, 0].sum(axis=0),
+            angular_impulse=np.cross(after.q.reshape(-1, 4, 3), change.reshape(-1, 4, 3)).sum(axis=(0, 1)),
+        )  # fmt: skip
+        self.before = forces_at_rest(system, after)
+        self._write(system, after)
+
+    def remeshed(self, event: MeshEvent, system: System, state: State) -> None:
+        """Book a change of the mesh."""
+        first = self.rows[-1]
+        self.before = forces_at_rest(system, state)
+        self._write(system, state)
+        last = self.rows[-1]
+        changed = sum(last[name] - first[name] for name in ("kinetic", "strain", "potential"))
+        self._add(remeshing=changed, linear_impulse=last["linear"] - first["linear"],
+                  angular_impulse=last["angular"] - first["angular"])  # fmt: skip
+        last.update(self.sums)
+        self.events.append(event)
+
+    def mark(self) -> tuple[Any, ...]:
+        """What :meth:`rewind` goes back to."""
+        return len(self.times), len(self.events), self.sums, self.turnover, self.before
+
+    def rewind(self, mark: tuple[Any, ...]) -> None:
+        """Forget what was booked since a mark."""
+        n, n_events, self.sums, self.turnover, self.before = mark
+        del self.times[n:], self.rows[n:], self.events[n_events:]
+
+    def _add(self, **amounts: Any) -> None:
+        self.sums = {name: value + amounts.get(name, 0.0) for name, value in self.sums.items()}
+
+
+def forces_at_rest(system: System, state: State) -> Forces:
+    """The forces of a state between two steps."""
+    q, time, zero = state.q, state.time, np.zeros_like(state.q)
+    loads, viscous = system.applied_force(q, time), zero if system.viscous is None else system.viscous @ state.v
+    supports = zero
+    if system.constraints.fixed.any():
+        inner = system.mass @ state.a + system.internal_force(q) + viscous - system.external_force(q, time)
+        supports = system.constraints.fixed_part(inner)
+    springs = zero if system.foundation is None else system.foundation @ (q - system.undeformed)
+    return Forces(time, loads - system.weight, supports, -viscous - springs)
+
+
+def heat(system: System, start: State, end: State) -> float:
+    """Change of the strain energy with the temperature, the mean of that at both ends."""
+    if system.temperature(system.geometry.theory.quadrature[0], end.time) is None:
+        return 0.0
+    values = [system.strain_energy(s.q, 1.0, end.time) - system.strain_energy(s.q, 1.0, start.time) for s in (start, end)]
+    return 0.5 * sum(values)

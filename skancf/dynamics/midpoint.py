@@ -1,0 +1,46 @@
+"""The implicit midpoint rule."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.dynamics.rule import Rule
+from skancf.dynamics.state import State
+
+
+@dataclass(frozen=True)
+class ImplicitMidpoint(Rule):
+    r"""The implicit midpoint rule: keeps momenta exactly and energy of linear problems; a reference, not a choice.
+
+    .. math::
+        M \frac{v_{n+1} - v_n}{\Delta t} + f_{int}(q_{1/2}) = f_{ext}(q_{1/2}, t_{1/2}), \qquad
+        \frac{v_{n+1} + v_n}{2} = \frac{u}{\Delta t}, \qquad q_{1/2} = q_n + \tfrac12 u
+
+    In large rotations with steps that do not resolve the membrane's frequencies its energy is not bounded.
+    """
+
+    stage = 0.5
+    newton_rtol = 1e-9
+
+    @property
+    def error_constant(self) -> float:
+        return 1 / 12
+
+    def mass_factor(self, dt: float) -> float:
+        return 2 / dt**2
+
+    def damping_factor(self, dt: float) -> float:
+        return 1 / dt
+
+    def acceleration(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        return 2 / dt**2 * (u - dt * start.v)
+
+    def rate(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        return u / dt
+
+    def end(self, u: np.ndarray, start: State, dt: float) -> State:
+        """The acceleration is that of the middle of the step."""
+        return State(start.time + dt, start.q + u, 2 / dt * u - start.v, self.acceleration(u, start, dt), dt)
+
+    def jerk(self, start: State, end: State) -> np.ndarray:
+        return (end.a - start.a) / (0.5 * (start.dt + end.dt))

@@ -1,0 +1,102 @@
+r"""What every rule of integration has: one set of equations for the increment :math:`u = q_{n+1} - q_n`.
+
+.. math:: M\,a(u) + D\,v(u) + f_{int}(u) = f_{ext}(u)
+
+with the accelerations and rates of the rule, linear in u, and the forces where it takes them.
+"""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.dynamics.state import State
+from skancf.linear import BlockMatrix
+
+
+class Rule(ABC):
+    """A rule of integration. Forces are taken at one state, that at the fraction ``stage`` of the step, unless overridden."""
+
+    order = 2
+    stage: float
+    symmetric = True
+    """Whether the stiffness is all of the derivative, but for loads that follow."""
+    newton_rtol = 1e-5
+    """How far Newton's method goes, in the energy norm, where a user does not say it."""
+
+    @property
+    @abstractmethod
+    def error_constant(self) -> float:
+        """c of the error of a step, :math:`c\\,\\Delta t^3 \\dddot q`."""
+
+    @abstractmethod
+    def mass_factor(self, dt: float) -> float:
+        """Derivative of the accelerations with respect to u."""
+
+    @abstractmethod
+    def damping_factor(self, dt: float) -> float:
+        """Derivative of the rates with respect to u."""
+
+    @abstractmethod
+    def acceleration(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        """Accelerations that the mass multiplies."""
+
+    @abstractmethod
+    def rate(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        """Rates that the damping multiplies."""
+
+    @abstractmethod
+    def end(self, u: np.ndarray, start: State, dt: float) -> State:
+        """The state at the end of the step."""
+
+    @abstractmethod
+    def jerk(self, start: State, end: State) -> np.ndarray:
+        """Third derivative over a step."""
+
+    def error(self, start: State, end: State) -> np.ndarray:
+        """Estimate of the error that a step adds, for every coordinate."""
+        return abs(self.error_constant) * end.dt**3 * self.jerk(start, end)
+
+    def at_stage(self, u: np.ndarray, start: State, dt: float) -> tuple[np.ndarray, float]:
+        """State and time at which external forces are taken."""
+        return start.q + self.stage * u, start.time + self.stage * dt
+
+    def stresses(
+        self, system: System, u: np.ndarray, start: State, dt: float, change: np.ndarray | None = None
+    ) -> np.ndarray:
+        r"""Stresses with those of the material's damping, :math:`C\,(\varepsilon + \beta\,\dot\varepsilon)`.
+
+        Extrapolated linearly along a ``change`` of u if one is given.
+        """
+        along = None if change is None else self.stage * change
+        if system.retardation:
+            rate = self.rate(u if change is None else u + change, start, dt)
+            along = system.retardation * rate if along is None else along + system.retardation * rate
+        return system.stresses(self.at_stage(u, start, dt)[0], along)
+
+    def viscous_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        """The part of them that the material's damping makes."""
+        return self.stresses(system, u, start, dt) - system.stresses(self.at_stage(u, start, dt)[0])
+
+    def force_of(self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> np.ndarray:
+        """Internal force of given stresses."""
+        return system.force_of(self.at_stage(u, start, dt)[0], stresses)
+
+    def internal_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        """Internal force, less that of held back free strains."""
+        at, time = self.at_stage(u, start, dt)
+        force = (
+            system.force_of(at, self.stresses(system, u, start, dt)) if system.retardation else system.internal_force(at)
+        )
+        held = system.held_back_force(at, time)
+        return force if held is None else force - held
+
+    def stiffness(
+        self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray
+    ) -> BlockMatrix:
+        """Derivative of the internal less the external force with respect to u, its symmetric part, with given stresses."""
+        at, time = self.at_stage(u, start, dt)
+        stiffer = 1 + system.retardation * self.damping_factor(dt) / self.stage
+        tangent = system.tangent(at, stresses, time, stiffer=stiffer)
+        tangent.values[:] *= self.stage
+        return tangent

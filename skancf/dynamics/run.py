@@ -1,0 +1,252 @@
+"""The loop in time: integrator, step control, meshes and output are objects beside it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.dynamics.ledger import Book, MeshEvent
+from skancf.dynamics.motion import MotionStatus, Step
+from skancf.dynamics.recorder import Recorder
+from skancf.dynamics.rule import Rule
+from skancf.dynamics.state import State
+from skancf.dynamics.step_solver import StepOutcome, StepSolver
+from skancf.dynamics.steps import Attempt, StepControl
+from skancf.progress import Progress
+from skancf.solution import Solution
+
+
+class Plan(Protocol):
+    """A change of the mesh: the system to go on with, and whether to do so from the last look ``again``."""
+
+    system: System
+    again: bool
+
+
+class MeshPolicy(Protocol):
+    """Decides on meshes, every so many steps, and carries states over."""
+
+    every: int
+
+    def look(self, before: Solution, now: Solution) -> Plan | None:
+        """A change of the mesh, from the states at the last look and now; None to go on with this one."""
+
+    def carry(self, state: Solution, a: np.ndarray, system: System) -> tuple[State, MeshEvent]:
+        """The state on another mesh, and what that changed."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a run is asked for, but for its system and its first state."""
+
+    rule: Rule
+    control: StepControl
+    begin: float
+    end: float
+    newton_rtol: float | None = None
+    balance: float | None = None
+    follow: MeshPolicy | None = None
+    backend: str = "auto"
+
+    @property
+    def span(self) -> float:
+        return self.end - self.begin
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Where a run can go back to."""
+
+    state: State
+    dt: float
+    largest: float
+    n_steps: int
+    book: Any
+    recorder: Any
+
+
+class Run:
+    """State of one run; everything it keeps is usable whenever it stops."""
+
+    def __init__(self, system: System, settings: Settings, recorder: Recorder, q: np.ndarray, v: np.ndarray):
+        self.settings, self.recorder = settings, recorder
+        self._on(system)
+        a = self.solver.initial_acceleration(q, v, settings.begin)
+        self.state = State(settings.begin, q, v, a)
+        self.steps: list[Step] = []
+        thickness = system.problem.section.thickness
+        self.largest = thickness
+        guess = np.sqrt(2e-3 * thickness / max(self.size(a), 1e-300))
+        self.dt = settings.control.first(min(float(guess), settings.span / 20))
+        self.shortest = self.dt * settings.control.smallest
+        self.book = Book(system, self.state)
+        recorder.begin(system, self.state)
+        recorder.keep(self.state)
+        self.impulses = [pair for pair in system.impulses() if settings.begin <= pair[0] <= settings.end]
+        self.looked = 0
+        self._mark()
+
+    def _on(self, system: System) -> None:
+        self.system = system
+        self.solver = StepSolver(system, self.settings.rule, self.settings.newton_rtol, self.settings.backend)
+        translation = np.zeros((system.n_dofs // 12, 4, 3))
+        translation[:, 0, 0] = 1
+        mass = np.abs((system.mass @ translation.ravel()).reshape(-1, 4, 3)[:, 0, 0])
+        self.weights = mass / mass.sum()
+
+    def close(self) -> None:
+        self.solver.close()
+
+    def size(self, u: np.ndarray) -> float:
+        """Mass-weighted root mean square of positions."""
+        r = u.reshape(-1, 4, 3)[:, 0]
+        return float(np.sqrt(self.weights @ (r * r).sum(axis=1)))
+
+    @property
+    def solution(self) -> Solution:
+        """The present state."""
+        return Solution(self.system, self.state.q, self.state.v, self.state.time)
+
+    def go(self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None) -> tuple[MotionStatus, str]:
+        """Run to the end, or until it stops."""
+        try:
+            return self._go(bar, after_step)
+        except KeyboardInterrupt:
+            return MotionStatus.INTERRUPTED, f"interrupted from the keyboard at t = {self.state.time:.6g} s"
+        except Exception as error:  # whatever a load, a record, a disk or the machine raises, what was computed is kept
+            if not self.steps:
+                raise
+            return MotionStatus.FAILED, f"stopped at t = {self.state.time:.6g} s, what was computed is kept: {error!r}"
+        finally:
+            self.recorder.end(self.state)
+
+    def _go(self, bar: Progress, after_step: Callable[["Run"], None]) -> tuple[MotionStatus, str]:
+        settings = self.settings
+        tiny = 1e-12 * settings.span
+        while True:
+            while self.impulses and self.impulses[0][0] <= self.state.time + tiny:
+                self._strike(self.impulses.pop(0)[1])
+            if self.state.time >= settings.end - tiny:
+                return MotionStatus.FINISHED, ""
+            stop = self.impulses[0][0] if self.impulses else settings.end
+            left = stop - self.state.time
+            step = left if self.dt > left - tiny else self.dt
+            outcome, accepted = self._attempt(step)
+            bar.at(self.state.time - settings.begin, self._news(outcome, step))
+            if self.dt < self.shortest:
+                return MotionStatus.STEP_TOO_SMALL, self._too_small(outcome)
+            if not accepted:
+                continue
+            if settings.balance is not None and abs(self.book.imbalance) > settings.balance and len(self.steps) > FIRST:
+                return MotionStatus.UNBALANCED, self._unbalanced()
+            self._look()
+            after_step(self)
+
+    def _attempt(self, step: float) -> tuple[StepOutcome, bool]:
+        """One step; whether it was accepted. Sets the length of the next."""
+        settings, start, control = self.settings, self.state, self.settings.control
+        outcome = self.solver.step(start, step)
+        error = imbalance = np.inf
+        accepted = False
+        if outcome.converged:
+            error = self.size(settings.rule.error(start, outcome.end)) / self.largest
+            mark, before = self.book.mark(), self.book.imbalance * self.book.turnover
+            self.book.step(self.system, settings.rule, start, outcome.u, outcome.end,
+                           lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
+            imbalance = (self.book.imbalance * self.book.turnover - before) / max(self.book.turnover, 1e-300)
+            attempt = Attempt(step, settings.span, error, outcome.iterations, imbalance)
+            accepted = control.accepts(attempt)
+            # A step cut to end at a given time says nothing against the length that was meant.
+            cut = step < self.dt and accepted
+            self.dt = max(self.dt, control.next_step(attempt)) if cut else control.next_step(attempt)
+            if not accepted:
+                self.book.rewind(mark)
+        else:
+            self.dt = step / 2
+        self.steps.append(Step(start.time + step, step, error, outcome.iterations, outcome.factorisations, accepted,
+                               imbalance, self.system.n_dofs))  # fmt: skip
+        if accepted:
+            self.recorder.step(start, outcome.end)
+            self.state = outcome.end
+            self.largest = max(self.largest, self.thickness + self.size(self.state.q - self.system.undeformed))
+            self.recorder.keep(self.state)
+        return outcome, accepted
+
+    @property
+    def thickness(self) -> float:
+        return float(self.system.problem.section.thickness)
+
+    def _strike(self, impulse: np.ndarray) -> None:
+        """Velocities jump by an impulse."""
+        system, start = self.system, self.state
+        self.recorder.end(start)
+        jump = self.solver.jump(impulse)
+        a = self.solver.initial_acceleration(start.q, start.v + jump, start.time)
+        self.state = State(start.time, start.q, start.v + jump, a)
+        self.book.jump(system, start, self.state)
+        self.recorder.begin(system, self.state)
+        self._mark()
+
+    def _look(self) -> None:
+        """Ask the policy of meshes, every so many accepted steps."""
+        follow = self.settings.follow
+        if follow is None:
+            return
+        self.looked += 1
+        if self.looked < follow.every or self.state.time >= self.settings.end * (1 - 1e-12):
+            return
+        before = Solution(self.system, self.mark.state.q, self.mark.state.v, self.mark.state.time)
+        plan = follow.look(before, self.solution)
+        if plan is not None:
+            if plan.again:
+                self._rewind()
+            state, event = follow.carry(self.solution, self.state.a, plan.system)
+            self.recorder.end(self.state)
+            energy = self.solver.energy
+            self.solver.close()
+            self._on(plan.system)
+            self.solver.energy = energy
+            self.state = replace(state, dt=self.state.dt)
+            self.book.remeshed(replace(event, again=plan.again), plan.system, self.state)
+            self.recorder.begin(plan.system, self.state)
+        self._mark()
+
+    def _mark(self) -> None:
+        self.looked = 0
+        self.mark = Mark(self.state, self.dt, self.largest, len(self.steps), self.book.mark(), self.recorder.mark())
+
+    def _rewind(self) -> None:
+        """Back to the last mark; the steps since then count as rejected."""
+        mark = self.mark
+        self.state, self.dt, self.largest = mark.state, mark.dt, mark.largest
+        self.steps[mark.n_steps :] = [replace(step, accepted=False) for step in self.steps[mark.n_steps :]]
+        self.book.rewind(mark.book)
+        self.recorder.rewind(mark.recorder)
+
+    def _news(self, outcome: StepOutcome, step: float) -> str:
+        elements = f", {self.system.geometry.n_elements} elements" if self.settings.follow else ""
+        return f"t = {self.state.time:.4g} s, step {step:.2g} s, {outcome.iterations} iterations{elements}"
+
+    def _too_small(self, outcome: StepOutcome) -> str:
+        last = self.steps[-1]
+        reason = outcome.message if not outcome.converged else f"local error {last.error:.1e}"
+        return (
+            f"the run stopped at t = {self.state.time:.6g} s: its step fell to {self.dt:.1e} s ({reason}); "
+            "what was computed is kept. Look for a mechanism, an element that folds, or a load that jumps."
+        )
+
+    def _unbalanced(self) -> str:
+        book, rule = self.book, type(self.settings.rule).__name__
+        way = "gained" if book.imbalance > 0 else "lost"
+        return (
+            f"the run stopped at t = {self.state.time:.6g} s: the integration has {way} {abs(book.imbalance):.1%} of the "
+            f"largest energy, {book.turnover:.4g} J; the tolerance is {self.settings.balance:.1%}. What was computed is kept. "
+            f"Take shorter steps (a smaller rtol or dt) than {rule} had here, or rule=EnergyMomentum(), which keeps energy; "
+            "balance=None does not look"
+        )
+
+
+FIRST = 10
+"""Steps before the balance is judged: the first one of a load that jumps cannot be balanced."""

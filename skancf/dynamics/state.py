@@ -1,0 +1,20 @@
+"""State between two steps."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class State:
+    """Nodal coordinates with their rate and acceleration at a time.
+
+    ``dt`` is the length of the step that led here, 0 at the start; ``kept`` is what a rule computes once for a state.
+    """
+
+    time: float
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    dt: float = 0.0
+    kept: dict[str, np.ndarray] = field(default_factory=dict, compare=False, repr=False)

@@ -40,7 +40,7 @@ from skancf.loads import (
     SurfaceLoad,
     Temperature,
 )
-from skancf.materials import Anisotropic, Isotropic, Laminate, Layer, Orthotropic
+from skancf.materials import Anisotropic, Damping, Isotropic, Laminate, Layer, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
 from skancf.statics import (
@@ -60,7 +60,18 @@ from skancf.statics import (
     solve_linear,
     trace,
 )
-from skancf.supports import Clamp, Foundation, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry
+from skancf.supports import (
+    Clamp,
+    Dashpot,
+    Foundation,
+    NoRotation,
+    Pin,
+    Prescribed,
+    Roller,
+    SimpleSupport,
+    Spring,
+    Symmetry,
+)
 from skancf.surfaces import (
     AnnulusSector,
     Cone,
@@ -87,6 +98,8 @@ __all__ = [
     "Clamp",
     "Cone",
     "CylinderSector",
+    "Damping",
+    "Dashpot",
     "DidNotConverge",
     "DiskForce",
     "Displacement",

@@ -45,6 +45,7 @@ class System:
         prescription: Prescription,
         loads: Sequence[Loading],
         elastic: Sequence[tuple[np.ndarray, np.ndarray]],
+        dashpots: Sequence[tuple[np.ndarray, np.ndarray]],
         problem: Any,
     ):
         self.assembly, self.geometry = assembly, assembly.geometry
@@ -54,6 +55,7 @@ class System:
         self.pattern = BlockPattern.from_cells(geometry.nodes.T, geometry.n_nodes, 12, geometry.undeformed[:, 0].T)
         self._slots = self.pattern.slots(geometry.nodes.T)
         self.foundation = self._gathered(elastic) if elastic else None
+        self._dashpots = dashpots
 
     @property
     def n_dofs(self) -> int:
@@ -215,6 +217,23 @@ class System:
     def mass(self) -> BlockMatrix:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""
         return self.gathered_mass(self.assembly.sections.shape, self.assembly.mass_shapes)
+
+    @cached_property
+    def viscous(self) -> BlockMatrix | None:
+        r"""Forces in proportion to velocities, :math:`\alpha M` and the dashpots (N s/m); None without any.
+
+        The force on the body is -(viscous @ v); damping of the material is :attr:`retardation`.
+        """
+        damping = self.problem.damping
+        parts = [self._gathered(self._dashpots)] if self._dashpots else []
+        if damping is not None and damping.mass:
+            parts.append(float(damping.mass) * self.mass)
+        return sum(parts[1:], parts[0]) if parts else None
+
+    @property
+    def retardation(self) -> float:
+        r"""Factor :math:`\beta` of the strain rate in the stress, :math:`C (\varepsilon + \beta \dot\varepsilon)` (s)."""
+        return 0.0 if self.problem.damping is None else float(self.problem.damping.stiffness)
 
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""

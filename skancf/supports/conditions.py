@@ -28,7 +28,7 @@ class Row(NamedTuple):
 
 
 class Support:
-    """What a problem knows of a support: conditions, or springs, or both."""
+    """What a problem knows of a support: conditions, springs or dashpots."""
 
     def rows(self, geometry: Geometry) -> list[Row]:
         """The conditions on a given mesh."""
@@ -36,6 +36,10 @@ class Support:
 
     def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
         """Elements (m,) and symmetric matrices (m, 48, 48) of their local vectors, component by component."""
+        return []
+
+    def dashpots(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The same of forces in proportion to velocities."""
         return []
 
 

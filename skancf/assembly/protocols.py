@@ -86,6 +86,9 @@ class Loading(Protocol):
     def couple(self, time: float | None) -> np.ndarray | None:
         """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
 
+    def weight(self) -> np.ndarray | None:
+        """Nodal forces (n_nodes, 4, 3) of a weight that changes with neither time nor configuration; None of any other."""
+
 
 class Prescription(Protocol):
     """Prescribed coordinates in time."""

@@ -153,6 +153,16 @@ class System:
         """Dead forces per area times the height above the surface where they act, (3,) (N/m); None where they act on it."""
         return total(load.couple(time) for load in self.loads)
 
+    @cached_property
+    def weight(self) -> np.ndarray:
+        """Nodal forces of constant gravity, (n_dofs,): its potential energy (J) is -weight @ (q - undeformed).
+
+        Without gravity, with a function of time, and on a section whose centre of mass is off the thin surface, where the
+        force turns with the normals, it is zero.
+        """
+        found = total(load.weight() for load in self.loads)
+        return np.zeros(self.n_dofs) if found is None else found.ravel()
+
     def section_forces(
         self, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
     ) -> np.ndarray:

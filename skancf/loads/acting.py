@@ -33,6 +33,9 @@ class Acting:
     def couple(self, time: float | None) -> np.ndarray | None:
         return None
 
+    def weight(self) -> np.ndarray | None:
+        return None
+
 
 class DeadLoad(Acting):
     """A force (n_nodes, 4, 3) that does not depend on the configuration."""

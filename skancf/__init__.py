@@ -29,6 +29,7 @@ from skancf.adaptive import (
 from skancf.dynamics import FixedStep, GeneralizedAlpha, LocalError, Motion, simulate
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, SingularMatrix, SkancfError
+from skancf.history import Path, Pulse, Ramp, Table
 from skancf.loads import (
     DiskForce,
     EdgeLoad,
@@ -137,12 +138,15 @@ __all__ = [
     "Orthotropic",
     "OutOfDepth",
     "Parallelogram",
+    "Path",
     "PathResult",
     "Pin",
     "Plane",
     "PointForce",
     "Prescribed",
     "Problem",
+    "Pulse",
+    "Ramp",
     "Reaction",
     "Rectangle",
     "Roller",
@@ -159,6 +163,7 @@ __all__ = [
     "StrainEnergy",
     "SurfaceLoad",
     "Symmetry",
+    "Table",
     "Temperature",
     "__version__",
     "adapt",

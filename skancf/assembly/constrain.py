@@ -21,6 +21,10 @@ class PrescribedMotion:
     def __init__(self, n_dofs: int, parts: list[tuple[np.ndarray, Any]]):
         self.n_dofs, self.parts = n_dofs, parts
 
+    def histories(self) -> list[Any]:
+        """The functions of time."""
+        return [history for _, history in self.parts]
+
     def values(self, time: float | None) -> np.ndarray:
         """(n_dofs,); without a time at full amplitude."""
         total = np.zeros(self.n_dofs)

@@ -66,6 +66,9 @@ class Loading(Protocol):
     ``q`` has the shape (n_nodes, 4, 3); a time of None means the full amplitude.
     """
 
+    def histories(self) -> list[Any]:
+        """Its functions of time, among them None for one that is constant."""
+
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         """External force (n_nodes, 4, 3) in the configuration q."""
 
@@ -92,6 +95,9 @@ class Loading(Protocol):
 
 class Prescription(Protocol):
     """Prescribed coordinates in time."""
+
+    def histories(self) -> list[Any]:
+        """Its functions of time, among them None for one that is constant."""
 
     def values(self, time: float | None) -> np.ndarray:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,), zero along free directions."""

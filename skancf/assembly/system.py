@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from skancf.assembly.protocols import Assembly, Loading, Prescription
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.thin.assembly import ThinAssembly
 from skancf.errors import InputError
+from skancf.history import check_cover
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.materials import Section
 
@@ -174,6 +176,12 @@ class System:
     def prescribed(self, time: float | None = None) -> np.ndarray:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
         return self.prescription.values(time)
+
+    def check_histories(self, begin: float, end: float) -> None:
+        """InputError where a load or a prescribed motion has a table that does not cover the times of a run (s)."""
+        given = [load.histories() for load in self.loads] + [self.prescription.histories()]
+        for history in chain.from_iterable(given):
+            check_cover(history, begin, end)
 
     def strain_energy(self, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
         r"""Half of stress times elastic strain, integrated, and the energy of springs and foundations (J).

@@ -13,6 +13,11 @@ from skancf.history import History, amplitude, check_history
 class Acting:
     """A load on a given mesh; a kind of load overrides what it has. See :class:`skancf.assembly.protocols.Loading`."""
 
+    history: History | None = None
+
+    def histories(self) -> list[Any]:
+        return [self.history]
+
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         return np.zeros_like(q)
 

@@ -32,10 +32,12 @@ from skancf.errors import DidNotConverge, InputError, NoLimit, SingularMatrix, S
 from skancf.history import Path, Pulse, Ramp, Table
 from skancf.loads import (
     DiskForce,
+    EdgeImpulse,
     EdgeLoad,
     EdgeMoment,
     FollowerPressure,
     Gravity,
+    Impulse,
     LineLoad,
     PointForce,
     SurfaceLoad,
@@ -107,6 +109,7 @@ __all__ = [
     "DisplacementControl",
     "DisplacementReached",
     "Doerfler",
+    "EdgeImpulse",
     "EdgeLoad",
     "EdgeMoment",
     "Eigenfrequency",
@@ -121,6 +124,7 @@ __all__ = [
     "Gravity",
     "HalveAndGrow",
     "HyperbolicParaboloid",
+    "Impulse",
     "InputError",
     "Isotropic",
     "Kirchhoff",

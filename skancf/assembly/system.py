@@ -144,6 +144,13 @@ class System:
         nodal = self._nodal(q)
         return sum((load.force(nodal, time) for load in self.loads), np.zeros_like(nodal)).ravel()
 
+    def impulses(self) -> list[tuple[float, np.ndarray]]:
+        """Times, ascending, and the impulses (n_dofs,) that act then, those of equal times together (N s)."""
+        out: dict[float, np.ndarray] = {}
+        for time, nodal in filter(None, (load.impulse(self.geometry.undeformed) for load in self.loads)):
+            out[time] = out.get(time, 0.0) + nodal.ravel()
+        return sorted(out.items(), key=lambda item: item[0])
+
     def _initial_stresses(self, time: float | None) -> np.ndarray | None:
         return total(load.initial_stresses(time) for load in self.loads)
 

@@ -38,6 +38,9 @@ class Acting:
     def couple(self, time: float | None) -> np.ndarray | None:
         return None
 
+    def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
+        return None
+
     def weight(self) -> np.ndarray | None:
         return None
 
@@ -84,16 +87,16 @@ def check_distributed(force: Any, history: Any) -> None:
         vector("force", force, 3)
 
 
-def values_at(force: Any, at: np.ndarray) -> np.ndarray:
+def values_at(given: Any, at: np.ndarray, name: str = "force") -> np.ndarray:
     """A constant or a function at (2, n_elements, n): (n_elements, 3, n)."""
-    value = finite("force", force(*at) if callable(force) else force)
+    value = finite(name, given(*at) if callable(given) else given)
     if value.shape[:1] != (3,):
-        raise InputError(f"force of shape {value.shape}: a function of (x, y) must return three components first, (3, ...)")
+        raise InputError(f"{name} of shape {value.shape}: a function of (x, y) must return three components first, (3, ...)")
     value = value.reshape(3, 1, 1) if value.ndim == 1 else value
     try:
         return np.moveaxis(np.broadcast_to(value, (3, *at.shape[1:])), 0, 1)
     except ValueError as wrong:
-        raise InputError(f"force of shape {value.shape}: a function of (x, y) must return {(3, *at.shape[1:])}") from wrong
+        raise InputError(f"{name} of shape {value.shape}: a function of (x, y) must return {(3, *at.shape[1:])}") from wrong
 
 
 def over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:

@@ -27,11 +27,15 @@ class EdgeLoad:
         check_distributed(self.force, self.history)
 
     def on(self, assembly: Assembly) -> DeadLoad:
-        geometry = assembly.geometry
-        elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
-        forces = np.zeros((len(elements), 2, 3, lengths.shape[1]))
-        forces[:, 0] = values_at(self.force, geometry.parameters(points, elements)) * lengths[:, None]
-        return DeadLoad(Spread(elements, points, forces).nodal(geometry), self.history)
+        return DeadLoad(on_edges(assembly.geometry, self.where, self.force).nodal(assembly.geometry), self.history)
+
+
+def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") -> Spread:
+    """What acts per length along the boundary edges of a place; errors call it ``name``."""
+    elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(where))
+    forces = np.zeros((len(elements), 2, 3, lengths.shape[1]))
+    forces[:, 0] = values_at(force, geometry.parameters(points, elements), name) * lengths[:, None]
+    return Spread(elements, points, forces)
 
 
 @dataclass(frozen=True)

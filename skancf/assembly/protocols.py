@@ -89,6 +89,9 @@ class Loading(Protocol):
     def couple(self, time: float | None) -> np.ndarray | None:
         """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
 
+    def places(self, time: float | None) -> np.ndarray:
+        """Points (2, n) of the parameter plane at which it acts at a time, if it is at some only; else (2, 0)."""
+
     def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
         """A time (s) and the impulse (n_nodes, 4, 3) that acts then; None of what acts all the time."""
 

@@ -144,6 +144,10 @@ class System:
         nodal = self._nodal(q)
         return sum((load.force(nodal, time) for load in self.loads), np.zeros_like(nodal)).ravel()
 
+    def load_places(self, time: float | None = None) -> np.ndarray:
+        """Points (2, n) of the parameter plane where loads at points and along lines act at a time, moving ones too."""
+        return np.hstack([np.empty((2, 0)), *[load.places(time) for load in self.loads]])
+
     def impulses(self) -> list[tuple[float, np.ndarray]]:
         """Times, ascending, and the impulses (n_dofs,) that act then, those of equal times together (N s)."""
         out: dict[float, np.ndarray] = {}

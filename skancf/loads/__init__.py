@@ -7,17 +7,18 @@ from skancf.loads.acting import Load
 from skancf.loads.edge import EdgeLoad, LineLoad
 from skancf.loads.impulse import EdgeImpulse, Impulse
 from skancf.loads.moment import EdgeMoment
+from skancf.loads.moving import MovingForce, MovingLine
 from skancf.loads.point import DiskForce, PointForce
 from skancf.loads.pressure import FollowerPressure
 from skancf.loads.surface import Gravity, SurfaceLoad
 from skancf.loads.temperature import Temperature
 
 ALL = [
-    DiskForce, EdgeImpulse, EdgeLoad, EdgeMoment, FollowerPressure, Gravity, Impulse, LineLoad, PointForce, SurfaceLoad,
-    Temperature,
+    DiskForce, EdgeImpulse, EdgeLoad, EdgeMoment, FollowerPressure, Gravity, Impulse, LineLoad, MovingForce, MovingLine,
+    PointForce, SurfaceLoad, Temperature,
 ]  # fmt: skip
 
 __all__ = [
     "ALL", "DiskForce", "EdgeImpulse", "EdgeLoad", "EdgeMoment", "FollowerPressure", "Gravity", "Impulse", "LineLoad",
-    "Load", "PointForce", "SurfaceLoad", "Temperature",
+    "Load", "MovingForce", "MovingLine", "PointForce", "SurfaceLoad", "Temperature",
 ]  # fmt: skip

@@ -38,6 +38,9 @@ class Acting:
     def couple(self, time: float | None) -> np.ndarray | None:
         return None
 
+    def places(self, time: float | None) -> np.ndarray:
+        return np.empty((2, 0))
+
     def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
         return None
 
@@ -46,13 +49,17 @@ class Acting:
 
 
 class DeadLoad(Acting):
-    """A force (n_nodes, 4, 3) that does not depend on the configuration."""
+    """A force (n_nodes, 4, 3) that does not depend on the configuration, at points (2, n) if it is at some only."""
 
-    def __init__(self, nodal: np.ndarray, history: History | None):
+    def __init__(self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None):
         self.nodal, self.history = nodal, history
+        self.at = np.empty((2, 0)) if at is None else at
 
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         return np.asarray(amplitude(self.history, time) * self.nodal)
+
+    def places(self, time: float | None) -> np.ndarray:
+        return self.at
 
 
 class Load(Protocol):

@@ -68,6 +68,7 @@ from skancf.statics import (
 from skancf.supports import (
     Clamp,
     Dashpot,
+    DrivenClamp,
     Foundation,
     NoRotation,
     Pin,
@@ -111,6 +112,7 @@ __all__ = [
     "DisplacementControl",
     "DisplacementReached",
     "Doerfler",
+    "DrivenClamp",
     "EdgeImpulse",
     "EdgeLoad",
     "EdgeMoment",

@@ -24,7 +24,7 @@ def check_history(history: object) -> None:
 
 
 def amplitude(history: History | None, time: float | None) -> float:
-    """The factor at a time; without a time or a history it is one.
+    """The factor at a time; without a history it is one, and without a time its attribute ``at_rest`` or one.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def amplitude(history: History | None, time: float | None) -> float:
         Where the function is not finite.
     """
     if history is None or time is None:
-        return 1.0
+        return float(getattr(history, "at_rest", 1.0))
     value = float(history(time))
     if not np.isfinite(value):
         raise InputError(f"history at t = {time} is {value}; a function of time must be finite over the whole run")

@@ -27,6 +27,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.dynamics import FixedStep, GeneralizedAlpha, LocalError, Motion, simulate
+from skancf.dynamics.initial import RigidVelocity
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, SingularMatrix, SkancfError
 from skancf.history import Path, Pulse, Ramp, Table
@@ -159,6 +160,7 @@ __all__ = [
     "Ramp",
     "Reaction",
     "Rectangle",
+    "RigidVelocity",
     "Roller",
     "Rotation",
     "SectionForce",

@@ -55,7 +55,8 @@ def check_cover(history: Any, begin: float, end: float) -> None:
     first, last = span
     slack = SLACK * (last - first)
     if begin < first - slack or end > last + slack:
-        raise InputError(f"{type(history).__name__} from t = {first:.6g} to {last:.6g} s does not cover the run from t = "
+        name = getattr(history, "name", type(history).__name__)
+        raise InputError(f"{name} from t = {first:.6g} to {last:.6g} s does not cover the run from t = "
                          f"{begin:.6g} to {end:.6g} s; give it values over the whole run, or shorten the run")  # fmt: skip
 
 

@@ -117,7 +117,7 @@ def test_tables_that_do_not_cover_a_run():
     for options in ({"angle": sk.Table([0.0, 1.0], [0.0, 1.0])}, {"displacement": Known()}):
         system = system_on("full", [sk.DrivenClamp("left", **options)])
         system.check_histories(0.0, 1.0)
-        with pytest.raises(InputError, match="does not cover the run"):
+        with pytest.raises(InputError, match=f"{next(iter(options))} from t = 0 to 1 s does not cover the run"):
             system.check_histories(0.0, 2.0)
 
 

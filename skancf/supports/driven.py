@@ -127,6 +127,11 @@ class Component:
         return float(self.motion.at(time)[self.number])
 
     @property
+    def name(self) -> str:
+        """What the user calls it."""
+        return "angle" if self.number < 2 else "displacement"
+
+    @property
     def span(self) -> tuple[float, float] | None:
         """Times at which it is known, if it is a table's."""
-        return getattr(self.motion.angle if self.number < 2 else self.motion.displacement, "span", None)
+        return getattr(getattr(self.motion, self.name), "span", None)

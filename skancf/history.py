@@ -1,12 +1,20 @@
-"""Functions of time that multiply loads and prescribed displacements."""
+"""Functions of time that multiply loads and prescribed displacements, and paths of loads that move."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi, sin
+from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
-from skancf.errors import InputError
+from skancf.errors import InputError, finite, number, positive
 
 History = Callable[[float], float]
+
+SLACK = 1e-9
+"""Part of a table's range by which a time may be outside it: the rounding of a sum of time steps."""
 
 
 def check_history(history: object) -> None:
@@ -16,7 +24,7 @@ def check_history(history: object) -> None:
 
 
 def amplitude(history: History | None, time: float | None) -> float:
-    """The factor at a time; without a time or a history it is one.
+    """The factor at a time; without a history it is one, and without a time its attribute ``at_rest`` or one.
 
     Raises
     ------
@@ -24,8 +32,223 @@ def amplitude(history: History | None, time: float | None) -> float:
         Where the function is not finite.
     """
     if history is None or time is None:
-        return 1.0
+        return float(getattr(history, "at_rest", 1.0))
     value = float(history(time))
     if not np.isfinite(value):
         raise InputError(f"history at t = {time} is {value}; a function of time must be finite over the whole run")
     return value
+
+
+def check_cover(history: Any, begin: float, end: float) -> None:
+    """InputError where a function of time that has a range, its attribute ``span``, does not cover a run.
+
+    Parameters
+    ----------
+    history
+        Any; a function without ``span = (first, last)`` covers all times.
+    begin, end : float
+        Of the run (s).
+    """
+    span = getattr(history, "span", None)
+    if span is None:
+        return
+    first, last = span
+    slack = SLACK * (last - first)
+    if begin < first - slack or end > last + slack:
+        name = getattr(history, "name", type(history).__name__)
+        raise InputError(f"{name} from t = {first:.6g} to {last:.6g} s does not cover the run from t = "
+                         f"{begin:.6g} to {end:.6g} s; give it values over the whole run, or shorten the run")  # fmt: skip
+
+
+class Tabulated:
+    """What tables of time have in common; ``times`` is one of their fields."""
+
+    times: Sequence[float]
+
+    def _set_times(self) -> int:
+        """Checks the times and makes a tuple of them; their number."""
+        times = finite("times", self.times)
+        if times.ndim != 1 or times.size < 2:
+            raise InputError(f"times of shape {times.shape}: a table needs two times or more, in one row")
+        wrong = np.flatnonzero(np.diff(times) <= 0)
+        if wrong.size:
+            k = int(wrong[0])
+            raise InputError(f"times[{k}] = {times[k]}, times[{k + 1}] = {times[k + 1]}: times must ascend; for a jump "
+                             "leave a short time between its two values")  # fmt: skip
+        object.__setattr__(self, "times", tuple(times.tolist()))
+        return int(times.size)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time (s)."""
+        return self.times[0], self.times[-1]
+
+    @cached_property
+    def _times(self) -> np.ndarray:
+        return np.array(self.times)
+
+    def _inside(self, time: float) -> float:
+        first, last = self.span
+        slack = SLACK * (last - first)
+        if not first - slack <= time <= last + slack:
+            raise InputError(f"{type(self).__name__} at t = {time} s: its values are from t = {first} to {last} s; give it "
+                             "values over the whole run")  # fmt: skip
+        return float(min(max(time, first), last))
+
+
+@dataclass(frozen=True)
+class Table(Tabulated):
+    """A function of time given by values, for example measured ones.
+
+    Parameters
+    ----------
+    times : sequence of float
+        Ascending (s), at least two.
+    values : sequence of float
+        One for each time.
+    kind : {"linear", "smooth"}
+        Between the times: straight lines, or cubics with a continuous first derivative that overshoot nowhere (Fritsch and
+        Butland 1984, SIAM Journal on Scientific and Statistical Computing 5, 300-304).
+
+    Raises
+    ------
+    InputError
+        For times that do not ascend, fewer than two, values that are not finite or not as many, and an unknown kind; when
+        called, for a time outside the range.
+
+    Examples
+    --------
+    >>> gust = sk.Table([0.0, 0.5, 2.0], [0.0, 1.0, 0.3], kind="smooth")
+    >>> load = sk.SurfaceLoad((0.0, 0.0, 200.0), history=gust)
+    """
+
+    times: Sequence[float]
+    values: Sequence[float]
+    kind: str = "linear"
+
+    def __post_init__(self) -> None:
+        n, values = self._set_times(), finite("values", self.values)
+        if values.shape != (n,):
+            raise InputError(f"values of shape {values.shape}: give {n} numbers, one for each time")
+        if self.kind not in ("linear", "smooth"):
+            raise InputError(f"kind = {self.kind!r}: a table is 'linear' or 'smooth' between its times")
+        object.__setattr__(self, "values", tuple(values.tolist()))
+
+    @cached_property
+    def _function(self) -> Callable[[float], Any]:
+        values = np.array(self.values)
+        if self.kind == "smooth":
+            return PchipInterpolator(self._times, values)
+        return lambda time: np.interp(time, self._times, values)
+
+    def __call__(self, time: float) -> float:
+        return float(self._function(self._inside(time)))
+
+
+@dataclass(frozen=True)
+class Path(Tabulated):
+    """A way in the parameter plane, straight from point to point; a load that moves follows it.
+
+    Parameters
+    ----------
+    times : sequence of float
+        Ascending (s), at least two.
+    points : sequence of (x, y)
+        Where it is at these times. It may begin and end outside the surface.
+
+    Raises
+    ------
+    InputError
+        For times that do not ascend, fewer than two, points that are not finite or not as many; when called, for a time
+        outside the range.
+    """
+
+    times: Sequence[float]
+    points: Sequence[tuple[float, float]]
+
+    def __post_init__(self) -> None:
+        n, points = self._set_times(), finite("points", self.points)
+        if points.shape != (n, 2):
+            raise InputError(f"points of shape {points.shape}: give {n} points (x, y), one for each time")
+        object.__setattr__(self, "points", tuple((x, y) for x, y in points.tolist()))
+
+    @cached_property
+    def _points(self) -> np.ndarray:
+        return np.array(self.points).T
+
+    def __call__(self, time: float) -> np.ndarray:
+        inside = self._inside(time)
+        return np.array([np.interp(inside, self._times, values) for values in self._points])
+
+
+@dataclass(frozen=True)
+class Ramp:
+    r"""Zero before ``start``, one after ``start + duration``, a straight line between: :math:`(t - t_0) / T`.
+
+    Parameters
+    ----------
+    duration : float
+        T (s).
+    start : float
+        :math:`t_0` (s).
+
+    Raises
+    ------
+    InputError
+        For a duration that is not positive, or a start that is not finite.
+    """
+
+    duration: float
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive("duration", self.duration, "s")
+        number("start", self.start)
+
+    def __call__(self, time: float) -> float:
+        return float(min(max((time - self.start) / self.duration, 0.0), 1.0))
+
+
+PULSES: dict[str, Callable[[float], float]] = {
+    "sine": lambda s: sin(pi * s),
+    "triangle": lambda s: 1.0 - abs(2 * s - 1.0),
+    "rectangle": lambda s: 1.0,
+}
+"""Shapes over 0 < s < 1."""
+
+
+@dataclass(frozen=True)
+class Pulse:
+    r"""A pulse of height one between ``start`` and ``start + duration``, zero elsewhere.
+
+    With :math:`s = (t - t_0) / T` between 0 and 1 it is :math:`\sin \pi s`, :math:`1 - |2 s - 1|`, or one; its integral over
+    time is :math:`2 T / \pi`, :math:`T / 2`, or T.
+
+    Parameters
+    ----------
+    duration : float
+        T (s).
+    start : float
+        :math:`t_0` (s).
+    shape : {"sine", "triangle", "rectangle"}
+        The rectangle jumps; it is one at ``start`` and zero at the end.
+
+    Raises
+    ------
+    InputError
+        For a duration that is not positive, a start that is not finite, and an unknown shape.
+    """
+
+    duration: float
+    start: float = 0.0
+    shape: str = "sine"
+
+    def __post_init__(self) -> None:
+        positive("duration", self.duration, "s")
+        number("start", self.start)
+        if self.shape not in PULSES:
+            raise InputError(f"shape = {self.shape!r}: a pulse is one of {sorted(PULSES)}; give other shapes as a Table")
+
+    def __call__(self, time: float) -> float:
+        s = (time - self.start) / self.duration
+        return PULSES[self.shape](s) if 0.0 <= s < 1.0 else 0.0

@@ -13,7 +13,7 @@ from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System, assemble
 from skancf.errors import InputError, positive
 from skancf.loads import Load
-from skancf.materials import Laminate, Law, Section, section_of
+from skancf.materials import Damping, Laminate, Law, Section, section_of
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
@@ -33,12 +33,14 @@ class Problem:
     material : Law or Laminate
         For example :class:`~skancf.Isotropic` or :class:`~skancf.Laminate`.
     supports, loads : sequences
+    damping : Damping, optional
+        Of the material and of the mass, in dynamics; without it there is none.
 
     Raises
     ------
     InputError
         For a thickness that is not positive, is missing, or is given with a laminate, and for a surface, material,
-        support or load that is none.
+        support, load or damping that is none.
 
     Examples
     --------
@@ -56,6 +58,7 @@ class Problem:
     material: Law | Laminate | None = None
     supports: Sequence[Support] = field(default_factory=tuple)
     loads: Sequence[Load] = field(default_factory=tuple)
+    damping: Damping | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.surface, type) or not hasattr(self.surface, "position"):
@@ -69,6 +72,8 @@ class Problem:
             for item in items:
                 if isinstance(item, type) or not hasattr(item, method):
                     raise InputError(f"{name}: {item!r} is none; see skancf.{name} for what there is")
+        if not isinstance(self.damping, Damping | None):
+            raise InputError(f"damping = {self.damping!r}: give a Damping, as in damping=Damping(stiffness=1e-4)")
 
     @cached_property
     def section(self) -> Section:
@@ -108,7 +113,8 @@ class Problem:
         constraints, prescription = constrain(assembly.geometry, self.supports)
         loads = [load.on(assembly) for load in self.loads]
         elastic = [part for support in self.supports for part in support.springs(assembly)]
-        return System(assembly, constraints, prescription, loads, elastic, problem=self)
+        dashpots = [part for support in self.supports for part in support.dashpots(assembly)]
+        return System(assembly, constraints, prescription, loads, elastic, dashpots, problem=self)
 
     def _check_bounds(self, mesh: skfem.MeshQuad) -> None:
         bounds: Any = getattr(self.surface, "bounds", None)

@@ -38,7 +38,7 @@ def singular_points(system: System, quantity: Any = None) -> np.ndarray:
         if hasattr(item, "where"):
             places.append(_ends(geometry, item.where))
         points = [getattr(item, name) for name in ("at", "start", "end") if hasattr(item, name)]
-        places += [np.reshape(point, (2, 1)).astype(float) for point in points]
+        places += [np.reshape(point, (2, 1)).astype(float) for point in points if not callable(point)]
     found = _around_poles(geometry, _both_sides(geometry, np.hstack(places)))
     if not found.size:
         return found

@@ -21,6 +21,10 @@ class PrescribedMotion:
     def __init__(self, n_dofs: int, parts: list[tuple[np.ndarray, Any]]):
         self.n_dofs, self.parts = n_dofs, parts
 
+    def histories(self) -> list[Any]:
+        """The functions of time."""
+        return [history for _, history in self.parts]
+
     def values(self, time: float | None) -> np.ndarray:
         """(n_dofs,); without a time at full amplitude."""
         total = np.zeros(self.n_dofs)
@@ -38,21 +42,21 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
         Where two supports ask for different values of the same coordinate.
     """
     mixed = ~(geometry.ties.mix == np.eye(4)).all(axis=(1, 2))
-    by_node: dict[int, list[tuple[np.ndarray, float, int]]] = defaultdict(list)
+    by_node: dict[int, list[tuple[np.ndarray, Any, list[int]]]] = defaultdict(list)
     histories: list[Any] = [None]
     for support in supports:
-        history = getattr(support, "history", None)
-        if not any(history is known for known in histories):
-            histories.append(history)
-        number = next(k for k, known in enumerate(histories) if known is history)
+        for history in support.histories:
+            if not any(history is known for known in histories):
+                histories.append(history)
+        numbers = [next(k for k, known in enumerate(histories) if known is history) for history in support.histories]
         for mesh_node, a, value, own in support.rows(geometry):
             on_node = a if own or not mixed[mesh_node] else (geometry.ties.mix[mesh_node].T @ a.reshape(4, 3)).ravel()
             size = sqrt(on_node @ on_node)
             if size > PARALLEL * sqrt(a @ a):  # a vector that a pole does not have needs no holding
-                by_node[int(geometry.ties.node_of[mesh_node])].append((on_node / size, value / size, number))
+                by_node[int(geometry.ties.node_of[mesh_node])].append((on_node / size, value / size, numbers))
     if geometry.theory.twist:
         for node in geometry.ties.poles:  # has three vectors only
-            by_node[node] += [(row, 0.0, 0) for row in np.eye(12)[9:]]
+            by_node[node] += [(row, 0.0, [0]) for row in np.eye(12)[9:]]
     fixed = np.zeros((geometry.n_nodes, 12), dtype=bool)
     changes = np.zeros((len(histories), geometry.n_nodes, 12))
     frame_nodes, frames = [], []
@@ -60,7 +64,8 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     for node, rows in by_node.items():
         A = np.array([row[0] for row in rows])
         values = np.zeros((len(rows), len(histories)))
-        values[np.arange(len(rows)), [row[2] for row in rows]] = [row[1] for row in rows]
+        for k, (_, value, numbers) in enumerate(rows):
+            values[k, numbers] = value
         key = A.tobytes() + values.tobytes()
         if key not in known:  # nodes along a straight edge are alike
             known[key] = _held(geometry, node, A, values)

@@ -10,7 +10,7 @@ import skfem
 from skancf.assembly.hanging import Hanging
 from skancf.assembly.maps import local_maps
 from skancf.assembly.places import Places
-from skancf.assembly.ties import find_ties
+from skancf.assembly.ties import SAME, find_ties
 from skancf.elements.nodal import nodal_jacobian, require_aligned
 from skancf.elements.quad_ancf import gauss
 from skancf.elements.reference import CORNERS
@@ -222,6 +222,38 @@ class Geometry(Places):
         if wrong.any():
             raise self._outside(points[:, wrong])
         return elements, np.clip(local, 0.0, 1.0).T
+
+    def locate_inside(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Which points (2, n) the surface holds, (n,) bool, and the elements and local coordinates of those."""
+        points = self.within(points)
+        try:
+            elements = np.asarray(self._finder(*points)) if points.size else np.empty(0, dtype=int)
+        except ValueError:
+            elements = np.array([self._element_at(point) for point in points.T])
+        inside = elements >= 0
+        elements = elements[inside]
+        return inside, elements, self.local_in(elements, points[:, inside, None])[:, :, 0]
+
+    def _element_at(self, point: np.ndarray) -> int:
+        """The element that holds a point (2,), rounding allowed for; -1 outside."""
+        low, high = self.mesh.p.min(axis=1), self.mesh.p.max(axis=1)
+        slack = SAME * (high - low)
+        if ((point < low - slack) | (point > high + slack)).any():
+            return -1
+        around = (self._found(point + slack * way) for way in ((0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)))
+        return next((element for element in around if element >= 0), -1)
+
+    def _found(self, point: np.ndarray) -> int:
+        try:
+            return int(self._finder(*point[:, None])[0])
+        except ValueError:
+            return -1
+
+    def local_in(self, elements: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Local coordinates (m, 2, n) of points (2, m, n) of the parameter plane that lie in elements (m,)."""
+        corners = np.repeat(self.mesh.p[:, self.mesh.t[:, elements]], points.shape[2], axis=2)
+        local = _inverse_bilinear(corners, points.reshape(2, -1)).reshape(points.shape)
+        return np.clip(local, 0.0, 1.0).swapaxes(0, 1)
 
     def _outside(self, points: np.ndarray) -> InputError:
         which = f"point {tuple(points[:, 0].tolist())} lies" if points.shape[1] == 1 else "a point lies"

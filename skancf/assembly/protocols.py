@@ -69,6 +69,9 @@ class Loading(Protocol):
     ``q`` has the shape (n_nodes, 4, 3); a time of None means the full amplitude.
     """
 
+    def histories(self) -> list[Any]:
+        """Its functions of time, among them None for one that is constant."""
+
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         """External force (n_nodes, 4, 3) in the configuration q."""
 
@@ -89,9 +92,21 @@ class Loading(Protocol):
     def couple(self, time: float | None) -> np.ndarray | None:
         """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
 
+    def places(self, time: float | None) -> np.ndarray:
+        """Points (2, n) of the parameter plane at which it acts at a time, if it is at some only; else (2, 0)."""
+
+    def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
+        """A time (s) and the impulse (n_nodes, 4, 3) that acts then; None of what acts all the time."""
+
+    def weight(self) -> np.ndarray | None:
+        """Nodal forces (n_nodes, 4, 3) of a weight that changes with neither time nor configuration; None of any other."""
+
 
 class Prescription(Protocol):
     """Prescribed coordinates in time."""
+
+    def histories(self) -> list[Any]:
+        """Its functions of time, among them None for one that is constant."""
 
     def values(self, time: float | None) -> np.ndarray:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,), zero along free directions."""

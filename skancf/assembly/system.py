@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from skancf.assembly.protocols import Assembly, Loading, Prescription
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.thin.assembly import ThinAssembly
 from skancf.errors import InputError
+from skancf.history import check_cover
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.materials import Section
 
@@ -45,6 +47,7 @@ class System:
         prescription: Prescription,
         loads: Sequence[Loading],
         elastic: Sequence[tuple[np.ndarray, np.ndarray]],
+        dashpots: Sequence[tuple[np.ndarray, np.ndarray]],
         problem: Any,
     ):
         self.assembly, self.geometry = assembly, assembly.geometry
@@ -54,6 +57,7 @@ class System:
         self.pattern = BlockPattern.from_cells(geometry.nodes.T, geometry.n_nodes, 12, geometry.undeformed[:, 0].T)
         self._slots = self.pattern.slots(geometry.nodes.T)
         self.foundation = self._gathered(elastic) if elastic else None
+        self._dashpots = dashpots
 
     @property
     def n_dofs(self) -> int:
@@ -160,6 +164,17 @@ class System:
         nodal = self._nodal(q)
         return sum((load.force(nodal, time) for load in self.loads), np.zeros_like(nodal)).ravel()
 
+    def load_places(self, time: float | None = None) -> np.ndarray:
+        """Points (2, n) of the parameter plane where loads at points and along lines act at a time, moving ones too."""
+        return np.hstack([np.empty((2, 0)), *[load.places(time) for load in self.loads]])
+
+    def impulses(self) -> list[tuple[float, np.ndarray]]:
+        """Times, ascending, and the impulses (n_dofs,) that act then, those of equal times together (N s)."""
+        out: dict[float, np.ndarray] = {}
+        for time, nodal in filter(None, (load.impulse(self.geometry.undeformed) for load in self.loads)):
+            out[time] = out.get(time, 0.0) + nodal.ravel()
+        return sorted(out.items(), key=lambda item: item[0])
+
     def held_back(self, time: float | None) -> np.ndarray | None:
         """Stresses of held back free strains at a time, as :meth:`stresses` has them; None without any."""
         return total(load.initial_stresses(time) for load in self.loads)
@@ -172,6 +187,16 @@ class System:
         """Dead forces per area times the height above the surface where they act, (3,) (N/m); None where they act on it."""
         return total(load.couple(time) for load in self.loads)
 
+    @cached_property
+    def weight(self) -> np.ndarray:
+        """Nodal forces of constant gravity, (n_dofs,): its potential energy (J) is -weight @ (q - undeformed).
+
+        Without gravity, with a function of time, and on a section whose centre of mass is off the thin surface, where the
+        force turns with the normals, it is zero.
+        """
+        found = total(load.weight() for load in self.loads)
+        return np.zeros(self.n_dofs) if found is None else found.ravel()
+
     def section_forces(
         self, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
     ) -> np.ndarray:
@@ -183,6 +208,12 @@ class System:
     def prescribed(self, time: float | None = None) -> np.ndarray:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
         return self.prescription.values(time)
+
+    def check_histories(self, begin: float, end: float) -> None:
+        """InputError where a load or a prescribed motion has a table that does not cover the times of a run (s)."""
+        given = [load.histories() for load in self.loads] + [self.prescription.histories()]
+        for history in chain.from_iterable(given):
+            check_cover(history, begin, end)
 
     def strain_energy(self, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
         r"""Half of stress times elastic strain, integrated, and the energy of springs and foundations (J).
@@ -237,18 +268,22 @@ class System:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""
         return self.gathered_mass(self.assembly.sections.shape, self.assembly.mass_shapes)
 
-    retardation = 0.0
-    viscous: BlockMatrix | None = None
+    @cached_property
+    def viscous(self) -> BlockMatrix | None:
+        r"""Forces in proportion to velocities, :math:`\alpha M` and the dashpots (N s/m); None without any.
+
+        The force on the body is -(viscous @ v); damping of the material is :attr:`retardation`.
+        """
+        damping = self.problem.damping
+        parts = [self._gathered(self._dashpots)] if self._dashpots else []
+        if damping is not None and damping.mass:
+            parts.append(float(damping.mass) * self.mass)
+        return sum(parts[1:], parts[0]) if parts else None
 
     @property
-    def weight(self):
-        return np.zeros(self.n_dofs)
-
-    def impulses(self):
-        return []
-
-    def check_histories(self, begin, end):
-        pass
+    def retardation(self) -> float:
+        r"""Factor :math:`\beta` of the strain rate in the stress, :math:`C (\varepsilon + \beta \dot\varepsilon)` (s)."""
+        return 0.0 if self.problem.damping is None else float(self.problem.damping.stiffness)
 
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""

@@ -2,6 +2,7 @@
 
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
+from skancf.dynamics.initial import RigidVelocity
 from skancf.dynamics.ledger import Ledger, MeshEvent
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.motion import Motion, MotionStatus
@@ -22,6 +23,7 @@ __all__ = [
     "Motion",
     "MotionStatus",
     "NewtonCount",
+    "RigidVelocity",
     "Spectrum",
     "Trapezoidal",
     "simulate",

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from skancf.assembly.system import System
-from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.energy_momentum import EnergyMomentum
+from skancf.dynamics.generalized_alpha import GeneralizedAlpha
+from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion, MotionStatus
 from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
@@ -30,7 +31,7 @@ def simulate(
     rho_inf: float | None = None,
     outputs: int | Sequence[float] = 201,
     record: Mapping[str, Quantity] | None = None,
-    velocity: np.ndarray | None = None,
+    velocity: Velocity = None,
     start: Solution | None = None,
     balance: float | None = 0.1,
     follow: MeshPolicy | None = None,
@@ -60,8 +61,9 @@ def simulate(
         Number of equidistant output times, or the times. States between steps are interpolated with cubics.
     record : mapping of name to function of a Solution, optional
         Quantities kept at every accepted step.
-    velocity : (n_dofs,) array, optional
-        Initial velocity of the nodal coordinates.
+    velocity : RigidVelocity, function, or (n_dofs,) array, optional
+        Initial velocity: of a rigid body; of the surface, a function of the parameters (x, y) that returns (3, ...); or
+        rates of the nodal coordinates. Supports overrule it. Default: that of ``start``, or rest.
     balance : float or None
         Largest part of the energy that the integration may gain or lose: a run in which the energy balance leaves this
         tolerance stops. None: do not look.
@@ -145,7 +147,7 @@ def output_times(outputs: int | Sequence[float], begin: float, end: float) -> np
 
 
 def _initial_velocity(
-    system: System, velocity: np.ndarray | None, start: Solution | None, begin: float, t_end: float
+    system: System, velocity: Velocity, start: Solution | None, begin: float, t_end: float
 ) -> np.ndarray:
     """The given velocity along free directions, the rate of the prescribed motion along the others."""
     moved = system.prescribed(begin)
@@ -156,9 +158,6 @@ def _initial_velocity(
                          "begins with the present state, as in history=lambda t: min(1.0, t / 0.1)")  # fmt: skip
     moment = 1e-7 * t_end
     rate = (system.prescribed(begin + moment) - moved) / moment
-    if velocity is None:
-        velocity = np.zeros(system.n_dofs) if start is None or start.velocity is None else start.velocity
-    v = finite("velocity", velocity).ravel()
-    if v.size != system.n_dofs:
-        raise InputError(f"velocity has {v.size} entries; the system has {system.n_dofs} nodal coordinates")
-    return system.constraints.free_part(v) + rate
+    if velocity is None and start is not None:
+        velocity = start.velocity
+    return system.constraints.free_part(initial_velocity(system, at, velocity)) + rate

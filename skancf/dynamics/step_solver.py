@@ -89,6 +89,10 @@ class StepSolver:
 
     def step(self, start: State, dt: float) -> StepOutcome:
         """One step of length dt: at first with the factors at hand, and where these do not do, with new ones throughout."""
+        with np.errstate(over="ignore", invalid="ignore"):  # a step that diverges is told of by its outcome
+            return self._step(start, dt)
+
+    def _step(self, start: State, dt: float) -> StepOutcome:
         outcome = self._newton(start, dt) if self.factored_dt == dt and not self.rough else None
         if outcome is None or not outcome.converged:
             spent = outcome

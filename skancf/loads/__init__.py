@@ -1,19 +1,24 @@
-"""Loads: forces, moments, pressure and temperature, each with an optional function of time.
+"""Loads: forces, moments, pressure and temperature, each with an optional function of time; impulses.
 
 Statics takes every load at its full amplitude times the load factor; dynamics multiplies it by ``history(t)``.
 """
 
 from skancf.loads.acting import Load
 from skancf.loads.edge import EdgeLoad, LineLoad
+from skancf.loads.impulse import EdgeImpulse, Impulse
 from skancf.loads.moment import EdgeMoment
+from skancf.loads.moving import MovingForce, MovingLine
 from skancf.loads.point import DiskForce, PointForce
 from skancf.loads.pressure import FollowerPressure
 from skancf.loads.surface import Gravity, SurfaceLoad
 from skancf.loads.temperature import Temperature
 
-ALL = [DiskForce, EdgeLoad, EdgeMoment, FollowerPressure, Gravity, LineLoad, PointForce, SurfaceLoad, Temperature]
+ALL = [
+    DiskForce, EdgeImpulse, EdgeLoad, EdgeMoment, FollowerPressure, Gravity, Impulse, LineLoad, MovingForce, MovingLine,
+    PointForce, SurfaceLoad, Temperature,
+]  # fmt: skip
 
 __all__ = [
-    "ALL", "DiskForce", "EdgeLoad", "EdgeMoment", "FollowerPressure", "Gravity", "LineLoad", "Load", "PointForce",
-    "SurfaceLoad", "Temperature",
+    "ALL", "DiskForce", "EdgeImpulse", "EdgeLoad", "EdgeMoment", "FollowerPressure", "Gravity", "Impulse", "LineLoad",
+    "Load", "MovingForce", "MovingLine", "PointForce", "SurfaceLoad", "Temperature",
 ]  # fmt: skip

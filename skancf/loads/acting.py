@@ -13,6 +13,11 @@ from skancf.history import History, amplitude, check_history
 class Acting:
     """A load on a given mesh; a kind of load overrides what it has. See :class:`skancf.assembly.protocols.Loading`."""
 
+    history: History | None = None
+
+    def histories(self) -> list[Any]:
+        return [self.history]
+
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         return np.zeros_like(q)
 
@@ -33,15 +38,28 @@ class Acting:
     def couple(self, time: float | None) -> np.ndarray | None:
         return None
 
+    def places(self, time: float | None) -> np.ndarray:
+        return np.empty((2, 0))
+
+    def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
+        return None
+
+    def weight(self) -> np.ndarray | None:
+        return None
+
 
 class DeadLoad(Acting):
-    """A force (n_nodes, 4, 3) that does not depend on the configuration."""
+    """A force (n_nodes, 4, 3) that does not depend on the configuration, at points (2, n) if it is at some only."""
 
-    def __init__(self, nodal: np.ndarray, history: History | None):
+    def __init__(self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None):
         self.nodal, self.history = nodal, history
+        self.at = np.empty((2, 0)) if at is None else at
 
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         return np.asarray(amplitude(self.history, time) * self.nodal)
+
+    def places(self, time: float | None) -> np.ndarray:
+        return self.at
 
 
 class Load(Protocol):
@@ -76,16 +94,16 @@ def check_distributed(force: Any, history: Any) -> None:
         vector("force", force, 3)
 
 
-def values_at(force: Any, at: np.ndarray) -> np.ndarray:
+def values_at(given: Any, at: np.ndarray, name: str = "force") -> np.ndarray:
     """A constant or a function at (2, n_elements, n): (n_elements, 3, n)."""
-    value = finite("force", force(*at) if callable(force) else force)
+    value = finite(name, given(*at) if callable(given) else given)
     if value.shape[:1] != (3,):
-        raise InputError(f"force of shape {value.shape}: a function of (x, y) must return three components first, (3, ...)")
+        raise InputError(f"{name} of shape {value.shape}: a function of (x, y) must return three components first, (3, ...)")
     value = value.reshape(3, 1, 1) if value.ndim == 1 else value
     try:
         return np.moveaxis(np.broadcast_to(value, (3, *at.shape[1:])), 0, 1)
     except ValueError as wrong:
-        raise InputError(f"force of shape {value.shape}: a function of (x, y) must return {(3, *at.shape[1:])}") from wrong
+        raise InputError(f"{name} of shape {value.shape}: a function of (x, y) must return {(3, *at.shape[1:])}") from wrong
 
 
 def over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:

@@ -27,11 +27,15 @@ class EdgeLoad:
         check_distributed(self.force, self.history)
 
     def on(self, assembly: Assembly) -> DeadLoad:
-        geometry = assembly.geometry
-        elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
-        forces = np.zeros((len(elements), 2, 3, lengths.shape[1]))
-        forces[:, 0] = values_at(self.force, geometry.parameters(points, elements)) * lengths[:, None]
-        return DeadLoad(Spread(elements, points, forces).nodal(geometry), self.history)
+        return DeadLoad(on_edges(assembly.geometry, self.where, self.force).nodal(assembly.geometry), self.history)
+
+
+def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") -> Spread:
+    """What acts per length along the boundary edges of a place; errors call it ``name``."""
+    elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(where))
+    forces = np.zeros((len(elements), 2, 3, lengths.shape[1]))
+    forces[:, 0] = values_at(force, geometry.parameters(points, elements), name) * lengths[:, None]
+    return Spread(elements, points, forces)
 
 
 @dataclass(frozen=True)
@@ -62,20 +66,34 @@ class LineLoad:
             raise InputError(f"start = end = {self.start}: a line needs two different ends")
 
     def on(self, assembly: Assembly) -> DeadLoad:
-        geometry = assembly.geometry
-        start, along = np.asarray(self.start, float), np.subtract(self.end, self.start, dtype=float)
-        cuts = _crossings(geometry, start, along)
-        s, w = gauss(4)
-        place = (cuts[:-1, None] + np.diff(cuts)[:, None] * s).ravel()
-        share = (np.diff(cuts)[:, None] * w).ravel()
-        at = geometry.within(start[:, None] + along[:, None] * place)
-        elements, points = geometry.locate_all(at)
-        points = points[:, :, None]
+        ends = np.asarray(self.start, float), np.asarray(self.end, float)
+        at, spread = on_line(assembly.geometry, *ends, self.force)
+        return DeadLoad(spread.nodal(assembly.geometry), self.history, at.reshape(2, -1))
+
+
+def on_line(
+    geometry: Geometry, start: np.ndarray, end: np.ndarray, force: Any, leave: bool = False
+) -> tuple[np.ndarray, Spread]:
+    """Parameters (2, m, n) along a straight line, in m pieces of one element each, and what acts there per length.
+
+    With ``leave`` the parts of the line that are outside the surface are left out; without it they are an error.
+    """
+    along = end - start
+    cuts = _crossings(geometry, start, along) if along.any() else np.zeros(1)
+    middle = start[:, None] + along[:, None] * (cuts[1:] + cuts[:-1]) / 2
+    if leave:
+        inside, elements, _ = geometry.locate_inside(middle)
+    else:
+        elements, inside = geometry.locate_all(middle)[0], np.ones(middle.shape[1], dtype=bool)
+    s, w = gauss(4)
+    first, piece = cuts[:-1][inside, None], np.diff(cuts)[inside, None]
+    at = geometry.within(start[:, None, None] + along[:, None, None] * (first + piece * s))
+    forces = np.zeros((len(elements), 2, 3, len(s)))
+    if len(elements):
         slopes = np.stack(geometry.surface.derivatives(*at))
-        lengths = share * np.linalg.norm(np.tensordot(along, slopes, 1), axis=0)
-        forces = np.zeros((len(elements), 2, 3, 1))
-        forces[:, 0] = values_at(self.force, at[:, :, None]) * lengths[:, None, None]
-        return DeadLoad(Spread(elements, points, forces).nodal(geometry), self.history)
+        lengths = piece * w * np.linalg.norm(np.tensordot(along, slopes, 1), axis=0)
+        forces[:, 0] = values_at(force, at) * lengths[:, None]
+    return at, Spread(elements, geometry.local_in(elements, at), forces)
 
 
 def _crossings(geometry: Geometry, start: np.ndarray, along: np.ndarray) -> np.ndarray:

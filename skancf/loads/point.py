@@ -31,7 +31,8 @@ class PointForce:
     def on(self, assembly: Assembly) -> DeadLoad:
         geometry = assembly.geometry
         element, local = geometry.locate(self.at)
-        return DeadLoad(point_forces(geometry, [element], local[None], np.array([self.force])), self.history)
+        nodal = point_forces(geometry, [element], local[None], np.array([self.force]))
+        return DeadLoad(nodal, self.history, geometry.within(np.asarray(self.at, float)[:, None]))
 
 
 @dataclass(frozen=True)
@@ -79,4 +80,4 @@ class DiskForce:
             raise InputError(f"disk at {tuple(self.at)} of radius {self.radius} m reaches over the edge of the surface; "
                              "make it smaller or move it") from outside  # fmt: skip
         forces = np.tile(np.asarray(self.force, float) / len(elements), (len(elements), 1))
-        return DeadLoad(point_forces(geometry, elements, local, forces), self.history)
+        return DeadLoad(point_forces(geometry, elements, local, forces), self.history, geometry.within(points))

@@ -54,4 +54,11 @@ class Gravity:
         nodal = over_elements(geometry, np.einsum("evp,i->evip", moments, acceleration))
         if geometry.theory.twist and assembly.section.first_moment:
             return DeadLoadOnNormals(assembly, nodal, assembly.section.first_moment * acceleration, self.history)
-        return DeadLoad(nodal, self.history)
+        return Weight(nodal, self.history)
+
+
+class Weight(DeadLoad):
+    """Dead weight on a mesh; with a function of time it has no potential."""
+
+    def weight(self) -> np.ndarray | None:
+        return self.nodal if self.history is None else None

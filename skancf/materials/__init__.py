@@ -1,5 +1,6 @@
-"""Laws: strain to stress, as pure functions at a point; sections: the layers through the thickness."""
+"""Laws: strain to stress, as pure functions at a point; sections: the layers through the thickness; damping."""
 
+from skancf.materials.damping import Damping
 from skancf.materials.isotropic import Isotropic
 from skancf.materials.laminate import Laminate, Layer
 from skancf.materials.law import Anisotropic, Law
@@ -8,4 +9,6 @@ from skancf.materials.section import Section, section_of
 
 ALL = [Isotropic, Orthotropic, Anisotropic]
 
-__all__ = ["ALL", "Anisotropic", "Isotropic", "Laminate", "Law", "Layer", "Orthotropic", "Section", "section_of"]
+__all__ = [
+    "ALL", "Anisotropic", "Damping", "Isotropic", "Laminate", "Law", "Layer", "Orthotropic", "Section", "section_of",
+]  # fmt: skip

@@ -1,12 +1,13 @@
-"""Supports: which nodal coordinates are held, moved as prescribed, or held by springs."""
+"""Supports: which nodal coordinates are held, moved as prescribed, or held by springs and dashpots."""
 
 from skancf.supports.conditions import Support
-from skancf.supports.elastic import Foundation, Spring
+from skancf.supports.driven import DrivenClamp
+from skancf.supports.elastic import Dashpot, Foundation, Spring
 from skancf.supports.held import Clamp, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Symmetry
 
-ALL = [Clamp, Foundation, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry]
+ALL = [Clamp, Dashpot, DrivenClamp, Foundation, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry]
 
 __all__ = [
-    "ALL", "Clamp", "Foundation", "NoRotation", "Pin", "Prescribed", "Roller", "SimpleSupport", "Spring", "Support",
-    "Symmetry",
+    "ALL", "Clamp", "Dashpot", "DrivenClamp", "Foundation", "NoRotation", "Pin", "Prescribed", "Roller", "SimpleSupport",
+    "Spring", "Support", "Symmetry",
 ]  # fmt: skip

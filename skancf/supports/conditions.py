@@ -18,17 +18,23 @@ R, R_X, R_Y, FOURTH = range(4)
 class Row(NamedTuple):
     """One condition a . (e - e0) = value on the 12 coordinates e at a node of the mesh.
 
+    Of a support with several functions of time there is a value for each.
     ``own`` says that at a pole e are r and the tangents that the pole has itself, not the slopes seen from that node.
     """
 
     node: int
     a: np.ndarray
-    value: float = 0.0
+    value: Any = 0.0
     own: bool = False
 
 
 class Support:
-    """What a problem knows of a support: conditions, or springs, or both."""
+    """What a problem knows of a support: conditions, springs or dashpots."""
+
+    @property
+    def histories(self) -> tuple[Any, ...]:
+        """Functions of time of the values of its conditions; None is one that is constant."""
+        return (getattr(self, "history", None),)
 
     def rows(self, geometry: Geometry) -> list[Row]:
         """The conditions on a given mesh."""
@@ -36,6 +42,10 @@ class Support:
 
     def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
         """Elements (m,) and symmetric matrices (m, 48, 48) of their local vectors, component by component."""
+        return []
+
+    def dashpots(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The same of forces in proportion to velocities."""
         return []
 
 

@@ -1,0 +1,136 @@
+"""Velocities at the start of a run."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.system import System
+from skancf.errors import InputError, finite, vector
+from skancf.linear import BlockMatrix, Constraints, DirectSolver
+from skancf.loads.acting import over_elements, values_at
+
+R, R_X, R_Y, FOURTH = range(4)
+
+
+@dataclass(frozen=True)
+class RigidVelocity:
+    r"""The velocity of a body that moves and turns as a whole, at any configuration.
+
+    .. math:: \dot r = v + \omega \times (r - c), \qquad \dot r_{,k} = \omega \times r_{,k},
+
+    the same for :math:`r_{,xy}` and :math:`r_{,z}`.
+
+    Parameters
+    ----------
+    velocity : (3,)
+        v, of the point c (m/s).
+    spin : (3,)
+        :math:`\omega` (rad/s).
+    about : (3,)
+        c, a point of space (m).
+
+    Raises
+    ------
+    InputError
+        For entries that are not finite or not three.
+    """
+
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    about: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("velocity", "spin", "about"):
+            vector(name, getattr(self, name), 3)
+
+    def at(self, q: np.ndarray) -> np.ndarray:
+        """Rates of nodal coordinates q, (n_dofs,)."""
+        nodal = q.reshape(-1, 4, 3).copy()
+        nodal[:, R] -= self.about
+        rates = np.cross(np.asarray(self.spin, float), nodal)
+        rates[:, R] += self.velocity
+        return rates.ravel()
+
+
+Velocity = np.ndarray | RigidVelocity | Callable[[np.ndarray, np.ndarray], Any] | None
+"""Rates of the nodal coordinates, of a rigid body, or of the surface as a function of the parameters (x, y)."""
+
+
+def initial_velocity(system: System, q: np.ndarray, velocity: Velocity) -> np.ndarray:
+    r"""Rates of the nodal coordinates, (n_dofs,).
+
+    A function of the parameters is projected on the velocities of the surface that the mesh has, in the norm of the mass per
+    area :math:`\mu`,
+
+    .. math:: \int \mu\, \delta r \cdot \dot r\, dA = \int \mu\, \delta r \cdot f(x, y)\, dA \quad \text{for all } \delta r,
+
+    so that its linear momentum is kept. In theory `full` directors keep their components along :math:`r_{,x}, r_{,y}` and
+    the normal, which turn with the projected field: what was normal to the surface stays so at first. Supports are not
+    asked.
+
+    Parameters
+    ----------
+    system : System
+    q : (n_dofs,) array
+        Configuration that has the velocity.
+    velocity : None, (n_dofs,) array, RigidVelocity or callable
+        At rest; rates as they are; of a rigid body; or a function of the parameters (x, y) that returns (3, ...) (m/s).
+
+    Raises
+    ------
+    InputError
+        For entries that are not finite, of another number or shape.
+    """
+    if velocity is None:
+        return np.zeros(system.n_dofs)
+    if isinstance(velocity, RigidVelocity):
+        return velocity.at(q)
+    if callable(velocity):
+        return _projected(system, q, velocity)
+    v = finite("velocity", velocity).ravel()
+    if v.size != system.n_dofs:
+        raise InputError(f"velocity has {v.size} entries; the system has {system.n_dofs} nodal coordinates. Give as many, a "
+                         "RigidVelocity, or a function of (x, y)")  # fmt: skip
+    return v
+
+
+def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> np.ndarray:
+    geometry, sections = system.geometry, system.assembly.sections
+    points, masses = geometry.theory.quadrature[0], sections.moments[sections.shape][:, 0]
+    momentum = values_at(velocity, geometry.parameters(points), "velocity") * masses[:, None]
+    with DirectSolver(system.pattern, Constraints(_massless(geometry))) as solver:
+        solver.factor(_mass_of_positions(system))
+        v = solver.solve(over_elements(geometry, momentum[:, None]).ravel(), refinements=2)
+    if not geometry.theory.twist:
+        nodal, rates = q.reshape(-1, 4, 3), v.reshape(-1, 4, 3)
+        rates[:, FOURTH] = _director_rates(nodal[:, FOURTH], nodal[:, [R_X, R_Y]], rates[:, [R_X, R_Y]])
+    return v
+
+
+def _mass_of_positions(system: System) -> BlockMatrix:
+    """The mass matrix without directors."""
+    sections, theory = system.assembly.sections, system.geometry.theory
+    if theory.twist:
+        return system.mass
+    table = theory.position_table(theory.quadrature[0])[0]
+    return system.gathered_mass(sections.shape, np.einsum("ap,bp,sp->sab", table, table, sections.moments[:, 0]))
+
+
+def _massless(geometry: Geometry) -> np.ndarray:
+    """Coordinates of which positions do not depend, (n_nodes, 12) bool: directors, and r_xy of a pole, which has none."""
+    out = np.zeros((geometry.n_nodes, 4, 3), dtype=bool)
+    out[list(geometry.ties.poles) if geometry.theory.twist else slice(None), FOURTH] = True
+    return out.reshape(-1, 12)
+
+
+def _director_rates(director: np.ndarray, slopes: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Rates (n, 3) of directors that keep their components in the frame of slopes (n, 2, 3) with rates, and their normal."""
+    normal = np.cross(slopes[:, 0], slopes[:, 1])
+    n = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    duals = np.linalg.solve(slopes @ slopes.swapaxes(1, 2), slopes)
+    turning = -np.einsum("ngi,ngj,nj->ni", duals, rates, n)
+    along = np.einsum("ni,ngi,ngj->nj", director, duals, rates)
+    return np.asarray(along + (director * n).sum(axis=1, keepdims=True) * turning)

@@ -1,0 +1,93 @@
+"""Impulses: forces so short that only what they do to the momentum counts."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.protocols import Assembly
+from skancf.errors import number, vector
+from skancf.loads.acting import Acting, point_forces
+from skancf.loads.edge import on_edges
+
+
+@dataclass(frozen=True)
+class Impulse:
+    r"""An impulse (N s) at a point of the parameter plane: at its time velocities jump, positions do not.
+
+    .. math:: M (v^+ - v^-) = \int f \, dt
+
+    It is no force at any time: statics does not see it, and to dynamics it adds a jump. A force that lasts is a
+    :class:`PointForce` with a :class:`Pulse`.
+
+    Parameters
+    ----------
+    at : (2,)
+        Point of the parameter plane.
+    impulse : (3,)
+        Force times time.
+    time : float
+        When it strikes (s).
+
+    Raises
+    ------
+    InputError
+        For entries that are not finite or of another number; on a mesh, for a point outside the surface.
+    """
+
+    at: tuple[float, float]
+    impulse: tuple[float, float, float]
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        vector("at", self.at, 2)
+        vector("impulse", self.impulse, 3)
+        number("time", self.time)
+
+    def on(self, assembly: Assembly) -> "Blow":
+        element, local = assembly.geometry.locate(self.at)
+        nodal = point_forces(assembly.geometry, [element], local[None], np.array([self.impulse], float))
+        return Blow(nodal, float(self.time))
+
+
+@dataclass(frozen=True)
+class EdgeImpulse:
+    """An impulse per undeformed length (N s/m) along boundary edges; in all else as :class:`Impulse`.
+
+    Parameters
+    ----------
+    where
+        Place, as for :class:`EdgeLoad`.
+    impulse : (3,) or callable
+        Constant, or a function of the parameters (x, y) that returns (3, ...).
+    time : float
+        When it strikes (s).
+
+    Raises
+    ------
+    InputError
+        For entries that are not finite or of another number; on a mesh, for a place without an edge.
+    """
+
+    where: Any
+    impulse: Any
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not callable(self.impulse):
+            vector("impulse", self.impulse, 3)
+        number("time", self.time)
+
+    def on(self, assembly: Assembly) -> "Blow":
+        spread = on_edges(assembly.geometry, self.where, self.impulse, "impulse")
+        return Blow(spread.nodal(assembly.geometry), float(self.time))
+
+
+class Blow(Acting):
+    """An impulse (n_nodes, 4, 3) at a time."""
+
+    def __init__(self, nodal: np.ndarray, time: float):
+        self.nodal, self.time = nodal, time
+
+    def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray]:
+        return self.time, self.nodal

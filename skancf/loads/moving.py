@@ -1,0 +1,148 @@
+"""Forces that move over the surface."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.protocols import Assembly
+from skancf.errors import InputError, vector
+from skancf.history import History, amplitude, check_history
+from skancf.loads.acting import Acting, Spread, check_distributed
+from skancf.loads.edge import on_line
+
+Place = Callable[[float], Any]
+"""A point (x, y) of the parameter plane as a function of time."""
+Found = tuple[np.ndarray, Spread]
+"""Parameters (2, n) where a load acts, and its forces."""
+
+
+@dataclass(frozen=True)
+class MovingForce:
+    """A dead force (N) at a point that moves over the surface: a wheel, a drop that runs down.
+
+    Its place is prescribed and its mass none. Where the path is outside the surface there is no force: it comes on and goes
+    off at the edge. In statics it stands where it is at t = 0.
+
+    Parameters
+    ----------
+    path : callable
+        A function of time (s) that returns the point (x, y) of the parameter plane, for example a :class:`Path`. Closed
+        parameters may run on beyond their bounds, round and round.
+    force : (3,)
+    history : callable, optional
+        Factor as a function of time.
+
+    Raises
+    ------
+    InputError
+        For a path that is no function or a force that is not three numbers; when it acts, for a point that is not two finite
+        numbers.
+
+    Notes
+    -----
+    In theory `kirchhoff` the nodal forces and their rates are continuous in time where the point crosses from one element to
+    the next; in theory `full` the forces are.
+
+    Examples
+    --------
+    >>> wheel = sk.MovingForce(sk.Path([0.0, 2.0], [(-0.1, 0.5), (1.1, 0.5)]), force=(0.0, 0.0, -50.0))
+    """
+
+    path: Place
+    force: tuple[float, float, float]
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_history(self.history)
+        vector("force", self.force, 3)
+        if not callable(self.path):
+            raise InputError(f"path = {self.path!r}: give a function of time that returns (x, y), for example a Path; a "
+                             "force that stands still is a PointForce")  # fmt: skip
+
+    def on(self, assembly: Assembly) -> "Moving":
+        geometry, force = assembly.geometry, np.asarray(self.force, float)
+
+        def find(time: float) -> Found:
+            at = geometry.within(_point("path", self.path, time)[:, None])
+            inside, elements, local = geometry.locate_inside(at)
+            forces = np.zeros((len(elements), 2, 3, 1))
+            forces[:, 0, :, 0] = force
+            return at[:, inside], Spread(elements, local[:, :, None], forces)
+
+        return Moving(geometry, find, self.history, [self.path])
+
+
+@dataclass(frozen=True)
+class MovingLine:
+    """A dead force per undeformed length (N/m) along a straight line of the parameter plane, whose ends move.
+
+    As :class:`LineLoad` at each time, and as :class:`MovingForce` where it leaves the surface: its part inside acts. In
+    statics it stands where it is at t = 0.
+
+    Parameters
+    ----------
+    start, end : callable or (2,)
+        Functions of time (s) that return points (x, y) of the parameter plane, for example a :class:`Path`; an end that
+        stands still is a point.
+    force : (3,) or callable
+        Constant, or a function of the parameters (x, y) that returns (3, ...).
+    history : callable, optional
+        Factor as a function of time.
+
+    Raises
+    ------
+    InputError
+        For ends that are neither functions nor points, and what :class:`LineLoad` refuses.
+    """
+
+    start: Any
+    end: Any
+    force: Any
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_distributed(self.force, self.history)
+        for name in ("start", "end"):
+            place = getattr(self, name)
+            if not callable(place):
+                vector(f"{name}, neither a function of time nor a point:", place, 2)
+
+    def on(self, assembly: Assembly) -> "Moving":
+        geometry = assembly.geometry
+
+        def find(time: float) -> Found:
+            start, end = _point("start", self.start, time), _point("end", self.end, time)
+            at, spread = on_line(geometry, start, end, self.force, leave=True)
+            return at.reshape(2, -1), spread
+
+        return Moving(geometry, find, self.history, [self.start, self.end])
+
+
+def _point(name: str, place: Any, time: float) -> np.ndarray:
+    return vector(f"{name} at t = {time}", place(time) if callable(place) else place, 2)
+
+
+class Moving(Acting):
+    """A load whose forces are found anew at each time; those of the last one are kept, for the iterations of a step."""
+
+    def __init__(self, geometry: Geometry, find: Callable[[float], Found], history: History | None, paths: list[Any]):
+        self.geometry, self.find, self.history, self.paths = geometry, find, history, paths
+        self._last: tuple[float | None, np.ndarray] | None = None
+
+    def histories(self) -> list[Any]:
+        return [self.history, *self.paths]
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        if self._last is None or self._last[0] != time:
+            _, spread = self.find(0.0 if time is None else time)
+            nodal = spread.nodal(self.geometry) if len(spread.elements) else np.zeros_like(self.geometry.undeformed)
+            nodal *= amplitude(self.history, time)
+            nodal.flags.writeable = False  # it is given away more than once
+            self._last = time, nodal
+        return self._last[1]
+
+    def places(self, time: float | None) -> np.ndarray:
+        return self.find(0.0 if time is None else time)[0]

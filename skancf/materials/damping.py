@@ -1,0 +1,42 @@
+"""Damping of the material and of the mass."""
+
+from dataclasses import dataclass
+
+from skancf.errors import InputError, number
+
+
+@dataclass(frozen=True)
+class Damping:
+    r"""Viscous damping in proportion to mass and stiffness, in dynamics; a state of rest does not see it.
+
+    .. math:: f = \alpha M v, \qquad S = C (\varepsilon + \beta \dot\varepsilon)
+
+    In small vibrations about the undeformed state a mode of circular frequency :math:`\omega` has the damping ratio
+    :math:`\zeta = \alpha / (2 \omega) + \beta \omega / 2`. The second kind (Kelvin and Voigt) is of the strains: a motion
+    as a rigid body has none, however far it turns. The first brakes every motion, as a medium at rest would.
+
+    Parameters
+    ----------
+    mass : float
+        :math:`\alpha` (1/s).
+    stiffness : float
+        :math:`\beta`, the time of retardation (s).
+
+    Raises
+    ------
+    InputError
+        For a factor that is negative or not finite.
+
+    Examples
+    --------
+    >>> problem = sk.Problem(surface, 0.01, material, supports, damping=sk.Damping(mass=0.5, stiffness=1e-4))
+    """
+
+    mass: float = 0.0
+    stiffness: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, unit in (("mass", "1/s"), ("stiffness", "s")):
+            if number(name, getattr(self, name)) < 0:
+                raise InputError(f"{name} = {getattr(self, name)} {unit}: damping that is negative adds energy; give a "
+                                 "factor of zero or more")  # fmt: skip

@@ -72,7 +72,7 @@ class Ledger:
 
     @property
     def turnover(self) -> np.ndarray:
-        """The largest amount that any of the energies and their sums came to so far (J), (n,): what a balance is compared with."""
+        """The largest amount of any of the energies and their sums so far (J), (n,): what a balance is compared with."""
         amounts = np.abs([self.kinetic, self.strain, self.potential, self.work, self.dissipation]).max(axis=0)
         return np.asarray(np.maximum.accumulate(amounts))
 

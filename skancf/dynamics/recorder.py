@@ -24,7 +24,7 @@ class Recorder:
         self.slack = 1e-9 * (times[-1] - times[0] + 1e-300)
         self.done = 0
         self.finished: list[Stretch] = []
-        self.system: System | None = None
+        self.system: System
         self.knots: list[tuple[float, np.ndarray, np.ndarray, bool]] = []
         self.record_times: list[float] = []
         self.values: dict[str, list[Any]] = {name: [] for name in quantities}

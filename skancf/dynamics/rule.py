@@ -15,7 +15,7 @@ from skancf.linear import BlockMatrix
 
 
 class Rule(ABC):
-    """A rule of integration. Forces are taken at one state, that at the fraction ``stage`` of the step, unless overridden."""
+    """A rule of integration. Forces are taken at one state, at the fraction ``stage`` of the step, unless overridden."""
 
     order = 2
     stage: float

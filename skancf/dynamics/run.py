@@ -102,7 +102,8 @@ class Run:
     def size(self, u: np.ndarray) -> float:
         """Mass-weighted root mean square of positions."""
         r = u.reshape(-1, 4, 3)[:, 0]
-        return float(np.sqrt(self.weights @ (r * r).sum(axis=1)))
+        with np.errstate(over="ignore"):
+            return float(np.sqrt(self.weights @ (r * r).sum(axis=1)))
 
     @property
     def solution(self) -> Solution:
@@ -151,7 +152,8 @@ class Run:
         error = imbalance = np.inf
         accepted = False
         if outcome.converged:
-            error = self.size(settings.rule.error(start, outcome.end)) / self.largest
+            error = self.size(self.solver.smoothed(settings.rule.error(start, outcome.end), step)) / self.largest
+        if np.isfinite(error):
             mark, before = self.book.mark(), self.book.imbalance * self.book.turnover
             self.book.step(self.system, settings.rule, start, outcome.u, outcome.end,
                            lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
@@ -242,9 +244,9 @@ class Run:
         way = "gained" if book.imbalance > 0 else "lost"
         return (
             f"the run stopped at t = {self.state.time:.6g} s: the integration has {way} {abs(book.imbalance):.1%} of the "
-            f"largest energy, {book.turnover:.4g} J; the tolerance is {self.settings.balance:.1%}. What was computed is kept. "
-            f"Take shorter steps (a smaller rtol or dt) than {rule} had here, or rule=EnergyMomentum(), which keeps energy; "
-            "balance=None does not look"
+            f"largest energy, {book.turnover:.4g} J; the tolerance is {self.settings.balance:.1%}. What was computed is "
+            f"kept. Take shorter steps (a smaller rtol or dt) than {rule} had here, or rule=EnergyMomentum(), which keeps "
+            "energy; balance=None does not look"
         )
 
 

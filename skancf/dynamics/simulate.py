@@ -93,7 +93,7 @@ def simulate(
         if not callable(quantity):
             raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")
     rule = _rule(rule, rho_inf)
-    control = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
+    control: StepControl = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
     if isinstance(control, EnergyBalance) and isinstance(rule, EnergyMomentum):
         raise InputError("steps=EnergyBalance(...) with rule=EnergyMomentum(): this rule balances at any step, right or "
                          "wrong; control the steps by LocalError")  # fmt: skip

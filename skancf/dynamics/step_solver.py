@@ -79,6 +79,10 @@ class StepSolver:
         self.forget()
         return self.linear.solve(impulse, refinements=2)
 
+    def smoothed(self, error: np.ndarray, dt: float) -> np.ndarray:
+        """An error without what the step does not resolve: M over M plus what the stiffness adds to it in a step."""
+        return self.linear.solve(self.rule.mass_factor(dt) * (self.system.mass @ error), refinements=0)
+
     def residual(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         """Inertia, damping and internal force less the loads."""
         rule, system = self.rule, self.system

@@ -124,8 +124,8 @@ def discrete_gradient(jet0: np.ndarray, jet1: np.ndarray) -> np.ndarray:
 
     so that forces made of it do the work of the stresses exactly and have no moment. Nothing is divided by
     :math:`\Delta r`. The curvature is :math:`T / J` with :math:`T_{ab} = [r_{,1}, r_{,2}, r_{,ab}]` and
-    :math:`J = |r_{,1} \times r_{,2}|`. Its change is :math:`(\Delta T - \bar\kappa\, \Delta J) / \bar J`, where J is a function
-    of scalar products, whose changes are those at the middle, and
+    :math:`J = |r_{,1} \times r_{,2}|`. Its change is :math:`(\Delta T - \bar\kappa\, \Delta J) / \bar J`, where J is a
+    function of scalar products, whose changes are those at the middle, and
 
     .. math:: \Delta T = [\Delta a, \bar b, \bar c] + [\bar a, \Delta b, \bar c] + [\bar a, \bar b, \Delta c]
         + \tfrac14 [\Delta a, \Delta b, \Delta c].
@@ -156,7 +156,7 @@ def discrete_gradient(jet0: np.ndarray, jet1: np.ndarray) -> np.ndarray:
         c, dc = mid[second], change[second]
         bar = 0.5 * (dot(jet0[second], normals[0]) / lengths[0] + dot(jet1[second], normals[1]) / lengths[1])
         rest = [np.cross(db, dc, axis=0), np.cross(dc, turned_a, axis=0), np.cross(turned_a, turned_b, axis=0)]
-        torque = sum(np.cross(v, g, axis=0) for v, g in zip((a, b, c), rest, strict=True))
+        torque = np.sum([np.cross(v, g, axis=0) for v, g in zip((a, b, c), rest, strict=True)], axis=0)
         on_a, on_b = spin_adjoint(n, duals, torque)
         on_T = (
             np.cross(b, c, axis=0) + 0.25 * (rest[0] - on_a),

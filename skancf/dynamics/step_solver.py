@@ -123,11 +123,14 @@ class StepSolver:
                 factorisations += 1
             change = -self.linear.solve(residual, refinements=0)
             energy = work(change, residual)
+            if not np.isfinite(energy):  # an infinite one would be as small as the largest, itself
+                message = "values that are not finite"
+                break
             largest = max(largest, energy)
             scale = max(self.energy, largest)
             if energy <= self.rtol**2 * scale + self.rounding or STALLED * last < energy < TINY * scale:
                 return self._finished(u + change, start, dt, iteration, factorisations)
-            if not np.isfinite(energy) or (not fresh and energy > SLOW**2 * last):
+            if not fresh and energy > SLOW**2 * last:
                 message = "no convergence with factors of an earlier step"
                 break
             if fresh and not self.rule.symmetric:

@@ -65,13 +65,13 @@ class StepSolver:
         """Factor anew at the next step, as a run that starts there does."""
         self.factored_dt = 0.0
 
-    def initial_acceleration(self, q: np.ndarray, v: np.ndarray, time: float) -> np.ndarray:
-        """M a = external - internal force, on the free coordinates."""
+    def initial_acceleration(self, q: np.ndarray, v: np.ndarray, time: float, driven: np.ndarray) -> np.ndarray:
+        """M a = external - internal force on the free coordinates, ``driven`` (n_dofs,) on the prescribed ones."""
         self.linear.factor(self.system.mass)
         self.forget()
         self.energy = max(self.energy, self.system.kinetic_energy(v))
-        force = self.system.external_force(q, time) - self.system.internal_force(q)
-        return self.linear.solve(force if self.system.viscous is None else force - self.system.viscous @ v)
+        force = self.system.external_force(q, time) - self.system.internal_force(q) - self.system.mass @ driven
+        return driven + self.linear.solve(force if self.system.viscous is None else force - self.system.viscous @ v)
 
     def jump(self, impulse: np.ndarray) -> np.ndarray:
         """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""

@@ -27,6 +27,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.dynamics import (
+    Checkpoint,
     EnergyBalance,
     EnergyMomentum,
     FixedStep,
@@ -116,6 +117,7 @@ __all__ = [
     "Below",
     "BucklingLoad",
     "BucklingResult",
+    "Checkpoint",
     "Clamp",
     "Cone",
     "CylinderSector",

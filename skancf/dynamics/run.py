@@ -86,7 +86,7 @@ class Run:
         recorder.keep(self.state)
         self.impulses = [pair for pair in system.impulses() if settings.begin <= pair[0] <= settings.end]
         self.looked = 0
-        self._mark()
+        self.mark_here()
 
     def _on(self, system: System) -> None:
         self.system = system
@@ -189,7 +189,7 @@ class Run:
         self.state = State(start.time, start.q, start.v + jump, a)
         self.book.jump(system, start, self.state)
         self.recorder.begin(system, self.state)
-        self._mark()
+        self.mark_here()
 
     def _look(self) -> None:
         """Ask the policy of meshes, every so many accepted steps."""
@@ -213,9 +213,10 @@ class Run:
             self.state = replace(state, dt=self.state.dt)
             self.book.remeshed(replace(event, again=plan.again), plan.system, self.state)
             self.recorder.begin(plan.system, self.state)
-        self._mark()
+        self.mark_here()
 
-    def _mark(self) -> None:
+    def mark_here(self) -> None:
+        """Where the run may go back to, from the next look at the mesh."""
         self.looked = 0
         self.mark = Mark(self.state, self.dt, self.largest, len(self.steps), self.book.mark(), self.recorder.mark())
 

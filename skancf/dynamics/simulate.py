@@ -108,6 +108,8 @@ def simulate(
                          "wrong; control the steps by LocalError")  # fmt: skip
     if start is not None:
         require_same_mesh(system, start)
+    if follow is not None:
+        follow.check(system)
     warn_if_mass_is_off(system)
     begin = 0.0 if start is None or start.time is None else start.time
     system.check_histories(begin, begin + t_end)

@@ -66,12 +66,15 @@ class StepSolver:
         self.factored_dt = 0.0
 
     def initial_acceleration(self, q: np.ndarray, v: np.ndarray, time: float, driven: np.ndarray) -> np.ndarray:
-        """M a = external - internal force on the free coordinates, ``driven`` (n_dofs,) on the prescribed ones."""
+        """M a = external - internal force and damping on the free coordinates, ``driven`` (n_dofs,) on the others."""
         self.linear.factor(self.system.mass)
         self.forget()
         self.energy = max(self.energy, self.system.kinetic_energy(v))
-        force = self.system.external_force(q, time) - self.system.internal_force(q) - self.system.mass @ driven
-        return driven + self.linear.solve(force if self.system.viscous is None else force - self.system.viscous @ v)
+        system = self.system
+        force = system.external_force(q, time) - system.internal_force(q) - system.retarding_force(q, v)
+        if system.viscous is not None:
+            force = force - system.viscous @ v
+        return driven + self.linear.solve(force - system.mass @ driven)
 
     def jump(self, impulse: np.ndarray) -> np.ndarray:
         """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""

@@ -67,8 +67,9 @@ class Ledger:
 
     @property
     def balance(self) -> np.ndarray:
-        """Energy that has no source: of the integration itself (J), (n,)."""
-        return self.energy - self.energy[0] - self.work + self.dissipation - self.remeshing
+        """Energy that has no source since the first of the times: of the integration itself (J), (n,)."""
+        left = self.energy - self.work + self.dissipation - self.remeshing
+        return np.asarray(left - left[0])
 
     @property
     def turnover(self) -> np.ndarray:
@@ -78,9 +79,9 @@ class Ledger:
 
     @property
     def momentum_balance(self) -> np.ndarray:
-        """Linear and angular momentum that have no source, (n, 2, 3)."""
-        linear = self.linear - self.linear[0] - self.linear_impulse
-        return np.stack([linear, self.angular - self.angular[0] - self.angular_impulse], axis=1)
+        """Linear and angular momentum that have no source since the first of the times, (n, 2, 3)."""
+        left = np.stack([self.linear - self.linear_impulse, self.angular - self.angular_impulse], axis=1)
+        return np.asarray(left - left[0])
 
     def at(self, times: Any) -> "Ledger":
         """The book at other times, linear between those of the steps, so that what balances there balances here."""

@@ -75,7 +75,7 @@ def asked_problem(system: System, begin: float, end: float) -> Asked:
         "loads": _at(lambda t: system.applied_force(moved, t), times),
         "temperature": _at(lambda t: _or(system.held_back_force(moved, t), none), times),
         "impulses": np.array([np.append(impulse, time) for time, impulse in system.impulses()]),
-        "functions_of_time": np.array([_at(function, moments).ravel() for function in functions]),
+        **{f"function_of_time_{k}": _at(function, moments) for k, function in enumerate(functions, 1)},
     }  # fmt: skip
     shapes = {name: list(np.shape(values)) for name, values in arrays.items()}
     return Asked(text, shapes, {name: _products(values) for name, values in arrays.items()})
@@ -125,5 +125,5 @@ def _name(name: str) -> str:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    text = value if isinstance(value, str) else repr(value)
     return text if len(text) < 120 else text[:116] + " ..."

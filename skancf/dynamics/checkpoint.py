@@ -6,6 +6,7 @@ a crash loses what came after it, and no more.
 """
 
 import time as clock
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -19,10 +20,12 @@ from skancf.dynamics.ledger import SUMS, Book, Forces
 from skancf.dynamics.motion import Motion, MotionStatus
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.run import Run
-from skancf.dynamics.run_files import PIECE, RUN, STATE, Kept, RunFiles
+from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, Kept, RunFiles
 from skancf.dynamics.state import State
 from skancf.errors import InputError, SkancfError
 
+N_NUMBERS = 11
+"""In a state."""
 PROBLEM = "give read_motion the system of the run, the problem on the mesh that it began with"
 
 
@@ -127,15 +130,34 @@ class Writer:
         run.solver.forget()
         kept = Kept(run.recorder, run.steps, run.book)
         try:
-            if not (self.files.folder / RUN).exists():  # else a mesh might make the folder anew, without what was in it
-                raise FileNotFoundError(2, "the folder, or what was in it, is gone")
-            self.files.write_meshes(run.recorder.systems, self.counts["systems"])
-            self.files.write(PIECE.format(self.pieces + 1), kept.since(self.counts))
-            text = {"pieces": self.pieces + 1, "counts": kept.counts, "finished": finished, "seconds": self.seconds}
-            self.files.write_state(text, _state_of(run))
+            self._write(run, kept, PIECE.format(self.pieces + 1))
+            self.files.remove(STOPPED)
+            self.files.remove(REST)
+            status = MotionStatus.FINISHED if finished else MotionStatus.UNFINISHED
+            self._write_state(STATE, run, kept, self.pieces + 1, status)
         except OSError as error:
             raise self._failed(error) from error
         self.pieces, self.counts, self.since, self.time = self.pieces + 1, kept.counts, 0, run.state.time
+
+    def stopped(self, run: Run, status: MotionStatus, message: str) -> None:
+        """What a run that stopped before its end has computed since the last write, where the folder still takes it."""
+        kept = Kept(run.recorder, run.steps, run.book)
+        with suppress(OSError, SkancfError):
+            self.files.remove(STOPPED)
+            self._write(run, kept, REST)
+            self._write_state(STOPPED, run, kept, self.pieces, status, message)
+
+    def _write(self, run: Run, kept: Kept, name: str) -> None:
+        if not (self.files.folder / RUN).exists():  # else a mesh might make the folder anew, without what was in it
+            raise FileNotFoundError(2, "it is gone, or what was in it")
+        self.files.write_meshes(run.recorder.systems, self.counts["systems"])
+        self.files.write(name, kept.since(self.counts))
+
+    def _write_state(
+        self, name: str, run: Run, kept: Kept, pieces: int, status: MotionStatus, message: str = ""
+    ) -> None:  # fmt: skip
+        text = {"pieces": pieces, "counts": kept.counts, "status": status.name, "message": message, "seconds": self.seconds}
+        self.files.write_state(name, text, _state_of(run))
 
     def _failed(self, error: OSError) -> SkancfError:
         way = f"it holds the run until t = {self.time:.6g} s. Make room, or bring it back, and go on by resume=True"
@@ -160,13 +182,18 @@ def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
     if difference:
         raise files.refused(STATE, difference)
     files.read_kept(text, Kept(run.recorder, run.steps, run.book), run.system)
-    try:
-        _restore(run, data)
-    except (KeyError, ValueError) as error:
-        raise files.refused(STATE, f"is no state of a run ({error})") from error
+    _check(files, data, run.recorder.systems[-1])
+    _restore(run, data)
     writer = Writer(files, every, text["pieces"], text["counts"], text["seconds"])
-    writer.time, writer.finished = run.state.time, bool(text["finished"])
+    writer.time, writer.finished = run.state.time, text["status"] == MotionStatus.FINISHED.name
     return writer
+
+
+def _check(files: RunFiles, data: dict[str, np.ndarray], system: System) -> None:
+    shapes = {"numbers": (N_NUMBERS,), **dict.fromkeys(("q", "v", "a"), (system.n_dofs,))}
+    names = [*shapes, *(f"sum_{name}" for name in SUMS), *(f"forces_{field.name}" for field in fields(Forces))]
+    if any(name not in data or data[name].shape != shapes.get(name, data[name].shape) for name in names):
+        raise files.refused(STATE, "is no state of a run")
 
 
 def _restore(run: Run, data: dict[str, np.ndarray]) -> None:
@@ -199,7 +226,8 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     Returns
     -------
     Motion
-        Until the last write; its status is ``UNFINISHED`` where that is not the end of the run.
+        Until the last write, or until the run stopped by itself, with its reason; of a process that was killed, or still
+        goes on, the status is ``UNFINISHED``.
 
     Raises
     ------
@@ -215,6 +243,8 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     if not (files.folder / STATE).exists():
         raise InputError(f"folder '{files.folder}': holds no run; give the folder of a Checkpoint")
     text, data = files.read_state()
+    if (files.folder / STOPPED).exists():
+        text, data = files.read_state(STOPPED)
     known = files.read_asked()
     difference = asked_problem(system, known.settings["begin"], known.settings["end"]).difference(known)
     if difference:
@@ -224,10 +254,11 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     at = system.undeformed
     kept = Kept(recorder, [], Book(system, State(known.settings["begin"], at, np.zeros_like(at), np.zeros_like(at))))
     files.read_kept(text, kept, system)
+    _check(files, data, recorder.systems[-1])
     time = float(data["numbers"][0])
     recorder.end(State(time, data["q"], data["v"], data["a"]))
-    status, message = MotionStatus.FINISHED, ""
-    if not text["finished"]:
-        status, message = MotionStatus.UNFINISHED, f"written until t = {time:.6g} s of {known.settings['end']:.6g} s"
+    status, message = MotionStatus[text["status"]], text["message"]
+    if status is MotionStatus.UNFINISHED:
+        message = f"written until t = {time:.6g} s of {known.settings['end']:.6g} s"
     return Motion(recorder.stretches, tuple(kept.steps), kept.book.ledger(), recorder.records, status, message,
                   text["seconds"])  # fmt: skip

@@ -22,6 +22,11 @@ from skancf.meshes import quadtree_file
 
 FORMAT = "skancf run 2"
 RUN, STATE, PIECE, MESH = "run.npz", "state.npz", "piece_{:06d}.npz", "mesh_{:06d}.npz"
+STOPPED, REST = "stopped.npz", "rest.npz"
+"""The state where a run stopped before its end, and what came since the last piece: to look at, not to go on from."""
+
+KEYS = {"files", "pieces", "counts", "status", "message", "seconds"}
+"""Of a state."""
 
 
 @dataclass
@@ -137,15 +142,21 @@ class RunFiles:
                     self.digests[name] = _digest(stream.read())
                     os.fsync(stream.fileno())
 
-    def write_state(self, text: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
+    def write_state(self, name: str, text: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
         """Last of all: it names the files that belong to it."""
-        text = {"format": FORMAT, "files": {n: d for n, d in self.digests.items() if n != STATE}, **text}
-        self.write(STATE, {"text": np.array(json.dumps(text)), **arrays})
+        text = {"format": FORMAT, "files": self.digests.copy(), **text}
+        self.write(name, {"text": np.array(json.dumps(text)), **arrays})
+        del self.digests[name]
 
     def clean(self) -> None:
         """Take away what a process that was killed had not finished writing."""
         for file in self.folder.glob(".*.part.npz"):
             file.unlink(missing_ok=True)
+
+    def remove(self, name: str) -> None:
+        """Take a file away."""
+        (self.folder / name).unlink(missing_ok=True)
+        self.digests.pop(name, None)
 
     # --- reading ---------------------------------------------------------------------------------------------------------
 
@@ -156,7 +167,7 @@ class RunFiles:
             raise self.refused(name, "is missing") from None
         except OSError as error:
             raise self.refused(name, f"cannot be read ({reason(error)})") from error
-        if name != STATE and _digest(data) != self.digests.get(name):
+        if name not in (STATE, STOPPED) and _digest(data) != self.digests.get(name):
             raise self.refused(name, f"is damaged, or belongs to another run than '{STATE}'")
         return data
 
@@ -179,10 +190,12 @@ class RunFiles:
             raise self.refused(name, f"is '{kind}', this version reads '{FORMAT}'")
         return dict(text)
 
-    def read_state(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    def read_state(self, name: str = STATE) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
         """The state; from here on the digests are those it names."""
-        data = self.read(STATE)
-        text = self._text(STATE, data)
+        data = self.read(name)
+        text = self._text(name, data)
+        if not text.keys() >= KEYS:
+            raise self.refused(name, "is no state of a run")
         self.digests = dict(text["files"])
         return text, data
 
@@ -194,7 +207,8 @@ class RunFiles:
     def read_kept(self, text: dict[str, Any], kept: Kept, first: System) -> None:
         """All pieces and meshes; ``first`` is the system that the run began on."""
         kept.forget()
-        pieces = [self.read(PIECE.format(k)) for k in range(1, text["pieces"] + 1)]
+        names = [PIECE.format(k) for k in range(1, text["pieces"] + 1)]
+        pieces = [self.read(name) for name in (*names, REST) if name in names or name in self.digests]
         try:
             for piece in pieces:
                 kept.add(piece)

@@ -142,6 +142,8 @@ def _go(
     if writer.finished:
         return MotionStatus.FINISHED, "", writer.seconds
     status, message = run.go(bar, writer.after_step, lambda: writer.write(run, finished=True))
+    if status is not MotionStatus.FINISHED:
+        writer.stopped(run, status, message)
     return status, message, writer.seconds
 
 

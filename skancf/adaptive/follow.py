@@ -19,25 +19,28 @@ from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.solution import Solution
 
-EARLY = 0.25
-"""Of an element's share of the error: an element is quartered when it has so much, before it has all."""
-LATE = 4.0
-"""An element that has so many times its share got there without being seen: the run goes back."""
-SURE = 0.25
-"""Of its share: elements are merged where the merged one will have no more."""
+EARLY, AIM = 0.5, 0.25
+"""Of the asked squared error: how much there may be before elements are quartered, and how much should be left then."""
+LATE = 2.0
+"""So many times the asked squared error came without being seen: the run goes back."""
+SURE = 0.01
+"""Of the asked squared error: what merging may add to it; what it loses goes on as vibrations of the coarser mesh."""
 PLACES = 5
 """Times until the next look at which places of loads are asked for."""
 
 
 @dataclass(frozen=True)
 class Follow:
-    r"""Elements are quartered and merged while the body moves, so that each has its share of an asked error.
+    r"""Elements are quartered and merged while the body moves, so that the error stays below an asked one.
 
-    Every so many steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with the share
-    :math:`\tau^2 E / n` of n elements, where E is the largest amount of energy in the run so far. Elements that have a good
-    part of it are quartered, with those around them; where the motion of a front got further than that in between, the run
-    goes back to the last look and starts there with the finer mesh. Elements where loads will be until the next look are as
-    fine as those where they are. Elements are merged where the merged one will have less than its share.
+    Every so many steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with an asked error,
+
+    .. math:: \sum_K \eta_K^2 \le \tau^2 E
+
+    with the largest amount E of energy in the run so far, or a given one. When half of it is reached, the fewest elements that bring it down
+    to a quarter are quartered, and those around them, into which the motion goes on. Where twice as much has come between
+    two looks, the run goes back to the last one and starts there with the finer mesh. Elements where loads will be until the
+    next look are as fine as those where they are. Elements are merged where that adds no more than a hundredth.
 
     Positions, velocities and accelerations go from mesh to mesh by :func:`~skancf.carried`: momenta are kept, and elements
     are not merged where that would raise the energy. Every change is an event in the ledger.
@@ -56,6 +59,9 @@ class Follow:
         Size of the smallest elements, of the extent of the surface.
     coarsest : int
         Level, counted from the coarse mesh, to which elements are merged at most.
+    energy : float, optional
+        E (J), where the run so far says too little of it: at its beginning, when a load has done hardly any work yet, a small
+        part of a small energy is asked for.
 
     Raises
     ------
@@ -63,16 +69,19 @@ class Follow:
         For numbers that are not positive, and for an indicator that is none.
     """
 
-    rtol: float = 0.02
+    rtol: float = 0.2
     every: int = 10
     indicator: Callable[[Solution], np.ndarray] = recovery
     max_dofs: int = 200_000
     smallest: float = SMALLEST
     coarsest: int = 0
+    energy: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("rtol", "every", "max_dofs", "smallest"):
             positive(name, getattr(self, name))
+        if self.energy is not None:
+            positive("energy", self.energy, "J")
         if int(self.every) != self.every:
             raise InputError(f"every = {self.every}: give a whole number of steps")
         if not callable(self.indicator):
@@ -89,13 +98,12 @@ class Follow:
         ``energy`` is the largest amount in the run so far, ``again`` whether the run may go back to the last look.
         """
         state = Solution(system, now.q, now.v, now.time)
-        values = check_indicators(self.indicator(state))
-        share = self.rtol**2 * energy / len(values)
-        fine = self._marked(system, values, share, before, now)
-        if again and self._room(system, values > LATE * share).any():
-            return self._moved(system, before, self._finer(system, fine), again=True)
+        values, asked = check_indicators(self.indicator(state)), self.rtol**2 * max(energy, self.energy or 0.0)
+        fine = self._marked(system, values, asked, before, now)
         target = self._finer(system, fine)
-        merged = self._merged(system, target, values, share)
+        if again and values.sum() > LATE * asked and target is not system.mesh:
+            return self._moved(system, before, target, again=True)
+        merged = self._merged(system, target, values, asked)
         if merged is not None:
             new = self._moved(system, now, merged, again=False)
             if new is None or new.raised <= 0:
@@ -106,13 +114,16 @@ class Follow:
         """Marked elements that may be quartered, a mask."""
         return marked & may_be_quartered(system.mesh.leaves, system.geometry.surface, self.smallest)
 
-    def _marked(self, system: System, values: np.ndarray, share: float, before: State, now: State) -> np.ndarray:
-        """Elements to quarter, a mask: those that have much of the error, those around them, those in the way of loads."""
-        mesh = system.mesh
-        level, own = mesh.levels, values > EARLY * share
+    def _marked(self, system: System, values: np.ndarray, asked: float, before: State, now: State) -> np.ndarray:
+        """Elements to quarter, a mask: those that have most of the error, those around them, those in the way of loads."""
+        mesh, own = system.mesh, np.zeros(len(values), dtype=bool)
+        if values.sum() > EARLY * asked:
+            order = np.argsort(-values, kind="stable")
+            gained = np.cumsum(values[order]) * (1 - LEFT[system.geometry.theory.twist])
+            own[order[: np.searchsorted(gained, values.sum() - AIM * asked) + 1]] = True
         finest = np.full(mesh.p.shape[1], -1)
-        np.maximum.at(finest, mesh.t[:, own].ravel(), np.tile(level[own], 4))
-        around = finest[mesh.t].max(axis=0) >= level
+        np.maximum.at(finest, mesh.t[:, own].ravel(), np.tile(mesh.levels[own], 4))
+        around = finest[mesh.t].max(axis=0) >= mesh.levels
         return self._room(system, around | self._in_the_way(system, before, now))
 
     def _in_the_way(self, system: System, before: State, now: State) -> np.ndarray:
@@ -143,13 +154,15 @@ class Follow:
         return finer
 
     def _merged(
-        self, system: System, target: MeshQuadTree, values: np.ndarray, share: float
+        self, system: System, target: MeshQuadTree, values: np.ndarray, asked: float
     ) -> MeshQuadTree | None:
         """The target with elements merged that will have little of the error; None where there are none."""
         leaves: Leaves = system.mesh.leaves
-        # The merged element has what its quarters have over what a quartering leaves, and they have equal parts of it.
-        small = values < SURE * share * LEFT[system.geometry.theory.twist] / 4
-        cells = leaves.cells.take(np.flatnonzero(small & (leaves.cells.level > self.coarsest)))
+        # The merged element has what its quarters have over what a quartering leaves.
+        added = values * (1 / LEFT[system.geometry.theory.twist] - 1)
+        order = np.argsort(added, kind="stable")
+        small = order[: np.searchsorted(np.cumsum(added[order]), SURE * asked)]
+        cells = leaves.cells.take(small[leaves.cells.level[small] > self.coarsest])
         found = target.leaves.find(cells)
         merged = target.coarsened(found[found >= 0])
         return merged if len(merged.leaves) < len(target.leaves) else None

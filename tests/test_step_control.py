@@ -103,6 +103,23 @@ class Given:
         return self.lengths.pop(0) if self.lengths else attempt.dt
 
 
+class RejectsTheFirst(Given):
+    """Tries a long step, and takes it back."""
+
+    def accepts(self, attempt):
+        return attempt.dt < 0.1
+
+
+def test_a_rejected_step_changes_nothing_that_follows():
+    """Not the tolerance of Newton's method either, which goes with the largest energy of the motion."""
+    system = reference("cantilever", "kirchhoff")[0]
+    lengths = [0.01] * 200
+    plain, tried = (quiet(system, 0.3, steps=control) for control in (Given(lengths), RejectsTheFirst([0.2, *lengths])))
+    assert not tried.steps[0].accepted and tried.steps[0].dt == 0.2
+    assert [step.dt for step in tried.steps[1:]] == [step.dt for step in plain.steps]
+    assert np.array_equal(tried.q[-1], plain.q[-1]) and np.array_equal(tried.v[-1], plain.v[-1])
+
+
 def test_largest_step_is_kept_and_a_sudden_load_needs_short_ones():
     system, t_end, _, _ = reference("cantilever", "kirchhoff")
     longest = t_end / 100

@@ -194,6 +194,7 @@ class Run:
         if accepted:
             self.recorder.step(start, outcome.end)
             self.state = outcome.end
+            self.solver.reached(self.state)
             self.largest = max(self.largest, self.thickness + self.size(self.state.q - self.system.undeformed))
             self.recorder.keep(self.state)
         return outcome, accepted

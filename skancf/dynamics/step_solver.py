@@ -64,6 +64,10 @@ class StepSolver:
     def close(self) -> None:
         self.linear.close()
 
+    def reached(self, state: State) -> None:
+        """Newton's method measures by the largest kinetic energy of the motion, not of steps that were rejected."""
+        self.energy = max(self.energy, self.system.kinetic_energy(state.v))
+
     def forget(self) -> None:
         """Factor anew at the next step, as a run that starts there does."""
         self.factored_dt = 0.0
@@ -170,7 +174,6 @@ class StepSolver:
 
     def _finished(self, u: np.ndarray, start: State, dt: float, iterations: int, factorisations: int) -> StepOutcome:
         end = self.rule.end(u, start, dt)
-        self.energy = max(self.energy, self.system.kinetic_energy(end.v))
         return StepOutcome(True, end, u, iterations, factorisations)
 
     def _with_skew_part(

@@ -88,7 +88,7 @@ class Run:
     def __init__(self, system: System, settings: Settings, recorder: Recorder, q: np.ndarray, v: np.ndarray):
         self.settings, self.recorder = settings, recorder
         self._on(system)
-        a = self.solver.initial_acceleration(q, v, settings.begin)
+        a = self.solver.initial_acceleration(q, v, settings.begin, self._driven(settings.begin))
         self.state = State(settings.begin, q, v, a)
         self.steps: list[Step] = []
         thickness = system.problem.section.thickness
@@ -214,12 +214,20 @@ class Run:
     def thickness(self) -> float:
         return float(self.system.problem.section.thickness)
 
+    def _driven(self, time: float) -> np.ndarray:
+        """Accelerations of prescribed coordinates, (n_dofs,), after a time of the run; before its end."""
+        moment = SHORT * self.settings.span
+        if time + 2 * moment > self.settings.end:
+            moment = -moment
+        now, soon, later = (self.system.prescribed(time + k * moment) for k in range(3))
+        return (later - 2 * soon + now) / moment**2
+
     def _strike(self, time: float) -> None:
         """Velocities jump by the impulse of a time, on the present mesh."""
         system, start = self.system, self.state
         self.recorder.end(start)
         jump = self.solver.jump(dict(system.impulses())[time])
-        a = self.solver.initial_acceleration(start.q, start.v + jump, start.time)
+        a = self.solver.initial_acceleration(start.q, start.v + jump, start.time, self._driven(start.time))
         self.state = State(start.time, start.q, start.v + jump, a)
         self.book.jump(system, start, self.state)
         self.recorder.begin(system, self.state)
@@ -296,3 +304,5 @@ TRIES = 2
 """How often a run goes back to the same look."""
 FIRST = 10
 """Steps before the balance is judged: the first one of a load that jumps cannot be balanced."""
+SHORT = 1e-4
+"""Of the run, for the second difference of a prescribed motion: rounding, 1e-16 over its square, is below it."""

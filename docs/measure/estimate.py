@@ -16,11 +16,12 @@ from typing import Any
 import numpy as np
 
 import skancf as sk
+from skancf.adaptive.between import prolongation
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.grow import SMALLEST, may_be_quartered
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.singular import singular_points, touching
-from skancf.adaptive.transfer import prolongation, transfer
+from skancf.adaptive.transfer import transfer
 from skancf.meshes import MeshQuadTree
 from skancf.statics.load_steps import HalveAndGrow, equilibrium
 from skancf.statics.newton import Status

@@ -1,6 +1,8 @@
 """Meshes that refine themselves: quantities of interest, indicators, marking, transfer, and the loop."""
 
+from skancf.adaptive.carry import Carried, Change, carried
 from skancf.adaptive.estimate import Estimate, goal_estimate, residual
+from skancf.adaptive.follow import Follow
 from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.loop import adapt
 from skancf.adaptive.marking import AllElements, Below, Doerfler, FixedFraction, Marking, Maximum, Never
@@ -14,8 +16,8 @@ from skancf.adaptive.transfer import transfer
 from skancf.adaptive.vibration import Eigenfrequency
 
 __all__ = [
-    "AdaptiveResult", "AllElements", "Below", "BucklingLoad", "Displacement", "Doerfler", "Eigenfrequency", "Estimate",
-    "FixedFraction", "Level", "Marking", "Maximum", "Never", "Outcome", "Quantity", "Reaction", "Rotation", "SectionForce",
-    "StrainEnergy", "adapt", "drift", "find_regions", "goal_estimate", "no_limit", "nodal_measure", "recovery", "residual",
-    "stress_indicator", "stress_regions", "transfer",
+    "AdaptiveResult", "AllElements", "Below", "BucklingLoad", "Carried", "Change", "Displacement", "Doerfler",
+    "Eigenfrequency", "Estimate", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never", "Outcome", "Quantity",
+    "Reaction", "Rotation", "SectionForce", "StrainEnergy", "adapt", "carried", "drift", "find_regions", "goal_estimate",
+    "no_limit", "nodal_measure", "recovery", "residual", "stress_indicator", "stress_regions", "transfer",
 ]  # fmt: skip

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from skancf.adaptive.between import Interpolation, ancestors_in
 from skancf.adaptive.grow import LEFT, LEFT_SINGULAR, SMALLEST, may_be_quartered
 from skancf.adaptive.singular import singular_points, touching
-from skancf.adaptive.transfer import ancestors_in, prolongation
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
@@ -62,8 +62,8 @@ class Refined:
         self.coarse, self.points = coarse, singular_points(coarse, quantity)
         fine_mesh = enriched_mesh(coarse, self.points) if mesh is None else mesh
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
-        self._up = prolongation(coarse.geometry, self.system.geometry)
-        self._down = prolongation(self.system.geometry, coarse.geometry)
+        self._up = Interpolation(coarse.geometry, self.system.geometry)
+        self._down = Interpolation(self.system.geometry, coarse.geometry)
 
     def left(self, shares: np.ndarray) -> float:
         """Part of an error that is left on the refined mesh, by the shares that elements have in it.
@@ -82,11 +82,11 @@ class Refined:
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""
-        return np.asarray((self._up @ q.reshape(-1, 3)).ravel())
+        return self._up.field(q)
 
     def down(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates on the coarse mesh of a field's interpolant."""
-        return np.asarray((self._down @ q.reshape(-1, 3)).ravel())
+        return self._down.field(q)
 
     def surplus(self, weight: np.ndarray) -> np.ndarray:
         """What of a field on the refined mesh the coarse one cannot have, (n_fine,)."""
@@ -138,7 +138,7 @@ class Enriched(Refined):
             self.start, gap = fine.undeformed + change, factor * fine.prescribed() - change
             self.residual = self.stiffness @ change - factor * fine.external_force(fine.undeformed)
         else:
-            self.start = self.up(state.q) + self._turned_gap()
+            self.start = self._up.positions(state.q)
             gap = fine.undeformed + factor * fine.prescribed() - self.start
             self.residual, self.stiffness = self._residual(self.start), fine.tangent(self.start, factor=factor)
         self._moved = fine.constraints.fixed_part(gap)
@@ -200,19 +200,6 @@ class Enriched(Refined):
         if "_solver" in vars(self):
             self._solver.close()
 
-    def _turned_gap(self) -> np.ndarray:
-        """What the refined undeformed surface has beyond the coarse one, turned as the surface has turned at each node.
-
-        The finer interpolation of a curved surface is another surface. Without this it would be strained against its own.
-        """
-        fine, coarse = self.system.geometry, self.coarse
-        before, now = self.up(coarse.undeformed).reshape(-1, 4, 3), self.up(self.state.q).reshape(-1, 4, 3)
-        gap = fine.undeformed - before
-        if np.abs(gap).max() < 1e-13 * np.abs(before).max():
-            return np.zeros(gap.size)
-        frames = [_frames(nodal) for nodal in (before, now)]
-        return np.asarray(np.einsum("nij,nkj,nvk->nvi", frames[1], frames[0], gap).ravel())
-
     def solve(self, force: np.ndarray) -> np.ndarray:
         """K^-1 force on the free coordinates, after the step."""
         return self._solver.solve(force)
@@ -255,11 +242,3 @@ def _require_at_rest(state: Solution) -> None:
     if state.velocity is not None or state.time is not None:
         raise InputError("the error is that of an equilibrium, and this is a state of a motion, whose inertia is no load; "
                          "give an answer of solve or solve_linear")  # fmt: skip
-
-
-def _frames(nodal: np.ndarray) -> np.ndarray:
-    """Orthonormal frames (n, 3, 3), columns along r_x, across it in the surface, and normal."""
-    first = nodal[:, 1] / np.linalg.norm(nodal[:, 1], axis=1, keepdims=True)
-    normal = np.cross(nodal[:, 1], nodal[:, 2])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normal, first), normal], axis=2)

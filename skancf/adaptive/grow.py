@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.singular import touching
-from skancf.adaptive.transfer import ancestors_in
 from skancf.assembly.geometry import Geometry
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves

@@ -11,6 +11,7 @@ import skfem
 
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.asked import INDICATORS, Asked, check, first_system, newton_rtol
+from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
 from skancf.adaptive.judge import judge
@@ -19,7 +20,6 @@ from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
 from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
-from skancf.adaptive.transfer import ancestors_in
 from skancf.adaptive.unbounded import why_without_limit
 from skancf.assembly.system import System
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, number

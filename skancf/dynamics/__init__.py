@@ -1,5 +1,6 @@
 """Motion: rules of integration, step control, the loop, and what it leaves behind."""
 
+from skancf.dynamics.checkpoint import Checkpoint
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.initial import RigidVelocity
@@ -12,6 +13,7 @@ from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, NewtonCo
 from skancf.dynamics.trapezoidal import Trapezoidal
 
 __all__ = [
+    "Checkpoint",
     "EnergyBalance",
     "EnergyMomentum",
     "FixedStep",

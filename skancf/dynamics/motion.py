@@ -156,7 +156,7 @@ class Motion:
         parts = []
         for part in self.stretches:
             point = probe(part.system, at)
-            change = (part.q[part.outputs] - part.system.undeformed).reshape(int(part.outputs.sum()), -1, 3)
+            change = (part.q[part.outputs] - part.system.undeformed).reshape(-1, part.system.n_dofs // 3, 3)
             parts.append(np.einsum("p,tpi->ti", point.data, change[:, point.indices]))
         return np.concatenate(parts)
 

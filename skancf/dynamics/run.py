@@ -18,23 +18,35 @@ from skancf.progress import Progress
 from skancf.solution import Solution
 
 
-class Plan(Protocol):
-    """A change of the mesh: the system to go on with, and whether to do so from the last look ``again``."""
+@dataclass(frozen=True)
+class NewMesh:
+    """A change of the mesh: the system to go on with, the state there, and what that changed.
+
+    The time of the state is the present one, or that of the last look, to which the run then goes back; ``raised`` is the
+    energy that it gained (J).
+    """
 
     system: System
-    again: bool
+    state: State
+    event: MeshEvent
+    raised: float = 0.0
 
 
 class MeshPolicy(Protocol):
     """Decides on meshes, every so many steps, and carries states over."""
 
-    every: int
+    @property
+    def every(self) -> int:
+        """Accepted steps from look to look."""
 
-    def look(self, before: Solution, now: Solution) -> Plan | None:
-        """A change of the mesh, from the states at the last look and now; None to go on with this one."""
+    def check(self, system: System) -> None:
+        """InputError for a system whose mesh cannot follow."""
 
-    def carry(self, state: Solution, a: np.ndarray, system: System) -> tuple[State, MeshEvent]:
-        """The state on another mesh, and what that changed."""
+    def change(self, system: System, before: State, now: State, energy: float, again: bool) -> NewMesh | None:
+        """A change of the mesh, from the states at the last look and now; None to go on with this one.
+
+        ``energy`` is the largest amount in the run so far; ``again`` says whether the run may go back to the last look.
+        """
 
 
 @dataclass(frozen=True)
@@ -59,6 +71,7 @@ class Settings:
 class Mark:
     """Where a run can go back to."""
 
+    tries: int
     state: State
     dt: float
     largest: float
@@ -86,7 +99,7 @@ class Run:
         recorder.keep(self.state)
         self.impulses = [pair for pair in system.impulses() if settings.begin <= pair[0] <= settings.end]
         self.looked = 0
-        self._mark()
+        self.mark_here()
 
     def _on(self, system: System) -> None:
         self.system = system
@@ -152,7 +165,7 @@ class Run:
         error = imbalance = np.inf
         accepted = False
         if outcome.converged:
-            error = self.size(self.solver.smoothed(settings.rule.error(start, outcome.end), step)) / self.largest
+            error = self._error(start, outcome.end)
         if np.isfinite(error):
             mark, before = self.book.mark(), self.book.imbalance * self.book.turnover
             self.book.step(self.system, settings.rule, start, outcome.u, outcome.end,
@@ -176,6 +189,18 @@ class Run:
             self.recorder.keep(self.state)
         return outcome, accepted
 
+    def _error(self, start: State, end: State) -> float:
+        """Error of a step, relative.
+
+        The errors of vibrations that it hardly resolves do not add up: what is wrong of them is twice their amplitude at
+        most, whatever the number of steps, so that each has its share of that.
+        """
+        rule = self.settings.rule
+        error = rule.error(start, end)
+        slow = self.solver.resolved(error, end.dt)
+        amplitude = self.size(error - slow) / abs(rule.error_constant)
+        return (self.size(slow) + 2 * amplitude * end.dt / self.settings.span) / self.largest
+
     @property
     def thickness(self) -> float:
         return float(self.system.problem.section.thickness)
@@ -189,7 +214,7 @@ class Run:
         self.state = State(start.time, start.q, start.v + jump, a)
         self.book.jump(system, start, self.state)
         self.recorder.begin(system, self.state)
-        self._mark()
+        self.mark_here()
 
     def _look(self) -> None:
         """Ask the policy of meshes, every so many accepted steps."""
@@ -199,25 +224,26 @@ class Run:
         self.looked += 1
         if self.looked < follow.every or self.state.time >= self.settings.end * (1 - 1e-12):
             return
-        before = Solution(self.system, self.mark.state.q, self.mark.state.v, self.mark.state.time)
-        plan = follow.look(before, self.solution)
-        if plan is not None:
-            if plan.again:
+        new = follow.change(self.system, self.mark.state, self.state, self.book.turnover, self.mark.tries < TRIES)
+        tries = 0
+        if new is not None:
+            if new.event.again:
+                tries = self.mark.tries + 1
                 self._rewind()
-            state, event = follow.carry(self.solution, self.state.a, plan.system)
             self.recorder.end(self.state)
             energy = self.solver.energy
             self.solver.close()
-            self._on(plan.system)
+            self._on(new.system)
             self.solver.energy = energy
-            self.state = replace(state, dt=self.state.dt)
-            self.book.remeshed(replace(event, again=plan.again), plan.system, self.state)
-            self.recorder.begin(plan.system, self.state)
-        self._mark()
+            self.state = new.state
+            self.book.remeshed(new.event, new.system, self.state)
+            self.recorder.begin(new.system, self.state)
+        self.mark_here(tries)
 
-    def _mark(self) -> None:
+    def mark_here(self, tries: int = 0) -> None:
+        """Where the run may go back to, from the next look at the mesh; ``tries`` counts how often it did."""
         self.looked = 0
-        self.mark = Mark(self.state, self.dt, self.largest, len(self.steps), self.book.mark(), self.recorder.mark())
+        self.mark = Mark(tries, self.state, self.dt, self.largest, len(self.steps), self.book.mark(), self.recorder.mark())
 
     def _rewind(self) -> None:
         """Back to the last mark; the steps since then count as rejected."""
@@ -250,5 +276,7 @@ class Run:
         )
 
 
+TRIES = 2
+"""How often a run goes back to the same look."""
 FIRST = 10
 """Steps before the balance is judged: the first one of a load that jumps cannot be balanced."""

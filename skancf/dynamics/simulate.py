@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.atomic import AnyPath
+from skancf.dynamics.checkpoint import Checkpoint, asked_of, resumed
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.initial import Velocity, initial_velocity
@@ -35,6 +37,8 @@ def simulate(
     start: Solution | None = None,
     balance: float | None = 0.1,
     follow: MeshPolicy | None = None,
+    checkpoint: Checkpoint | AnyPath | None = None,
+    resume: bool = False,
     newton_rtol: float | None = None,
     backend: str = "auto",
     progress: bool = True,
@@ -69,6 +73,11 @@ def simulate(
         tolerance stops. None: do not look.
     follow
         Meshes that follow the motion, see :class:`~skancf.Follow`.
+    checkpoint : Checkpoint or folder, optional
+        Write the run to a folder while it goes on: see :class:`Checkpoint`.
+    resume : bool
+        Go on with the run in that folder, to the same bytes as without a stop; begin it where there is none. The problem and
+        all settings must be those it was begun with.
     newton_rtol : float, optional
         Newton's method ends when the energy of its correction is less than this squared times the largest kinetic energy
         so far, or the step's first correction. Default: that of the rule.
@@ -99,6 +108,8 @@ def simulate(
                          "wrong; control the steps by LocalError")  # fmt: skip
     if start is not None:
         require_same_mesh(system, start)
+    if follow is not None:
+        follow.check(system)
     warn_if_mass_is_off(system)
     begin = 0.0 if start is None or start.time is None else start.time
     system.check_histories(begin, begin + t_end)
@@ -110,18 +121,30 @@ def simulate(
     with Progress("dynamics", t_end, shown=progress) as bar:
         run = Run(system, settings, Recorder(times, record or {}), q, v)
         try:
-            status, message = run.go(bar)
+            status, message = _go(run, bar, checkpoint, resume)
         finally:
             run.close()
-    return motion_of(run, status, message, clock.perf_counter() - began)
+    return Motion(run.recorder.stretches, tuple(run.steps), run.book.ledger(), run.recorder.records, status, message,
+                  clock.perf_counter() - began)  # fmt: skip
 
 
-def motion_of(run: Run, status: MotionStatus, message: str, seconds: float) -> Motion:
-    """What a run has."""
-    recorder = run.recorder
-    return Motion(
-        tuple(recorder.finished), tuple(run.steps), run.book.ledger(), recorder.records, status, message, seconds
-    )
+def _go(run: Run, bar: Progress, checkpoint: Checkpoint | AnyPath | None, resume: bool) -> tuple[MotionStatus, str]:
+    """The run, written to a folder if it is asked for."""
+    if checkpoint is None:
+        if resume:
+            raise InputError("resume = True: from which folder? Give it, as in checkpoint='run'")
+        return run.go(bar)
+    checkpoint = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
+    asked = asked_of(run, run.recorder.quantities, checkpoint.every)
+    theory = run.system.geometry.theory
+    found = resumed(checkpoint, run, asked, lambda mesh: run.system.problem.on(mesh, theory)) if resume else None
+    writer, finished = found or (checkpoint.begins(run, asked), False)
+    if finished:
+        return MotionStatus.FINISHED, ""
+    status, message = run.go(bar, writer.after_step)
+    if status is MotionStatus.FINISHED:
+        writer.write(run, finished=True)
+    return status, message
 
 
 def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:

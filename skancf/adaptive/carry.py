@@ -1,0 +1,284 @@
+r"""States in motion on another mesh of the same tree: what is carried over, and what is put right afterwards.
+
+Positions and velocities are interpolated; of what that loses on coarser elements, velocities keep the projection in the mass
+norm. Then three things are put right. Equal positions have another strain energy on another mesh, because membrane strains
+are assumed element by element: much more, where a thin plate bends far. One step by the elastic tangent,
+
+.. math:: (K + \sigma M)\, \delta q = f_{ext} - f_{int}(q) - M a,
+
+leads towards the internal forces that belong to the accelerations a there were, so that these do not jump. The smallest
+correction of the velocity gives back both momenta; and where the energy rose, what deforms becomes slower.
+"""
+
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+
+from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
+from skancf.adaptive.momenta import Momenta
+from skancf.assembly.system import System
+from skancf.linear import DirectSolver
+from skancf.solution import Solution
+
+SOFTEST = {True: 1e-3, False: 1e-5}
+r""":math:`\sigma` over the squared frequency of the residual, in theory `kirchhoff` and in `full`."""
+STEPS, ENOUGH = 3, 1e-2
+"""Steps towards the internal forces, at most, and the excess of strain energy over the energy where they end."""
+NOTHING = 1e-12
+"""Relative changes that are rounding."""
+MOMENT = 1e-7
+"""Time over which prescribed coordinates are differenced (s), and relative to the time."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """What a change of mesh did to a state.
+
+    Attributes
+    ----------
+    strain_energy, kinetic_energy : (2,) array
+        Before and after (J). The energy of loads is not counted.
+    momenta : (2, 2, 3) array
+        Before and after: linear (N s), and angular about the origin (N m s).
+    factor : float
+        By which the deforming part of the velocity was multiplied.
+    raised : float
+        What the energy rose (J). After settling only where stopping all that deforms was not enough: then rather keep the
+        finer mesh.
+    moved : float
+        How far the centre of mass moved (m).
+    """
+
+    strain_energy: np.ndarray
+    kinetic_energy: np.ndarray
+    momenta: np.ndarray
+    factor: float
+    raised: float
+    moved: float
+
+    @property
+    def energy(self) -> float:
+        """Change of the sum of both energies (J)."""
+        return float(np.diff(self.strain_energy + self.kinetic_energy)[0])
+
+    @property
+    def momentum(self) -> np.ndarray:
+        """Sizes of the changes of both momenta, (2,)."""
+        return np.asarray(np.linalg.norm(self.momenta[1] - self.momenta[0], axis=1))
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Nodal coordinates on the new mesh, their rates and accelerations (None where none were given), and the change."""
+
+    q: np.ndarray
+    v: np.ndarray | None
+    a: np.ndarray | None
+    change: Change
+
+
+def carried(
+    state: Solution,
+    system: System,
+    acceleration: np.ndarray | None = None,
+    *,
+    settle: bool = True,
+    backend: str = "auto",
+) -> Carried:
+    """A state in motion on another mesh of the same quadtree, with the same theory.
+
+    Parameters
+    ----------
+    state : Solution
+        At the time of the change. Without a velocity only positions are carried over.
+    system : System
+        The same problem on the other mesh.
+    acceleration : (n_dofs,) array, optional
+        Carried over as the velocity is, without its corrections: linearly.
+    settle : bool
+        Settle the internal forces, and let the energy not rise. Without it positions and velocities are the same functions
+        on a finer mesh, in theory `kirchhoff`, and their strain energy is what it then is.
+
+    Raises
+    ------
+    InputError
+        For meshes that do not grow from one coarse mesh, and for another theory.
+
+    Notes
+    -----
+    A body without supports and springs keeps its centre of mass, and any body its momenta, as far as its supports let it; on
+    curved surfaces on finer meshes too, whose areas are others.
+
+    Supports hold what they prescribe. Rates are those of the prescription, plus what those of the old nodes differed from
+    it: the velocities of an integrator are not quite that rate, and go on as they were.
+    """
+    require_one_tree(state.system.geometry, system.geometry)
+    with _Passage(state, system, backend) as passage:
+        q = passage.settled() if settle else passage.start
+        a = None if acceleration is None else passage.rates(acceleration)
+        factor, v = 1.0, None
+        if state.velocity is not None:
+            now = Momenta(system, q, passage.new_mass.solve)
+            before = now.rigid(state.q) @ (state.system.mass @ state.velocity)
+            v = now.corrected(passage.velocity(), before)
+            if settle:
+                v, factor = now.slowed(v, passage.energy - passage.strain_energy(system, q))
+        return Carried(q, v, a, passage.change(q, v, factor))
+
+
+class _Mass:
+    """Accelerations by the mass of free coordinates, factored when first used."""
+
+    def __init__(self, system: System, backend: str):
+        self.system, self.backend = system, backend
+        self._solver: DirectSolver | None = None
+
+    def solve(self, force: np.ndarray) -> np.ndarray:
+        if self._solver is None:
+            self._solver = DirectSolver(self.system.pattern, self.system.constraints, self.backend)
+            self._solver.factor(self.system.mass)
+        return self._solver.solve(force)
+
+    def close(self) -> None:
+        if self._solver is not None:
+            self._solver.close()
+
+
+class _Passage:
+    """From one mesh to another; a context manager, which gives the memory of factors back.
+
+    Attributes
+    ----------
+    start : (n_new_dofs,) array
+        Interpolated positions.
+    energy : float
+        Of the state (J).
+    """
+
+    def __init__(self, state: Solution, system: System, backend: str):
+        self.state, self.old, self.new, self.backend = state, state.system, system, backend
+        self.old_mass, self.new_mass = _Mass(self.old, backend), _Mass(system, backend)
+        self.there = Interpolation(self.old.geometry, system.geometry)
+        finer = is_finer(system.mesh.leaves, self.old.mesh.leaves)
+        self.back = None if finer else Interpolation(system.geometry, self.old.geometry)
+        wanted = system.undeformed + state.load_factor * system.prescribed(state.time)
+        at_nodes = self.there.positions(state.q)
+        self._taken = at_nodes + system.constraints.fixed_part(wanted - at_nodes)
+        self._lost = None if self.back is None else self._significant(state.q - self.back.positions(self._taken), state.q)
+        self.start = self._centred()
+        self._strain = self.strain_energy(self.old, state.q)
+        self.energy = self._strain + state.kinetic_energy
+
+    def __enter__(self) -> "_Passage":
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.old_mass.close()
+        self.new_mass.close()
+
+    @staticmethod
+    def _significant(lost: np.ndarray, whole: np.ndarray) -> np.ndarray:
+        """What was lost, or exactly nothing."""
+        return lost if np.abs(lost).max() > NOTHING * np.abs(whole).max() else np.zeros_like(lost)
+
+    def _centred(self) -> np.ndarray:
+        """The positions of the nodes, of a free body with the centre of mass of what was lost."""
+        return self._taken if self._lost is None else self._taken + self._mean(self.old, self._lost)
+
+    def _mean(self, system: System, change: np.ndarray) -> np.ndarray:
+        """The translation that moves the centre of mass of a free body as a change does on a system, (n_new_dofs,)."""
+        out = np.zeros((self.new.n_dofs // 12, 4, 3))
+        if self.new.foundation is None and not self.new.constraints.fixed.any():
+            moment, mass = _moments(system, change)
+            out[:, 0] = moment / mass
+        return out.ravel()
+
+    def rates(self, v: np.ndarray) -> np.ndarray:
+        """Interpolated rates, and of what they lose the projection in the mass norm."""
+        there = self.there.rates(self.state.q, v)
+        held = self.there.field(self.old.constraints.fixed_part(v))
+        out = self.new.constraints.free_part(there) + self.new.constraints.fixed_part(held)
+        if self.back is None:
+            return out
+        lost = self._significant(v - self.back.rates(self._taken, out), v)
+        return out + self.new_mass.solve(self.back.transposed(self.old.mass @ lost)) if lost.any() else out
+
+    def velocity(self) -> np.ndarray:
+        """The rates of the state, those of the prescription apart at prescribed coordinates."""
+        v, (before, after) = self.state.velocity, (prescribed_rate(s, self.state.time) for s in (self.old, self.new))
+        assert v is not None
+        out = self.rates(v)
+        if before.any() or after.any():
+            out = out + after - self.new.constraints.fixed_part(self.there.field(before))
+        return out
+
+    def settled(self) -> np.ndarray:
+        """The positions after a step towards the internal forces that belong to the accelerations; more, where one leaves
+        much more energy than there was."""
+        old, new, state, q = self.old, self.new, self.state, self.start
+        excess = self.strain_energy(new, q) - self._strain
+        if not self._is_settled(excess):
+            accelerations = self.rates(self.old_mass.solve(self._net_force(old, state.q)))
+            inertia = new.mass @ accelerations
+            with DirectSolver(new.pattern, new.constraints, self.backend) as solver:
+                for _ in range(STEPS):
+                    stepped = q + self._step(q, inertia, solver)
+                    left = self.strain_energy(new, stepped) - self._strain
+                    if not abs(left) < abs(excess):
+                        break
+                    q, excess = stepped, left
+                    if excess <= ENOUGH * self.energy:
+                        break
+        return q
+
+    def _is_settled(self, excess: float) -> bool:
+        """Was nothing lost on coarser elements, or is the strain energy the same?"""
+        lost_nothing = self._lost is not None and not self._lost.any()
+        return lost_nothing or abs(excess) <= NOTHING * self.energy
+
+    def _step(self, q: np.ndarray, inertia: np.ndarray, solver: DirectSolver) -> np.ndarray:
+        new = self.new
+        residual = new.constraints.free_part(self._net_force(new, q) - inertia)
+        if not residual.any():
+            return residual
+        elastic = new.tangent(q, np.zeros_like(new.stresses(q)), factor=0.0)
+        mass = new.mass.diagonal()  # a pole has a vector without any
+        direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
+        squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))
+        solver.factor(elastic + SOFTEST[new.geometry.theory.twist] * squared_frequency * new.mass)
+        step = solver.solve(residual)
+        return step - self._mean(new, step)
+
+    def _net_force(self, system: System, q: np.ndarray) -> np.ndarray:
+        return self.state.load_factor * system.external_force(q, self.state.time) - system.internal_force(q)
+
+    def strain_energy(self, system: System, q: np.ndarray) -> float:
+        return system.strain_energy(q, self.state.load_factor, self.state.time)
+
+    def change(self, q: np.ndarray, v: np.ndarray | None, factor: float) -> Change:
+        state, still = self.state, Solution(self.new, q, v)
+        strain = np.array([self._strain, self.strain_energy(self.new, q)])
+        kinetic = np.array([state.kinetic_energy, still.kinetic_energy])
+        rise = float(np.diff(strain + kinetic)[0])
+        centres = [moment / mass for moment, mass in (_moments(self.old, state.q), _moments(self.new, q))]
+        return Change(
+            strain, kinetic, np.stack([state.momenta, still.momenta]), factor,
+            rise if rise > NOTHING * self.energy else 0.0, float(np.linalg.norm(centres[1] - centres[0])),
+        )  # fmt: skip
+
+
+def prescribed_rate(system: System, time: float | None) -> np.ndarray:
+    """The rate of the prescribed coordinates, (n_dofs,)."""
+    if time is None:
+        return np.zeros(system.n_dofs)
+    moment = MOMENT * max(1.0, abs(time))
+    return (system.prescribed(time + moment) - system.prescribed(time)) / moment
+
+
+def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:
+    """Mass times the place of its centre (3,), and the mass."""
+    ones = np.zeros((system.n_dofs // 12, 4, 3))
+    ones[:, 0, 0] = 1.0
+    shares = (system.mass @ ones.ravel()).reshape(-1, 4, 3)[:, :, 0]
+    return np.einsum("nk,nki->i", shares, q.reshape(-1, 4, 3)), float(shares[:, 0].sum())

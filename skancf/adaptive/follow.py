@@ -1,0 +1,181 @@
+"""Meshes that follow a motion: a policy beside the loop in time."""
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.adaptive.carry import carried
+from skancf.adaptive.grow import LEFT, SMALLEST, may_be_quartered
+from skancf.adaptive.marking import check_indicators
+from skancf.adaptive.recovery import recovery
+from skancf.assembly.system import System
+from skancf.dynamics import MeshEvent
+from skancf.dynamics.run import NewMesh
+from skancf.dynamics.state import State
+from skancf.errors import InputError, OutOfDepth, positive
+from skancf.meshes import MeshQuadTree
+from skancf.meshes.forest import Leaves
+from skancf.solution import Solution
+
+EARLY, AIM = 0.5, 0.25
+"""Of the asked squared error: how much there may be before elements are quartered, and how much should be left then."""
+LATE = 2.0
+"""So many times the asked squared error came without being seen: the run goes back."""
+SURE = 0.1
+"""Of the asked squared error: what merging may add to it."""
+PLACES = 5
+"""Times until the next look at which places of loads are asked for."""
+
+
+@dataclass(frozen=True)
+class Follow:
+    r"""Elements are quartered and merged while the body moves, so that the error stays below an asked one.
+
+    Every so many steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with an asked error,
+
+    .. math:: \sum_K \eta_K^2 \le \tau^2 E
+
+    with the largest amount E of energy in the run so far, or a given one. When half of it is reached, the fewest elements that bring it down
+    to a quarter are quartered, and those around them, into which the motion goes on. Where twice as much has come between
+    two looks, the run goes back to the last one and starts there with the finer mesh. Elements where loads will be until the
+    next look are as fine as those where they are. Elements are merged where that adds no more than a tenth.
+
+    Positions, velocities and accelerations go from mesh to mesh by :func:`~skancf.carried`: momenta are kept, and elements
+    are not merged where that would raise the energy. Every change is an event in the ledger.
+
+    Parameters
+    ----------
+    rtol : float
+        :math:`\tau`, the error in the energy norm: the square root of the sum of the indicators over the energy.
+    every : int
+        Steps from look to look.
+    indicator : function of a Solution
+        Squared errors of the elements (J), (n_elements,): :func:`~skancf.recovery` or :func:`~skancf.residual`.
+    max_dofs : int
+        No element is quartered beyond so many unknowns; it is warned of.
+    smallest : float
+        Size of the smallest elements, of the extent of the surface.
+    coarsest : int
+        Level, counted from the coarse mesh, to which elements are merged at most.
+    energy : float, optional
+        E (J), where the run so far says too little of it: at its beginning, when a load has done hardly any work yet, a small
+        part of a small energy is asked for.
+
+    Raises
+    ------
+    InputError
+        For numbers that are not positive, and for an indicator that is none.
+    """
+
+    rtol: float = 0.2
+    every: int = 10
+    indicator: Callable[[Solution], np.ndarray] = recovery
+    max_dofs: int = 200_000
+    smallest: float = SMALLEST
+    coarsest: int = 0
+    energy: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("rtol", "every", "max_dofs", "smallest"):
+            positive(name, getattr(self, name))
+        if self.energy is not None:
+            positive("energy", self.energy, "J")
+        if int(self.every) != self.every:
+            raise InputError(f"every = {self.every}: give a whole number of steps")
+        if not callable(self.indicator):
+            raise InputError(f"indicator = {self.indicator!r}: give a function of a Solution, for example sk.recovery")
+
+    def check(self, system: System) -> None:
+        """InputError for a mesh that cannot be refined."""
+        if not isinstance(system.mesh, MeshQuadTree):
+            raise InputError("follow: the mesh of the system must be a quadtree; make it by sk.meshes.quadtree(mesh)")
+
+    def change(self, system: System, before: State, now: State, energy: float, again: bool) -> NewMesh | None:
+        """The mesh to go on with and the state there, from the states at the last look and now; None to keep the mesh.
+
+        ``energy`` is the largest amount in the run so far, ``again`` whether the run may go back to the last look.
+        """
+        state = Solution(system, now.q, now.v, now.time)
+        values, asked = check_indicators(self.indicator(state)), self.rtol**2 * max(energy, self.energy or 0.0)
+        fine = self._marked(system, values, asked, before, now)
+        target = self._finer(system, fine)
+        if again and values.sum() > LATE * asked and target is not system.mesh:
+            return self._moved(system, before, target, again=True)
+        merged = self._merged(system, target, values, asked)
+        if merged is not None:
+            new = self._moved(system, now, merged, again=False)
+            if new is None or new.raised <= 0:
+                return new
+        return self._moved(system, now, target, again=False)
+
+    def _room(self, system: System, marked: np.ndarray) -> np.ndarray:
+        """Marked elements that may be quartered, a mask."""
+        return marked & may_be_quartered(system.mesh.leaves, system.geometry.surface, self.smallest)
+
+    def _marked(self, system: System, values: np.ndarray, asked: float, before: State, now: State) -> np.ndarray:
+        """Elements to quarter, a mask: those that have most of the error, those around them, those in the way of loads."""
+        mesh, own = system.mesh, np.zeros(len(values), dtype=bool)
+        if values.sum() > EARLY * asked:
+            order = np.argsort(-values, kind="stable")
+            gained = np.cumsum(values[order]) * (1 - LEFT[system.geometry.theory.twist])
+            own[order[: np.searchsorted(gained, values.sum() - AIM * asked) + 1]] = True
+        finest = np.full(mesh.p.shape[1], -1)
+        np.maximum.at(finest, mesh.t[:, own].ravel(), np.tile(mesh.levels[own], 4))
+        around = finest[mesh.t].max(axis=0) >= mesh.levels
+        return self._room(system, around | self._in_the_way(system, before, now))
+
+    def _in_the_way(self, system: System, before: State, now: State) -> np.ndarray:
+        """Elements where loads will be until the next look, if they are coarser than where these are now."""
+        out, here = np.zeros(system.geometry.n_elements, dtype=bool), system.load_places(now.time)
+        if not here.shape[1]:
+            return out
+        level = system.mesh.levels
+        finest = level[system.geometry.locate_all(here)[0]].max()
+        for time in now.time + (now.time - before.time) * np.linspace(0, 1, PLACES)[1:]:
+            places = system.load_places(time)
+            if places.shape[1]:
+                elements = system.geometry.locate_all(places)[0]
+                out[elements[level[elements] < finest]] = True
+        return out
+
+    def _finer(self, system: System, marked: np.ndarray) -> MeshQuadTree:
+        mesh: MeshQuadTree = system.mesh
+        if not marked.any():
+            return mesh
+        finer = mesh.regrown(mesh.leaves.refined(np.flatnonzero(marked)))
+        if 12 * finer.p.shape[1] > self.max_dofs:
+            warnings.warn(
+                f"max_dofs = {self.max_dofs}: the mesh that this motion asks for has {12 * finer.p.shape[1]} unknowns and "
+                "is not made; errors are larger than asked. Raise it, or ask for less by rtol", OutOfDepth, stacklevel=2,
+            )  # fmt: skip
+            return mesh
+        return finer
+
+    def _merged(
+        self, system: System, target: MeshQuadTree, values: np.ndarray, asked: float
+    ) -> MeshQuadTree | None:
+        """The target with elements merged that will have little of the error; None where there are none."""
+        leaves: Leaves = system.mesh.leaves
+        # The merged element has what its quarters have over what a quartering leaves.
+        added = values * (1 / LEFT[system.geometry.theory.twist] - 1)
+        order = np.argsort(added, kind="stable")
+        small = order[: np.searchsorted(np.cumsum(added[order]), SURE * asked)]
+        cells = leaves.cells.take(small[leaves.cells.level[small] > self.coarsest])
+        found = target.leaves.find(cells)
+        merged = target.coarsened(found[found >= 0])
+        return merged if len(merged.leaves) < len(target.leaves) else None
+
+    def _moved(self, system: System, state: State, mesh: MeshQuadTree, again: bool) -> NewMesh | None:
+        if mesh is system.mesh:
+            return None
+        new = system.problem.on(mesh, system.geometry.theory)
+        there = carried(Solution(system, state.q, state.v, state.time), new, state.a)
+        assert there.v is not None and there.a is not None
+        change = there.change
+        event = MeshEvent(
+            state.time, system.geometry.n_elements, new.geometry.n_elements, float(np.diff(change.strain_energy)[0]),
+            float(np.diff(change.kinetic_energy)[0]), float(change.momentum[0]), float(change.momentum[1]), again,
+        )  # fmt: skip
+        return NewMesh(new, State(state.time, there.q, there.v, there.a, state.dt), event, change.raised)

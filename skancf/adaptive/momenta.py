@@ -1,0 +1,83 @@
+r"""Momenta of a body as products with rigid velocities, and the velocities of least energy that have them.
+
+With the rigid velocities :math:`G^T` of a body as it is now, :math:`p = G M v` are its momenta. Of all velocities that have
+them, the one of least kinetic energy is :math:`M_{ff}^{-1} M G^T \lambda` where supports are at rest; that of a free body is
+rigid. What a velocity has beyond it is without momentum, and the two kinetic energies add up.
+"""
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from skancf.assembly.system import System
+
+ROUNDING = 1e-14
+"""Of momenta, relative to the sum of the sizes of their parts."""
+DEPENDENT = 1e-10
+"""Momenta that supports hold at zero leave singular values of less than this, relative."""
+
+
+class Momenta:
+    """The six momenta at nodal coordinates q of a system.
+
+    Parameters
+    ----------
+    solve
+        Forces to velocities, by the mass of free coordinates.
+    """
+
+    def __init__(self, system: System, q: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]):
+        self.system, self._solve = system, solve
+        positions = q.reshape(-1, 4, 3)[:, 0]
+        self.centre = positions.mean(axis=0)
+        self.size = float(np.abs(positions - self.centre).max())
+        self._modes = self.rigid(q)
+
+    def rigid(self, q: np.ndarray) -> np.ndarray:
+        """Unit translations and, in units of this size, rotations about this centre of a body at q: (6, n_dofs)."""
+        arms = q.reshape(-1, 4, 3) / self.size
+        arms[:, 0] -= self.centre / self.size
+        out = np.zeros((6, *arms.shape))
+        for i, axis in enumerate(np.eye(3)):
+            out[i, :, 0] = axis
+            out[3 + i] = np.cross(axis, arms)
+        return out.reshape(6, -1)
+
+    def corrected(self, v: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+        """The velocity next to v in the mass norm that has the wanted momenta (6,)."""
+        flow = self.system.mass @ v
+        missing = wanted - self._modes @ flow
+        if (np.abs(missing) <= ROUNDING * (np.abs(self._modes) @ np.abs(flow))).all():
+            return v
+        return v + self._least(missing)
+
+    def slowed(self, v: np.ndarray, allowed: float) -> tuple[np.ndarray, float]:
+        """The velocity with the kinetic energy that is allowed, the deforming part made smaller, and its factor."""
+        if self.system.kinetic_energy(v) <= allowed:
+            return v, 1.0
+        held = self.system.constraints.fixed_part(v)
+        if held.any():
+            held = held - self._solve(self.system.mass @ held)
+        least = held + self._least(self._modes @ (self.system.mass @ (v - held)))
+        deforming = v - least
+        energy = self.system.kinetic_energy(deforming)
+        left = allowed - self.system.kinetic_energy(least)
+        factor = float(np.sqrt(np.clip(left / energy, 0.0, 1.0))) if energy > 0 else 0.0
+        return least + factor * deforming, factor
+
+    def _least(self, momenta: np.ndarray) -> np.ndarray:
+        """The velocity of least energy with these momenta, where supports are at rest."""
+        multipliers = np.linalg.lstsq(self._gram, momenta, rcond=DEPENDENT)[0]
+        return np.asarray(multipliers @ self._lightest)
+
+    @cached_property
+    def _lightest(self) -> np.ndarray:
+        """Velocities of least energy, one for each momentum, (6, n_dofs)."""
+        if not self.system.constraints.fixed.any():
+            return self._modes
+        return np.array([self._solve(self.system.mass @ mode) for mode in self._modes])
+
+    @cached_property
+    def _gram(self) -> np.ndarray:
+        return np.array([self._modes @ (self.system.mass @ v) for v in self._lightest])

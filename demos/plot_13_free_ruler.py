@@ -62,7 +62,7 @@ def run(system: object, rule: str, dt: float = STEP, outputs: int = 101) -> sk.M
 # %%
 # What is read from a run
 # -----------------------
-# All from its ledger, from 4 ms on: there is no load any more.
+# All from its ledger, from 4 ms on: there is no load any more. Of a run that does not come that far it is nothing.
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Figures:
 def figures(motion: sk.Motion) -> Figures:
     """What the book of a run says."""
     book = motion.ledger
-    free = book.times > UNTIL * (1 - 1e-9)
+    free = book.times > min(UNTIL, book.times[-1]) * (1 - 1e-9)
     energy, angular = book.energy[free], book.angular[free]
     ratio = energy / energy[0]
     over = np.flatnonzero(ratio > 2)
@@ -100,7 +100,9 @@ def figures(motion: sk.Motion) -> Figures:
 def line(load: float, dt: float, rule: str, found: Figures) -> str:
     """A line of the table."""
     end = "100 ms" if found.end > END * (1 - 1e-9) else f"stops at {1000 * found.end:.1f} ms"
-    held = f"{found.deviation:.1e}" if found.doubled is None else f"doubled at {1000 * found.doubled:.1f} ms"
+    held = f"{found.deviation:.1e}" if found.end > UNTIL else "-"
+    if found.doubled is not None:
+        held = f"doubled at {1000 * found.doubled:.1f} ms"
     return (f"{load:6.0f}  {1000 * dt:5.2f}  {rule:17}  {end:17}  {held:18}  {found.turning:8.1e}  {found.steps:6d}  "
             f"{found.halved:6d}  {found.iterations:6d}")  # fmt: skip
 

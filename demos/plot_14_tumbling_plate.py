@@ -145,8 +145,8 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
 
 
 # %%
-# The spin alone makes the plate a little stiffer. Bent by many thicknesses it cannot bend without being stretched, and swings
-# faster than in any small vibration; then its spectrum has more lines than the plate has modes.
+# The spin alone makes the plate a little stiffer. Bent by many thicknesses it cannot bend without being stretched, swings
+# faster than in any small vibration, and has a spectrum with more lines than the plate has modes.
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="A tumbling plate")
     parser.add_argument("--size", choices=["full", "small"], default=os.environ.get("SKANCF_DEMO_SIZE", "full"))

@@ -4,8 +4,8 @@ From the folder of the repository, in some ten minutes of a processor:
 
     .venv/bin/python docs/measure/rules.py
 
-The ruler and what is read from its runs are those of demos/plot_13_free_ruler.py. Rows that the table has are kept: delete it
-to make it anew.
+The ruler and what is read from its runs are those of demos/plot_13_free_ruler.py. Rows that the table has are kept:
+delete it to make it anew.
 """
 
 import csv

@@ -44,6 +44,7 @@ from skancf.dynamics import (
     RigidVelocity,
     Spectrum,
     Trapezoidal,
+    read_motion,
     simulate,
     spectrum,
 )
@@ -217,6 +218,7 @@ __all__ = [
     "modes",
     "nodal_measure",
     "output",
+    "read_motion",
     "recovery",
     "residual",
     "simulate",

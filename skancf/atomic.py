@@ -50,7 +50,7 @@ def check_folder(path: AnyPath) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
         _probe(folder / f".probe.{secrets.token_hex(4)}")
     except OSError as error:
-        raise InputError(f"folder '{folder}': cannot be written ({_reason(error)}); "
+        raise InputError(f"folder '{folder}': cannot be written ({reason(error)}); "
                          "choose another folder, free the name, or ask for the right to write") from error  # fmt: skip
     return folder
 
@@ -79,6 +79,7 @@ def check_file(path: AnyPath, *suffixes: str) -> Path:
     return file
 
 
-def _reason(error: OSError) -> str:
+def reason(error: OSError) -> str:
+    """What the system says, in words, and of which file."""
     where = f": '{error.filename}'" if error.filename else ""
     return f"{error.strerror or error}{where}"

@@ -285,6 +285,13 @@ class System:
         r"""Factor :math:`\beta` of the strain rate in the stress, :math:`C (\varepsilon + \beta \dot\varepsilon)` (s)."""
         return 0.0 if self.problem.damping is None else float(self.problem.damping.stiffness)
 
+    def retarding_force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        r"""Internal force of the strain rate, of the stresses :math:`C \beta \dot\varepsilon`, (n_dofs,)."""
+        if not self.retardation:
+            return np.zeros(self.n_dofs)
+        stresses = self.stresses(q, self.retardation * v) - self.stresses(q)
+        return self.assembly.force_of(self._nodal(q), stresses).ravel()
+
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""
         return 0.5 * float(v @ (self.mass @ v))

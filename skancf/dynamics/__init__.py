@@ -1,6 +1,6 @@
 """Motion: rules of integration, step control, the loop, and what it leaves behind."""
 
-from skancf.dynamics.checkpoint import Checkpoint
+from skancf.dynamics.checkpoint import Checkpoint, read_motion
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.initial import RigidVelocity
@@ -28,6 +28,7 @@ __all__ = [
     "RigidVelocity",
     "Spectrum",
     "Trapezoidal",
+    "read_motion",
     "simulate",
     "spectrum",
 ]

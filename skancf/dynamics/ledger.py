@@ -67,8 +67,9 @@ class Ledger:
 
     @property
     def balance(self) -> np.ndarray:
-        """Energy that has no source: of the integration itself (J), (n,)."""
-        return self.energy - self.energy[0] - self.work + self.dissipation - self.remeshing
+        """Energy that has no source since the first of the times: of the integration itself (J), (n,)."""
+        left = self.energy - self.work + self.dissipation - self.remeshing
+        return np.asarray(left - left[0])
 
     @property
     def turnover(self) -> np.ndarray:
@@ -78,9 +79,9 @@ class Ledger:
 
     @property
     def momentum_balance(self) -> np.ndarray:
-        """Linear and angular momentum that have no source, (n, 2, 3)."""
-        linear = self.linear - self.linear[0] - self.linear_impulse
-        return np.stack([linear, self.angular - self.angular[0] - self.angular_impulse], axis=1)
+        """Linear and angular momentum that have no source since the first of the times, (n, 2, 3)."""
+        left = np.stack([self.linear - self.linear_impulse, self.angular - self.angular_impulse], axis=1)
+        return np.asarray(left - left[0])
 
     def at(self, times: Any) -> "Ledger":
         """The book at other times, linear between those of the steps, so that what balances there balances here."""
@@ -109,20 +110,25 @@ def _interpolated(wanted: np.ndarray, times: np.ndarray, values: np.ndarray) -> 
 
 @dataclass(frozen=True)
 class Forces:
-    """Nodal forces at one time of a step: loads but weight, supports, damping and springs from outside (n_dofs,)."""
+    """Nodal forces on the body at one time of a step, (n_dofs,): loads but weight, supports, springs, viscous ones from
+    outside, and damping of the material."""
 
     time: float
     loads: np.ndarray
     supports: np.ndarray
-    outside: np.ndarray
+    springs: np.ndarray
+    viscous: np.ndarray
+    material: np.ndarray
 
     def at(self, time: float, before: "Forces") -> "Forces":
         """Linear through those of the step before."""
         if self.time == before.time or self.time == time:
             return self
         s = (time - self.time) / (self.time - before.time)
-        parts = ((1 + s) * getattr(self, k) - s * getattr(before, k) for k in ("loads", "supports", "outside"))
-        return Forces(time, *parts)
+        return Forces(time, *((1 + s) * getattr(self, k) - s * getattr(before, k) for k in KINDS))
+
+
+KINDS = tuple(field.name for field in fields(Forces) if field.name != "time")
 
 
 class Book:
@@ -167,38 +173,29 @@ class Book:
         forces = self._forces(system, rule, start, u, dt, residual)
         middle = forces.at(start.time + 0.5 * dt, self.before)
         self.before = forces
-        total, q = middle.loads + middle.supports + middle.outside + system.weight, start.q + 0.5 * u
-        rate = rule.rate(u, start, dt)
-        lost = 0.0 if system.viscous is None else float((system.viscous @ rate) @ u)
-        if system.retardation:
-            stresses = rule.viscous_stresses(system, u, start, dt)
-            lost += float(rule.force_of(system, u, start, dt, stresses) @ u) - self._springs(system, rule, start, u)
+        total, q = middle.loads + middle.supports + middle.springs + middle.viscous + system.weight, start.q + 0.5 * u
         self._add(
-            work=float((middle.loads + middle.supports) @ u) + heat(system, start, end), dissipation=lost,
+            work=float((middle.loads + middle.supports) @ u) + heat(system, start, end),
+            dissipation=-float((middle.viscous + middle.material) @ u),
             linear_impulse=dt * total.reshape(-1, 4, 3)[:, 0].sum(axis=0),
             angular_impulse=dt * np.cross(q.reshape(-1, 4, 3), total.reshape(-1, 4, 3)).sum(axis=(0, 1)),
         )  # fmt: skip
         self._write(system, end)
 
-    def _springs(self, system: System, rule: Rule, start: State, u: np.ndarray) -> float:
-        """Work of the springs that :meth:`Rule.force_of` adds."""
-        if system.foundation is None:
-            return 0.0
-        at = start.q + rule.stage * u
-        return float((system.foundation @ (at - system.undeformed)) @ u)
-
     def _forces(
         self, system: System, rule: Rule, start: State, u: np.ndarray, dt: float, residual: Any
     ) -> Forces:
         at, time = rule.at_stage(u, start, dt)
-        supports, outside = np.zeros_like(u), np.zeros_like(u)
+        supports, springs, viscous, material = np.zeros((4, u.size))
         if system.constraints.fixed.any():
             supports = system.constraints.fixed_part(residual())
-        if system.viscous is not None:
-            outside = outside - system.viscous @ rule.rate(u, start, dt)
         if system.foundation is not None:
-            outside = outside - system.foundation @ (at - system.undeformed)
-        return Forces(time, system.applied_force(at, time) - system.weight, supports, outside)
+            springs = -(system.foundation @ (at - system.undeformed))
+        if system.viscous is not None:
+            viscous = -(system.viscous @ rule.rate(u, start, dt))
+        if system.retardation:  # rule.force_of adds the force on the springs
+            material = -rule.force_of(system, u, start, dt, rule.viscous_stresses(system, u, start, dt)) - springs
+        return Forces(time, system.applied_force(at, time) - system.weight, supports, springs, viscous, material)
 
     def jump(self, system: System, before: State, after: State) -> None:
         """Book an impulse: its work is that on the mean of the rates, and so is that of the supports."""
@@ -237,14 +234,18 @@ class Book:
 
 def forces_at_rest(system: System, state: State) -> Forces:
     """The forces of a state between two steps."""
-    q, time, zero = state.q, state.time, np.zeros_like(state.q)
-    loads, viscous = system.applied_force(q, time), zero if system.viscous is None else system.viscous @ state.v
-    supports = zero
+    q, time = state.q, state.time
+    loads = system.applied_force(q, time)
+    supports, springs, viscous = np.zeros((3, q.size))
+    if system.foundation is not None:
+        springs = -(system.foundation @ (q - system.undeformed))
+    if system.viscous is not None:
+        viscous = -(system.viscous @ state.v)
+    material = -system.retarding_force(q, state.v)
     if system.constraints.fixed.any():
-        inner = system.mass @ state.a + system.internal_force(q) + viscous - system.external_force(q, time)
+        inner = system.mass @ state.a + system.internal_force(q) - system.external_force(q, time) - viscous - material
         supports = system.constraints.fixed_part(inner)
-    springs = zero if system.foundation is None else system.foundation @ (q - system.undeformed)
-    return Forces(time, loads - system.weight, supports, -viscous - springs)
+    return Forces(time, loads - system.weight, supports, springs, viscous, material)
 
 
 def heat(system: System, start: State, end: State) -> float:

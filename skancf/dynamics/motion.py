@@ -21,6 +21,7 @@ class MotionStatus(Enum):
     UNBALANCED = "the energy balance left its tolerance"
     FAILED = "an error on the way"
     INTERRUPTED = "interrupted from the keyboard"
+    UNFINISHED = "read from its folder before its end"
 
 
 @dataclass(frozen=True)

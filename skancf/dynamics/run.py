@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.atomic import reason
 from skancf.dynamics.ledger import Book, MeshEvent
 from skancf.dynamics.motion import MotionStatus, Step
 from skancf.dynamics.recorder import Recorder
@@ -14,6 +15,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import StepOutcome, StepSolver
 from skancf.dynamics.steps import Attempt, StepControl
+from skancf.errors import SkancfError
 from skancf.progress import Progress
 from skancf.solution import Solution
 
@@ -86,7 +88,7 @@ class Run:
     def __init__(self, system: System, settings: Settings, recorder: Recorder, q: np.ndarray, v: np.ndarray):
         self.settings, self.recorder = settings, recorder
         self._on(system)
-        a = self.solver.initial_acceleration(q, v, settings.begin)
+        a = self.solver.initial_acceleration(q, v, settings.begin, self._driven(settings.begin))
         self.state = State(settings.begin, q, v, a)
         self.steps: list[Step] = []
         thickness = system.problem.section.thickness
@@ -97,7 +99,7 @@ class Run:
         self.book = Book(system, self.state)
         recorder.begin(system, self.state)
         recorder.keep(self.state)
-        self.impulses = [pair for pair in system.impulses() if settings.begin <= pair[0] <= settings.end]
+        self.impulses = [time for time, _ in system.impulses() if settings.begin <= time <= settings.end]
         self.looked = 0
         self.mark_here()
 
@@ -123,16 +125,23 @@ class Run:
         """The present state."""
         return Solution(self.system, self.state.q, self.state.v, self.state.time)
 
-    def go(self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None) -> tuple[MotionStatus, str]:
-        """Run to the end, or until it stops."""
+    def go(
+        self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
+        at_end: Callable[[], None] = lambda: None,
+    ) -> tuple[MotionStatus, str]:  # fmt: skip
+        """Run to the end, or until it stops; ``after_step`` follows every accepted step, ``at_end`` the last one."""
         try:
-            return self._go(bar, after_step)
+            status, message = self._go(bar, after_step)
+            if status is MotionStatus.FINISHED:
+                self.recorder.end(self.state)
+                at_end()
+            return status, message
         except KeyboardInterrupt:
             return MotionStatus.INTERRUPTED, f"interrupted from the keyboard at t = {self.state.time:.6g} s"
         except Exception as error:  # whatever a load, a record, a disk or the machine raises, what was computed is kept
             if not self.steps:
                 raise
-            return MotionStatus.FAILED, f"stopped at t = {self.state.time:.6g} s, what was computed is kept: {error!r}"
+            return MotionStatus.FAILED, f"stopped at t = {self.state.time:.6g} s, what was computed is kept: {_words(error)}"
         finally:
             self.recorder.end(self.state)
 
@@ -140,11 +149,11 @@ class Run:
         settings = self.settings
         tiny = 1e-12 * settings.span
         while True:
-            while self.impulses and self.impulses[0][0] <= self.state.time + tiny:
-                self._strike(self.impulses.pop(0)[1])
+            while self.impulses and self.impulses[0] <= self.state.time + tiny:
+                self._strike(self.impulses.pop(0))
             if self.state.time >= settings.end - tiny:
                 return MotionStatus.FINISHED, ""
-            stop = self.impulses[0][0] if self.impulses else settings.end
+            stop = self.impulses[0] if self.impulses else settings.end
             left = stop - self.state.time
             step = left if self.dt > left - tiny else self.dt
             outcome, accepted = self._attempt(step)
@@ -205,12 +214,20 @@ class Run:
     def thickness(self) -> float:
         return float(self.system.problem.section.thickness)
 
-    def _strike(self, impulse: np.ndarray) -> None:
-        """Velocities jump by an impulse."""
+    def _driven(self, time: float) -> np.ndarray:
+        """Accelerations of prescribed coordinates, (n_dofs,), after a time of the run; before its end."""
+        moment = SHORT * self.settings.span
+        if time + 2 * moment > self.settings.end:
+            moment = -moment
+        now, soon, later = (self.system.prescribed(time + k * moment) for k in range(3))
+        return (later - 2 * soon + now) / moment**2
+
+    def _strike(self, time: float) -> None:
+        """Velocities jump by the impulse of a time, on the present mesh."""
         system, start = self.system, self.state
         self.recorder.end(start)
-        jump = self.solver.jump(impulse)
-        a = self.solver.initial_acceleration(start.q, start.v + jump, start.time)
+        jump = self.solver.jump(dict(system.impulses())[time])
+        a = self.solver.initial_acceleration(start.q, start.v + jump, start.time, self._driven(start.time))
         self.state = State(start.time, start.q, start.v + jump, a)
         self.book.jump(system, start, self.state)
         self.recorder.begin(system, self.state)
@@ -276,7 +293,16 @@ class Run:
         )
 
 
+def _words(error: Exception) -> str:
+    """What went wrong, with the kind of error where its text does not say what it is about."""
+    if isinstance(error, SkancfError):
+        return str(error)
+    return reason(error) if isinstance(error, OSError) else repr(error)
+
+
 TRIES = 2
 """How often a run goes back to the same look."""
 FIRST = 10
 """Steps before the balance is judged: the first one of a load that jumps cannot be balanced."""
+SHORT = 1e-4
+"""Of the run, for the second difference of a prescribed motion: rounding, 1e-16 over its square, is below it."""

@@ -7,7 +7,8 @@ import numpy as np
 
 from skancf.assembly.system import System
 from skancf.atomic import AnyPath
-from skancf.dynamics.checkpoint import Checkpoint, asked_of, resumed
+from skancf.dynamics.asked import asked_of
+from skancf.dynamics.checkpoint import Checkpoint
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.initial import Velocity, initial_velocity
@@ -121,30 +122,29 @@ def simulate(
     with Progress("dynamics", t_end, shown=progress) as bar:
         run = Run(system, settings, Recorder(times, record or {}), q, v)
         try:
-            status, message = _go(run, bar, checkpoint, resume)
+            status, message, seconds = _go(run, bar, checkpoint, resume)
         finally:
             run.close()
     return Motion(run.recorder.stretches, tuple(run.steps), run.book.ledger(), run.recorder.records, status, message,
-                  clock.perf_counter() - began)  # fmt: skip
+                  clock.perf_counter() - began if seconds is None else seconds)  # fmt: skip
 
 
-def _go(run: Run, bar: Progress, checkpoint: Checkpoint | AnyPath | None, resume: bool) -> tuple[MotionStatus, str]:
-    """The run, written to a folder if it is asked for."""
+def _go(
+    run: Run, bar: Progress, checkpoint: Checkpoint | AnyPath | None, resume: bool
+) -> tuple[MotionStatus, str, float | None]:
+    """The run, written to a folder if it is asked for, with the wall time of all its processes."""
     if checkpoint is None:
         if resume:
             raise InputError("resume = True: from which folder? Give it, as in checkpoint='run'")
-        return run.go(bar)
+        return *run.go(bar), None
     checkpoint = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
-    asked = asked_of(run, run.recorder.quantities, checkpoint.every)
-    theory = run.system.geometry.theory
-    found = resumed(checkpoint, run, asked, lambda mesh: run.system.problem.on(mesh, theory)) if resume else None
-    writer, finished = found or (checkpoint.begins(run, asked), False)
-    if finished:
-        return MotionStatus.FINISHED, ""
-    status, message = run.go(bar, writer.after_step)
-    if status is MotionStatus.FINISHED:
-        writer.write(run, finished=True)
-    return status, message
+    writer = checkpoint.attach(run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
+    if writer.finished:
+        return MotionStatus.FINISHED, "", writer.seconds
+    status, message = run.go(bar, writer.after_step, lambda: writer.write(run, finished=True))
+    if status is not MotionStatus.FINISHED:
+        writer.stopped(run, status, message)
+    return status, message, writer.seconds
 
 
 def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:

@@ -68,13 +68,16 @@ class StepSolver:
         """Factor anew at the next step, as a run that starts there does."""
         self.factored_dt = 0.0
 
-    def initial_acceleration(self, q: np.ndarray, v: np.ndarray, time: float) -> np.ndarray:
-        """M a = external - internal force, on the free coordinates."""
+    def initial_acceleration(self, q: np.ndarray, v: np.ndarray, time: float, driven: np.ndarray) -> np.ndarray:
+        """M a = external - internal force and damping on the free coordinates, ``driven`` (n_dofs,) on the others."""
         self.linear.factor(self.system.mass)
         self.forget()
         self.energy = max(self.energy, self.system.kinetic_energy(v))
-        force = self.system.external_force(q, time) - self.system.internal_force(q)
-        return self.linear.solve(force if self.system.viscous is None else force - self.system.viscous @ v)
+        system = self.system
+        force = system.external_force(q, time) - system.internal_force(q) - system.retarding_force(q, v)
+        if system.viscous is not None:
+            force = force - system.viscous @ v
+        return driven + self.linear.solve(force - system.mass @ driven)
 
     def jump(self, impulse: np.ndarray) -> np.ndarray:
         """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""
@@ -139,11 +142,14 @@ class StepSolver:
                 factorisations += 1
             change = -self.linear.solve(residual, refinements=0)
             energy = work(change, residual)
+            if not np.isfinite(energy):  # an infinite one would be as small as the largest, itself
+                message = "values that are not finite"
+                break
             largest = max(largest, energy)
             scale = max(self.energy, largest)
             if energy <= self.rtol**2 * scale + self.rounding or STALLED * last < energy < TINY * scale:
                 return self._finished(u + change, start, dt, iteration, factorisations)
-            if not np.isfinite(energy) or (not fresh and energy > SLOW**2 * last):
+            if not fresh and energy > SLOW**2 * last:
                 message = "no convergence with factors of an earlier step"
                 break
             if fresh and not self.rule.symmetric:

@@ -23,6 +23,10 @@ class Backend(Protocol):
     def available(cls) -> bool:
         """Can it run on this machine?"""
 
+    @classmethod
+    def description(cls) -> str:
+        """Its name with all that its last bits depend on."""
+
     def symbolic(self, pattern: BlockPattern) -> None:
         """Keep all that depends on the pattern alone."""
 

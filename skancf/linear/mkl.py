@@ -35,6 +35,12 @@ def load() -> ctypes.CDLL | None:
     return None
 
 
+def n_threads() -> int:
+    """Threads that MKL uses at most; the environment variable ``MKL_NUM_THREADS`` sets it."""
+    library = load()
+    return 1 if library is None else int(library.MKL_Get_Max_Threads())
+
+
 def _candidates() -> Iterator[Path]:
     """Files that may be the library: those of the distribution first, then those of this environment."""
     try:

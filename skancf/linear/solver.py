@@ -64,6 +64,11 @@ class DirectSolver:
         return self._backend.name
 
     @property
+    def description(self) -> str:
+        """Its name with all that its last bits depend on."""
+        return self._backend.description()
+
+    @property
     def negative_pivots(self) -> int:
         """Number of negative eigenvalues of the matrix, restricted to the coordinates that are not prescribed."""
         self._require_factors()

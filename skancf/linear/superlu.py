@@ -26,6 +26,11 @@ class SuperLU:
         """Always there."""
         return True
 
+    @classmethod
+    def description(cls) -> str:
+        """Its name."""
+        return cls.name
+
     def symbolic(self, pattern: BlockPattern) -> None:
         """Order the nodes and find where each entry of the permuted matrix comes from."""
         order = nested_dissection(pattern)

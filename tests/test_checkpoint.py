@@ -300,7 +300,7 @@ def test_damage_is_named(name, damage, words, folder):
 def test_a_state_from_elsewhere_is_refused(folder, tmp_path):
     start(tmp_path / "other", history=lambda t: 2.0)
     shutil.copy(tmp_path / "other" / "state.npz", folder / "state.npz")
-    with pytest.raises(sk.InputError, match="run.npz': is damaged, or belongs to another run"):
+    with pytest.raises(sk.InputError, match=r"run.npz': is damaged, or belongs to another run"):
         start(folder)
 
 
@@ -491,5 +491,5 @@ def test_a_folder_without_a_run_is_not_read(tmp_path):
 def test_a_run_knows_its_threads(folder, monkeypatch):
     assert n_threads() >= 1
     monkeypatch.setattr("skancf.linear.mkl.n_threads", lambda: 64)
-    with pytest.raises(sk.InputError, match="backend = mkl, .* threads, this one mkl, 64 threads"):
+    with pytest.raises(sk.InputError, match=r"backend = mkl, .* threads, this one mkl, 64 threads"):
         start(folder)

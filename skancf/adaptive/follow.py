@@ -37,10 +37,14 @@ class Follow:
 
     .. math:: \sum_K \eta_K^2 \le \tau^2 E
 
-    with the largest amount E of energy in the run so far, or a given one. When half of it is reached, the fewest elements that bring it down
-    to a quarter are quartered, and those around them, into which the motion goes on. Where twice as much has come between
-    two looks, the run goes back to the last one and starts there with the finer mesh. Elements where loads will be until the
-    next look are as fine as those where they are. Elements are merged where that adds no more than a hundredth.
+    with the largest strain energy E in the run so far, or a given one. When half of it is reached, the fewest elements that
+    bring it down to a quarter are quartered, and those around them, into which the motion goes on. Where twice as much has
+    come between two looks, the run goes back to the last one and starts there with the finer mesh. Elements where loads will
+    be until the next look are as fine as those where they are. Elements are merged where that adds no more than a hundredth.
+
+    What an element lost of the motion before it was quartered, or loses when it is merged, goes on as a small vibration of
+    the other elements, which error-controlled steps may follow at great cost. A little damping of the material,
+    :class:`~skancf.Damping`, takes it out.
 
     Positions, velocities and accelerations go from mesh to mesh by :func:`~skancf.carried`: momenta are kept, and elements
     are not merged where that would raise the energy. Every change is an event in the ledger.
@@ -60,8 +64,8 @@ class Follow:
     coarsest : int
         Level, counted from the coarse mesh, to which elements are merged at most.
     energy : float, optional
-        E (J), where the run so far says too little of it: at its beginning, when a load has done hardly any work yet, a small
-        part of a small energy is asked for.
+        E (J), where the run so far says too little of it: at its beginning, when a load has done hardly any work yet, a
+        small part of a small energy is asked for.
 
     Raises
     ------
@@ -95,7 +99,7 @@ class Follow:
     def change(self, system: System, before: State, now: State, energy: float, again: bool) -> NewMesh | None:
         """The mesh to go on with and the state there, from the states at the last look and now; None to keep the mesh.
 
-        ``energy`` is the largest amount in the run so far, ``again`` whether the run may go back to the last look.
+        ``energy`` is the largest strain energy so far, ``again`` whether the run may go back to the last look.
         """
         state = Solution(system, now.q, now.v, now.time)
         values, asked = check_indicators(self.indicator(state)), self.rtol**2 * max(energy, self.energy or 0.0)

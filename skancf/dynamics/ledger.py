@@ -160,6 +160,11 @@ class Book:
         self.turnover = max(self.turnover, *amounts)
 
     @property
+    def most_strain(self) -> float:
+        """The largest strain energy so far (J)."""
+        return float(max(row["strain"] for row in self.rows))
+
+    @property
     def imbalance(self) -> float:
         """Energy without a source so far, relative to the largest amount of any (signed)."""
         first, last = self.rows[0], self.rows[-1]

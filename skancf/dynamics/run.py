@@ -47,7 +47,7 @@ class MeshPolicy(Protocol):
     def change(self, system: System, before: State, now: State, energy: float, again: bool) -> NewMesh | None:
         """A change of the mesh, from the states at the last look and now; None to go on with this one.
 
-        ``energy`` is the largest amount in the run so far; ``again`` says whether the run may go back to the last look.
+        ``energy`` is the largest strain energy in the run so far; ``again``: whether the run may go back to the last look.
         """
 
 
@@ -241,7 +241,7 @@ class Run:
         self.looked += 1
         if self.looked < follow.every or self.state.time >= self.settings.end * (1 - 1e-12):
             return
-        new = follow.change(self.system, self.mark.state, self.state, self.book.turnover, self.mark.tries < TRIES)
+        new = follow.change(self.system, self.mark.state, self.state, self.book.most_strain, self.mark.tries < TRIES)
         tries = 0
         if new is not None:
             if new.event.again:

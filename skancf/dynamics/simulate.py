@@ -103,6 +103,8 @@ def simulate(
         if not callable(quantity):
             raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")
     rule = _rule(rule, rho_inf)
+    if steps is not None and (isinstance(steps, type) or not hasattr(steps, "next_step")):
+        raise InputError(f"steps = {steps!r}: give a step control, for example LocalError(1e-3), or a length as dt")
     control: StepControl = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
     if isinstance(control, EnergyBalance) and isinstance(rule, EnergyMomentum):
         raise InputError("steps=EnergyBalance(...) with rule=EnergyMomentum(): this rule balances at any step, right or "

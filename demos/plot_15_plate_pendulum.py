@@ -87,16 +87,16 @@ def draw(motions: dict[str, sk.Motion], damped: sk.Motion, file: Path) -> None:
                        label=name.split(", ", 1)[1], lw=1.5)  # fmt: skip
         panel.plot(0, 0, "o", color="black", ms=6)
         panel.set(xlabel="x (m)", ylabel="z (m)", aspect="equal", title=f"Path of the far corner, E = {young:.0e} Pa")
-        panel.legend(frameon=False, fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3)
+        panel.legend(frameon=False, fontsize=9, loc="lower left")
     undamped = [motion for name, motion in motions.items() if name.startswith(f"{STIFFER:.0e}")][-1]
-    for (name, motion), style in zip({"without": undamped, "with damping": damped}.items(), ("-", "--"), strict=True):
+    for motion, style in ((undamped, "-"), (damped, "--")):
         book = motion.ledger
         rows = (("kinetic", book.kinetic, "#0072B2"), ("strain", book.strain, "#D55E00"),
                 ("of the weight", book.potential, "#009E73"), ("all", book.energy, "#202020"))
         for key, values, colour in rows:
-            axes[2].plot(book.times, values, style, color=colour, lw=1.5, label=f"{key}, {name}")
-    axes[2].set(xlabel="time (s)", ylabel="energy (J)", title=f"Energies, E = {STIFFER:.0e} Pa")
-    axes[2].legend(frameon=False, fontsize=9, ncols=2)
+            axes[2].plot(book.times, values, style, color=colour, lw=1.5, label=key if style == "-" else None)
+    axes[2].set(xlabel="time (s)", ylabel="energy (J)", title=f"Energies, E = {STIFFER:.0e} Pa; with damping broken")
+    axes[2].legend(frameon=False, fontsize=9, loc="lower right")
     for panel in axes:
         panel.grid(color="#e8e8e8")
     figure.savefig(file, dpi=110)

@@ -174,7 +174,8 @@ def _state_of(run: Run) -> dict[str, np.ndarray]:
                float(run.recorder.done), float(len(run.impulses)), book.turnover, float(run.mark.tries)]  # fmt: skip
     sums = {f"sum_{name}": np.asarray(book.sums[name]) for name in SUMS}
     forces = {f"forces_{field.name}": np.asarray(getattr(book.before, field.name)) for field in fields(Forces)}
-    return {"numbers": np.array(numbers), "q": state.q, "v": state.v, "a": state.a, **sums, **forces}
+    return {"numbers": np.array(numbers), "q": state.q, "v": state.v, "a": state.a,
+            "jerk": np.zeros(0) if state.jerk is None else state.jerk, **sums, **forces}  # fmt: skip
 
 
 def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
@@ -193,7 +194,7 @@ def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
 
 def _check(files: RunFiles, data: dict[str, np.ndarray], system: System) -> None:
     shapes = {"numbers": (N_NUMBERS,), **dict.fromkeys(("q", "v", "a"), (system.n_dofs,))}
-    names = [*shapes, *(f"sum_{name}" for name in SUMS), *(f"forces_{field.name}" for field in fields(Forces))]
+    names = [*shapes, "jerk", *(f"sum_{name}" for name in SUMS), *(f"forces_{field.name}" for field in fields(Forces))]
     if any(name not in data or data[name].shape != shapes.get(name, data[name].shape) for name in names):
         raise files.refused(STATE, "is no state of a run")
 
@@ -204,7 +205,7 @@ def _restore(run: Run, data: dict[str, np.ndarray]) -> None:
         run.solver.close()
         run._on(recorder.systems[-1])
     time, dt, run.dt, run.shortest, run.largest, energy, rough, done, impulses, turnover, tries = data["numbers"].tolist()
-    run.state = State(time, data["q"], data["v"], data["a"], dt)
+    run.state = State(time, data["q"], data["v"], data["a"], dt, data["jerk"] if data["jerk"].size else None)
     run.solver.energy, run.solver.rough = energy, bool(rough)
     run.solver.forget()
     recorder.done, book.turnover = int(done), turnover

@@ -36,21 +36,28 @@ class Newmark(Rule):
     def damping_factor(self, dt: float) -> float:
         return (1 - self.alpha_f) * self.gamma / (self.beta * dt)
 
+    def _first(self, start: State, dt: float) -> np.ndarray:
+        """Acceleration at the start of the step: what a rule stores is that at (alpha_m - alpha_f) of its own step later."""
+        later = (self.alpha_m - self.alpha_f) * (dt - start.dt)
+        return start.a if start.jerk is None or not start.dt or not later else start.a + later * start.jerk
+
     def _last(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        return (u - dt * start.v) / (self.beta * dt**2) - (0.5 / self.beta - 1) * start.a
+        return (u - dt * start.v) / (self.beta * dt**2) - (0.5 / self.beta - 1) * self._first(start, dt)
 
     def _rate(self, a: np.ndarray, start: State, dt: float) -> np.ndarray:
-        return start.v + dt * ((1 - self.gamma) * start.a + self.gamma * a)
+        return start.v + dt * ((1 - self.gamma) * self._first(start, dt) + self.gamma * a)
 
     def acceleration(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        return (1 - self.alpha_m) * self._last(u, start, dt) + self.alpha_m * start.a
+        return (1 - self.alpha_m) * self._last(u, start, dt) + self.alpha_m * self._first(start, dt)
 
     def rate(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         return (1 - self.alpha_f) * self._rate(self._last(u, start, dt), start, dt) + self.alpha_f * start.v
 
     def end(self, u: np.ndarray, start: State, dt: float) -> State:
         a = self._last(u, start, dt)
-        return State(start.time + dt, start.q + u, self._rate(a, start, dt), a, dt)
+        jerk = (a - self._first(start, dt)) / dt
+        return State(start.time + dt, start.q + u, self._rate(a, start, dt), a, dt, jerk)
 
     def jerk(self, start: State, end: State) -> np.ndarray:
-        return (end.a - start.a) / end.dt
+        assert end.jerk is not None
+        return end.jerk

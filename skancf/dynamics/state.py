@@ -9,7 +9,8 @@ import numpy as np
 class State:
     """Nodal coordinates with their rate and acceleration at a time.
 
-    ``dt`` is the length of the step that led here, 0 at the start; ``kept`` is what a rule computes once for a state.
+    ``dt`` is the length of the step that led here, 0 at the start, and ``jerk`` the third derivative over it, if the rule
+    needs it; ``kept`` is what a rule computes once for a state.
     """
 
     time: float
@@ -17,4 +18,5 @@ class State:
     v: np.ndarray
     a: np.ndarray
     dt: float = 0.0
+    jerk: np.ndarray | None = None
     kept: dict[str, np.ndarray] = field(default_factory=dict, compare=False, repr=False)

@@ -241,7 +241,7 @@ def main(size: str = "full", out: str = "out") -> dict:
     assert size_of(thin - thick) < 0.1 * size_of(thin)
     label, motion, w = runs[-1]
     assert abs(w.mean() / exact() - 1) < 0.05, f"{label}: {w.mean()} m under the load, {exact()} m in the limit"
-    assert motion.ledger.events and max(abs(motion.ledger.balance)) < 0.02 * motion.ledger.turnover[-1]
+    assert motion.ledger.events and max(abs(motion.ledger.balance)) < 0.05 * motion.ledger.turnover[-1]
     return answers
 
 

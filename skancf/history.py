@@ -60,6 +60,10 @@ def check_cover(history: Any, begin: float, end: float) -> None:
                          f"{begin:.6g} to {end:.6g} s; give it values over the whole run, or shorten the run")  # fmt: skip
 
 
+DENSE = 200
+"""Times of a table beyond which a run need not stop at each of them."""
+
+
 class Tabulated:
     """What tables of time have in common; ``times`` is one of their fields."""
 
@@ -82,6 +86,11 @@ class Tabulated:
     def span(self) -> tuple[float, float]:
         """First and last time (s)."""
         return self.times[0], self.times[-1]
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Times at which a step ends (s): its own, unless it is as dense as a measurement."""
+        return tuple(self.times) if len(self.times) <= DENSE else ()
 
     @cached_property
     def _times(self) -> np.ndarray:
@@ -205,6 +214,11 @@ class Ramp:
         positive("duration", self.duration, "s")
         number("start", self.start)
 
+    @property
+    def knots(self) -> tuple[float, float]:
+        """Times at which a step ends (s)."""
+        return self.start, self.start + self.duration
+
     def __call__(self, time: float) -> float:
         return float(min(max((time - self.start) / self.duration, 0.0), 1.0))
 
@@ -248,6 +262,11 @@ class Pulse:
         number("start", self.start)
         if self.shape not in PULSES:
             raise InputError(f"shape = {self.shape!r}: a pulse is one of {sorted(PULSES)}; give other shapes as a Table")
+
+    @property
+    def knots(self) -> tuple[float, float]:
+        """Times at which a step ends (s)."""
+        return self.start, self.start + self.duration
 
     def __call__(self, time: float) -> float:
         s = (time - self.start) / self.duration

@@ -26,7 +26,7 @@ class Looks:
     def check(self, system):
         assert system.mesh.levels.max() == 0
 
-    def change(self, system, before, now, energy, again):
+    def change(self, system, before, now, end, energy, again):
         mesh, level = system.mesh, system.mesh.levels.max()
         right = np.flatnonzero(mesh.p[0, mesh.t].mean(axis=0) > 0.6)
         if level == 0 and now.time > 0.03 and again:

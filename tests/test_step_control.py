@@ -142,8 +142,6 @@ def test_the_asked_balance_is_kept(rule, rtol):
     assert any(not step.accepted for step in motion.steps)
 
 
-@pytest.mark.xfail(strict=True, reason="after a change of step generalised alpha's acceleration belongs to the step before: "
-                   "energy without a source is in proportion to dt, and no shorter step causes less per time")  # fmt: skip
 def test_the_asked_balance_is_kept_by_generalised_alpha():
     system, t_end, _, _ = reference("pendulum", "kirchhoff")
     assert quiet(system, t_end, steps=sk.EnergyBalance(1e-3)).finished

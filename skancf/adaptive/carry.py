@@ -18,6 +18,7 @@ import numpy as np
 from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
 from skancf.assembly.system import System
+from skancf.errors import InputError
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
 
@@ -272,8 +273,11 @@ def prescribed_rate(system: System, time: float | None) -> np.ndarray:
     """The rate of the prescribed coordinates, (n_dofs,)."""
     if time is None:
         return np.zeros(system.n_dofs)
-    moment = MOMENT * max(1.0, abs(time))
-    return (system.prescribed(time + moment) - system.prescribed(time)) / moment
+    moment, now = MOMENT * max(1.0, abs(time)), system.prescribed(time)
+    try:
+        return (system.prescribed(time + moment) - now) / moment
+    except InputError:  # a table ends here
+        return (now - system.prescribed(time - moment)) / moment
 
 
 def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:

@@ -84,6 +84,9 @@ class Follow:
     def __post_init__(self) -> None:
         for name in ("rtol", "every", "max_dofs", "smallest"):
             positive(name, getattr(self, name))
+        if self.smallest > 1 or not isinstance(self.coarsest, (int, np.integer)) or self.coarsest < 0:
+            raise InputError(f"smallest = {self.smallest}, coarsest = {self.coarsest}: give a part of the extent, at most "
+                             "1, and a level, a whole number of 0 or more")  # fmt: skip
         if self.energy is not None:
             positive("energy", self.energy, "J")
         if int(self.every) != self.every:
@@ -96,14 +99,19 @@ class Follow:
         if not isinstance(system.mesh, MeshQuadTree):
             raise InputError("follow: the mesh of the system must be a quadtree; make it by sk.meshes.quadtree(mesh)")
 
-    def change(self, system: System, before: State, now: State, energy: float, again: bool) -> NewMesh | None:
+    def change(
+        self, system: System, before: State, now: State, end: float, energy: float, again: bool
+    ) -> NewMesh | None:
         """The mesh to go on with and the state there, from the states at the last look and now; None to keep the mesh.
 
-        ``energy`` is the largest strain energy so far, ``again`` whether the run may go back to the last look.
+        ``end`` is that of the run (s), ``energy`` the largest strain energy so far, ``again`` whether the run may go back
+        to the last look.
         """
         state = Solution(system, now.q, now.v, now.time)
-        values, asked = check_indicators(self.indicator(state)), self.rtol**2 * max(energy, self.energy or 0.0)
-        fine = self._marked(system, values, asked, before, now)
+        asked = self.rtol**2 * (energy if self.energy is None else self.energy)
+        values = check_indicators(self.indicator(state))
+        ahead = min(2 * now.time - before.time, end)
+        fine = self._marked(system, values, asked, (now.time, ahead))
         target = self._finer(system, fine)
         if again and values.sum() > LATE * asked and target is not system.mesh:
             return self._moved(system, before, target, again=True)
@@ -118,7 +126,7 @@ class Follow:
         """Marked elements that may be quartered, a mask."""
         return marked & may_be_quartered(system.mesh.leaves, system.geometry.surface, self.smallest)
 
-    def _marked(self, system: System, values: np.ndarray, asked: float, before: State, now: State) -> np.ndarray:
+    def _marked(self, system: System, values: np.ndarray, asked: float, span: tuple[float, float]) -> np.ndarray:
         """Elements to quarter, a mask: those that have most of the error, those around them, those in the way of loads."""
         mesh, own = system.mesh, np.zeros(len(values), dtype=bool)
         if values.sum() > EARLY * asked:
@@ -128,17 +136,17 @@ class Follow:
         finest = np.full(mesh.p.shape[1], -1)
         np.maximum.at(finest, mesh.t[:, own].ravel(), np.tile(mesh.levels[own], 4))
         around = finest[mesh.t].max(axis=0) >= mesh.levels
-        return self._room(system, around | self._in_the_way(system, before, now))
+        return self._room(system, around | self._in_the_way(system, *span))
 
-    def _in_the_way(self, system: System, before: State, now: State) -> np.ndarray:
+    def _in_the_way(self, system: System, now: float, ahead: float) -> np.ndarray:
         """Elements where loads will be until the next look, if they are coarser than where these are now."""
-        out, here = np.zeros(system.geometry.n_elements, dtype=bool), system.load_places(now.time)
+        out, here = np.zeros(system.geometry.n_elements, dtype=bool), system.load_places(now)
         if not here.shape[1]:
             return out
         level = system.mesh.levels
         finest = level[system.geometry.locate_all(here)[0]].max()
-        for time in now.time + (now.time - before.time) * np.linspace(0, 1, PLACES)[1:]:
-            places = system.load_places(time)
+        for time in np.linspace(now, ahead, PLACES)[1:]:
+            places = system.load_places(float(time))
             if places.shape[1]:
                 elements = system.geometry.locate_all(places)[0]
                 out[elements[level[elements] < finest]] = True

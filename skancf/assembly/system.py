@@ -209,11 +209,17 @@ class System:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
         return self.prescription.values(time)
 
+    def _histories(self) -> Iterable[Any]:
+        return chain.from_iterable([*[load.histories() for load in self.loads], self.prescription.histories()])
+
     def check_histories(self, begin: float, end: float) -> None:
         """InputError where a load or a prescribed motion has a table that does not cover the times of a run (s)."""
-        given = [load.histories() for load in self.loads] + [self.prescription.histories()]
-        for history in chain.from_iterable(given):
+        for history in self._histories():
             check_cover(history, begin, end)
+
+    def knots(self) -> list[float]:
+        """Times, ascending, at which the functions of time of loads and prescribed motions begin, end or bend (s)."""
+        return sorted({float(t) for history in self._histories() for t in getattr(history, "knots", ())})
 
     def strain_energy(self, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
         r"""Half of stress times elastic strain, integrated, and the energy of springs and foundations (J).

@@ -16,6 +16,7 @@ import numpy as np
 from skancf.assembly.system import System
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
+from skancf.errors import InputError, finite
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,10 @@ class Ledger:
 
     def at(self, times: Any) -> "Ledger":
         """The book at other times, linear between those of the steps, so that what balances there balances here."""
-        wanted = np.atleast_1d(np.asarray(times, dtype=float))
+        wanted = np.atleast_1d(finite("times", times))
+        if wanted.min() < self.times[0] or wanted.max() > self.times[-1]:
+            raise InputError(f"times from {wanted.min()} to {wanted.max()} s: the ledger is from {self.times[0]} to "
+                             f"{self.times[-1]} s")  # fmt: skip
         columns = {name: _interpolated(wanted, self.times, getattr(self, name)) for name in COLUMNS}
         return Ledger(wanted, **columns, events=self.events)
 

@@ -133,7 +133,10 @@ class Motion:
         return np.concatenate([getattr(part, name)[part.outputs].reshape(-1, n) for part in self.stretches])
 
     def at(self, time: float) -> Solution:
-        """State at any time, by cubic interpolation between output times; after the event where one is at that time."""
+        """State at any time, by cubic interpolation between output times; after the event where one is at that time.
+
+        What vibrates between two output times is lost: ask for as many ``outputs`` as the motion needs.
+        """
         t, first, last = number("time", time), self.stretches[0].times[0], self.stretches[-1].times[-1]
         if not first <= t <= last:
             raise InputError(f"time = {t} s: the motion is known from {first} to {last} s")
@@ -151,14 +154,15 @@ class Motion:
         return self.ledger.at(self.times)
 
     def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
-        """Displacement of one point of the parameter plane at the output times, (n, 3)."""
+        """Displacement at the output times: of a point (2,) of the parameter plane (n, 3), of points (m, 2) (n, m, 3)."""
         if z:
             return np.array([state.displacement(at, z) for state in self.states])
         parts = []
         for part in self.stretches:
             point = probe(part.system, at)
             change = (part.q[part.outputs] - part.system.undeformed).reshape(-1, part.system.n_dofs // 3, 3)
-            parts.append(np.einsum("p,tpi->ti", point.data, change[:, point.indices]))
+            moved = np.array([point @ nodal for nodal in change]).reshape(-1, point.shape[0], 3)
+            parts.append(moved[:, 0] if np.ndim(at) == 1 else moved)
         return np.concatenate(parts)
 
     def history(self, quantity: Callable[[Solution], Any]) -> np.ndarray:

@@ -43,8 +43,12 @@ class Recorder:
         """A new stretch, on a mesh or after a jump."""
         self.systems.append(system)
         due = self._due(state.time)
-        self._add(state.time, state.q, state.v, due)
         self.done += due
+        if self.knots and self.knots[-1].output and self.knots[-1].time == state.time:
+            # At the time of an event the output is the state after it.
+            self.knots[-1] = self.knots[-1]._replace(output=False)
+            due = True
+        self._add(state.time, state.q, state.v, due)
 
     def _add(self, time: float, q: np.ndarray, v: np.ndarray, output: bool) -> None:
         self.knots.append(Knot(len(self.systems) - 1, time, q, v, output))
@@ -99,4 +103,14 @@ class Recorder:
     def records(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Times and values of the quantities."""
         n = min([len(self.record_times), *(len(values) for values in self.values.values())])
-        return {name: (np.array(self.record_times[:n]), np.array(values[:n])) for name, values in self.values.items()}
+        times = np.array(self.record_times[:n])
+        return {name: (times, _stacked(values[:n])) for name, values in self.values.items()}
+
+
+def _stacked(values: list[Any]) -> np.ndarray:
+    """An array of values, of objects where their shapes differ."""
+    if len({np.shape(value) for value in values}) <= 1:
+        return np.array(values)
+    out = np.empty(len(values), dtype=object)
+    out[:] = values
+    return out

@@ -44,10 +44,13 @@ class MeshPolicy(Protocol):
     def check(self, system: System) -> None:
         """InputError for a system whose mesh cannot follow."""
 
-    def change(self, system: System, before: State, now: State, energy: float, again: bool) -> NewMesh | None:
+    def change(
+        self, system: System, before: State, now: State, end: float, energy: float, again: bool
+    ) -> NewMesh | None:
         """A change of the mesh, from the states at the last look and now; None to go on with this one.
 
-        ``energy`` is the largest strain energy in the run so far; ``again``: whether the run may go back to the last look.
+        ``end`` is that of the run (s), ``energy`` the largest strain energy so far, ``again`` whether the run may go back
+        to the last look.
         """
 
 
@@ -100,6 +103,7 @@ class Run:
         recorder.begin(system, self.state)
         recorder.keep(self.state)
         self.impulses = [time for time, _ in system.impulses() if settings.begin <= time <= settings.end]
+        self.knots = system.knots()
         self.looked = 0
         self.mark_here()
 
@@ -153,7 +157,8 @@ class Run:
                 self._strike(self.impulses.pop(0))
             if self.state.time >= settings.end - tiny:
                 return MotionStatus.FINISHED, ""
-            stop = self.impulses[0] if self.impulses else settings.end
+            knot = next((time for time in self.knots if time > self.state.time + tiny), settings.end)
+            stop = min(knot, settings.end, *self.impulses[:1])
             left = stop - self.state.time
             step = left if self.dt > left - tiny else self.dt
             outcome, accepted = self._attempt(step)
@@ -162,7 +167,7 @@ class Run:
                 return MotionStatus.STEP_TOO_SMALL, self._too_small(outcome)
             if not accepted:
                 continue
-            if settings.balance is not None and abs(self.book.imbalance) > settings.balance and len(self.steps) > FIRST:
+            if settings.balance is not None and self._is_unbalanced(settings.balance):
                 return MotionStatus.UNBALANCED, self._unbalanced()
             self._look()
             after_step(self)
@@ -176,11 +181,12 @@ class Run:
         if outcome.converged:
             error = self._error(start, outcome.end)
         if np.isfinite(error):
-            mark, before = self.book.mark(), self.book.imbalance * self.book.turnover
+            mark, before, known = self.book.mark(), self.book.imbalance * self.book.turnover, self.book.turnover
             self.book.step(self.system, settings.rule, start, outcome.u, outcome.end,
                            lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
-            imbalance = (self.book.imbalance * self.book.turnover - before) / max(self.book.turnover, 1e-300)
-            attempt = Attempt(step, settings.span, error, outcome.iterations, imbalance)
+            imbalance = (self.book.imbalance * self.book.turnover - before) / max(self.book.turnover, self._noise)
+            young = self.book.turnover > 2 * known
+            attempt = Attempt(step, settings.span, error, outcome.iterations, imbalance, young)
             accepted = control.accepts(attempt)
             # A step cut to end at a given time says nothing against the length that was meant.
             cut = step < self.dt and accepted
@@ -210,6 +216,16 @@ class Run:
         slow = self.solver.resolved(error, end.dt)
         amplitude = self.size(error - slow) / abs(rule.error_constant)
         return (self.size(slow) + 2 * amplitude * end.dt / self.settings.span) / self.largest
+
+    @property
+    def _noise(self) -> float:
+        """Energy that is rounding (J)."""
+        return max(NOISE * self.solver.rounding, 1e-300)
+
+    def _is_unbalanced(self, tolerance: float) -> bool:
+        """The first steps of a load that jumps cannot be balanced; nor can rounding."""
+        left = abs(self.book.imbalance) * self.book.turnover
+        return left > tolerance * max(self.book.turnover, self._noise) and len(self.steps) > FIRST
 
     @property
     def thickness(self) -> float:
@@ -242,7 +258,8 @@ class Run:
         self.looked += 1
         if self.looked < follow.every or self.state.time >= self.settings.end * (1 - 1e-12):
             return
-        new = follow.change(self.system, self.mark.state, self.state, self.book.most_strain, self.mark.tries < TRIES)
+        most, again = self.book.most_strain, self.mark.tries < TRIES
+        new = follow.change(self.system, self.mark.state, self.state, self.settings.end, most, again)
         tries = 0
         if new is not None:
             if new.event.again:
@@ -303,6 +320,8 @@ def _words(error: Exception) -> str:
 
 TRIES = 2
 """How often a run goes back to the same look."""
+NOISE = 1e3
+"""Times the energy of rounding of the coordinates: what many steps of it come to."""
 FIRST = 10
 """Steps before the balance is judged: the first one of a load that jumps cannot be balanced."""
 SHORT = 1e-4

@@ -52,7 +52,7 @@ def simulate(
         Length of the run (s).
     rtol : float
         Asked accuracy: errors of the steps add up to this part of the displacement (plus the thickness) by the end of the
-        run; see :class:`LocalError`.
+        run, so that a longer run takes shorter steps; see :class:`LocalError`.
     dt : float, optional
         Fixed step (s) instead.
     steps
@@ -99,6 +99,12 @@ def simulate(
     for name, value in (("newton_rtol", newton_rtol), ("balance", balance)):
         if value is not None:
             positive(name, value)
+    if record is not None and not isinstance(record, Mapping):
+        raise InputError(f"record = {record!r}: give names and functions of a Solution, as in record={{'tip': f}}")
+    if start is not None and not isinstance(start, Solution):
+        raise InputError(f"start = {start!r}: give a Solution, for example motion.at(0.1) or sk.solve(system).solution")
+    if follow is not None and not hasattr(follow, "change"):
+        raise InputError(f"follow = {follow!r}: give a policy of meshes, for example sk.Follow(rtol=0.2)")
     for name, quantity in (record or {}).items():
         if not callable(quantity):
             raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")

@@ -18,6 +18,8 @@ class Attempt:
     error: float
     iterations: int
     imbalance: float
+    young: bool = False
+    """Whether energies more than doubled in the step, so that there is nothing yet to compare the imbalance with."""
 
 
 class StepControl(Protocol):
@@ -152,6 +154,12 @@ class EnergyBalance(_Limited):
 
     def measured(self, attempt: Attempt) -> float:
         return abs(attempt.imbalance)
+
+    def accepts(self, attempt: Attempt) -> bool:
+        return attempt.young or super().accepts(attempt)
+
+    def next_step(self, attempt: Attempt) -> float:
+        return attempt.dt if attempt.young and self._over(attempt) > 1 else super().next_step(attempt)
 
 
 @dataclass(frozen=True)

@@ -135,3 +135,8 @@ class Component:
     def span(self) -> tuple[float, float] | None:
         """Times at which it is known, if it is a table's."""
         return getattr(getattr(self.motion, self.name), "span", None)
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Times at which a step ends (s)."""
+        return tuple(getattr(getattr(self.motion, self.name), "knots", ()))

@@ -80,6 +80,7 @@ class Figures:
     steps: int
     halved: int
     iterations: int
+    factorisations: int
 
 
 def figures(motion: sk.Motion) -> Figures:
@@ -94,6 +95,7 @@ def figures(motion: sk.Motion) -> Figures:
         float(book.times[free][over[0]]) if over.size else None,
         float(np.linalg.norm(angular - angular[0], axis=1).max() / np.linalg.norm(angular[0])), float(book.times[-1]),
         sum(step.accepted for step in motion.steps), sum(not step.accepted for step in motion.steps), motion.iterations,
+        sum(step.factorisations for step in motion.steps),
     )  # fmt: skip
 
 
@@ -104,10 +106,10 @@ def line(load: float, dt: float, rule: str, found: Figures) -> str:
     if found.doubled is not None:
         held = f"doubled at {1000 * found.doubled:.1f} ms"
     return (f"{load:6.0f}  {1000 * dt:5.2f}  {rule:17}  {end:17}  {held:18}  {found.turning:8.1e}  {found.steps:6d}  "
-            f"{found.halved:6d}  {found.iterations:6d}")  # fmt: skip
+            f"{found.halved:6d}  {found.iterations:6d}  {found.factorisations:6d}")  # fmt: skip
 
 
-HEAD = "P (N)   dt(ms) rule               end                energy             momentum    steps  halved  iterations"
+HEAD = "P (N)   dt(ms) rule               end                energy             momentum    steps  halved   iter.  factors"
 
 # %%
 # Pictures

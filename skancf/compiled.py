@@ -8,5 +8,9 @@ OPTIONS = {
     "fastmath": {"contract", "reassoc", "nsz", "arcp"},
 }
 """Of those that are called from Python."""
-INNER = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Of those that only compiled functions call: without entry points they compile in half the time."""
+INNER = {**OPTIONS, "forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""Of those that only compiled functions call: without entry points they compile in half the time.
+
+Inlined by the compiler: of a function that is called, each caller's file of machine code has a copy, optimised there, and
+whichever was loaded first is taken; so last bits would differ between a process that compiles and one that loads.
+"""

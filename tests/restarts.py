@@ -2,6 +2,7 @@
 
     python restarts.py                          reads orders from its input and forks for each
     python restarts.py NAME FOLDER RESULT       one run
+    python restarts.py forces                   prints internal forces
 
 An order is a line ``NAME FOLDER RESULT``; the answers are lines with the number of the process, and its exit status.
 """
@@ -112,6 +113,13 @@ def save(name, folder, result):
     np.savez(result, seconds=motion.seconds, status=motion.status.name, **arrays(motion))
 
 
+def forces():
+    """Internal forces as text: the same bytes whether this process compiles or loads machine code."""
+    system = system_on("kirchhoff", 3, CLAMP, [])
+    q = system.undeformed + 1e-2 * np.cos(np.arange(system.n_dofs))
+    print(system.internal_force(q).tobytes().hex(), system.force_of(q, system.stresses(q)).tobytes().hex())
+
+
 def serve():
     for order in sys.stdin:
         pid = os.fork()
@@ -127,4 +135,4 @@ def serve():
 
 
 if __name__ == "__main__":
-    save(*sys.argv[1:]) if len(sys.argv) > 1 else serve()
+    {1: serve, 2: forces}[len(sys.argv)]() if len(sys.argv) < 3 else save(*sys.argv[1:])

@@ -106,6 +106,17 @@ def test_large_runs_have_the_same_bytes_in_every_process(name, tmp_path):
     assert files_of(tmp_path / "run 0") == files_of(tmp_path / "run 1")
 
 
+def test_fresh_machine_code_gives_the_same_bytes(tmp_path):
+    """A run goes on in a process that loads what the first one compiled."""
+    def printed():
+        return subprocess.run([sys.executable, SCRIPT, "forces"], env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)},
+                              stdout=subprocess.PIPE, check=True).stdout  # fmt: skip
+
+    compiled = printed()
+    assert list(tmp_path.rglob("*residual*.nbc"))
+    assert printed() == compiled
+
+
 # --- cut off between files -----------------------------------------------------------------------------------------------
 
 

@@ -186,7 +186,8 @@ class Run:
                            lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
             imbalance = (self.book.imbalance * self.book.turnover - before) / max(self.book.turnover, self._noise)
             young = self.book.turnover > 2 * known
-            attempt = Attempt(step, settings.span, error, outcome.iterations, imbalance, young)
+            done = (outcome.end.time - settings.begin) / settings.span
+            attempt = Attempt(step, settings.span, error, outcome.iterations, imbalance, young, self.book.imbalance / done)
             accepted = control.accepts(attempt)
             # A step cut to end at a given time says nothing against the length that was meant.
             cut = step < self.dt and accepted

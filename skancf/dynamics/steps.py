@@ -20,6 +20,8 @@ class Attempt:
     imbalance: float
     young: bool = False
     """Whether energies more than doubled in the step, so that there is nothing yet to compare the imbalance with."""
+    total: float = float("inf")
+    """The imbalance of the run so far, over the part of its length that is done."""
 
 
 class StepControl(Protocol):
@@ -156,10 +158,11 @@ class EnergyBalance(_Limited):
         return abs(attempt.imbalance)
 
     def accepts(self, attempt: Attempt) -> bool:
-        return attempt.young or super().accepts(attempt)
+        # What one step loses and the next one gains back adds up to nothing, and no shorter step may lose less.
+        return attempt.young or abs(attempt.total) <= self.rtol or super().accepts(attempt)
 
     def next_step(self, attempt: Attempt) -> float:
-        return attempt.dt if attempt.young and self._over(attempt) > 1 else super().next_step(attempt)
+        return attempt.dt if self._over(attempt) > 1 and self.accepts(attempt) else super().next_step(attempt)
 
 
 @dataclass(frozen=True)

@@ -144,9 +144,12 @@ def test_the_asked_balance_is_kept(rule, rtol):
 
 def test_the_asked_balance_is_kept_by_generalised_alpha():
     system, t_end, _, _ = reference("pendulum", "kirchhoff")
-    motion = quiet(system, t_end, steps=sk.EnergyBalance(1e-3))
-    assert motion.finished and abs(motion.ledger.balance[-1]) < 1e-3 * motion.ledger.turnover[-1]
+    motion = quiet(system, t_end, steps=sk.EnergyBalance(1e-2))
+    assert motion.finished and abs(motion.ledger.balance[-1]) < 1e-2 * motion.ledger.turnover[-1]
     assert any(not step.accepted for step in motion.steps)
+    # Its acceleration belongs to another time than its state: what that moves to and fro does not fall with the step.
+    stopped = quiet(system, t_end, steps=sk.EnergyBalance(1e-3))
+    assert stopped.status is MotionStatus.STEP_TOO_SMALL and "energy without a source" in stopped.message
 
 
 # --- iterations, output times, cuts ----------------------------------------------------------------------------------

@@ -295,7 +295,8 @@ class Run:
 
     def _too_small(self, outcome: StepOutcome) -> str:
         last = self.steps[-1]
-        reason = outcome.message if not outcome.converged else f"local error {last.error:.1e}"
+        found = f"local error {last.error:.1e}, energy without a source {last.imbalance:.1e} of the largest"
+        reason = outcome.message if not outcome.converged else found
         return (
             f"the run stopped at t = {self.state.time:.6g} s: its step fell to {self.dt:.1e} s ({reason}); "
             "what was computed is kept. Look for a mechanism, an element that folds, or a load that jumps."

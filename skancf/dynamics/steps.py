@@ -144,7 +144,9 @@ class LocalError(_Limited):
 class EnergyBalance(_Limited):
     """Steps whose energy without a source adds up to ``rtol`` of the largest energy over the run.
 
-    For rules that do not keep energy themselves; :class:`~skancf.EnergyMomentum` balances at any step, right or wrong.
+    For rules that do not keep energy themselves; :class:`~skancf.EnergyMomentum` balances at any step, right or wrong. With
+    :class:`~skancf.GeneralizedAlpha`, whose accelerations belong to other times than its states, less than about a hundredth
+    cannot always be kept, whatever the step: the run stops and says so.
 
     Parameters
     ----------

@@ -485,6 +485,15 @@ def test_read_on_several_meshes(tmp_path):
     assert read.at(0.09).strain_energy == motion.at(0.09).strain_energy
 
 
+def test_an_event_where_the_run_was_just_written(tmp_path):
+    """The output at that time is the state after it; the piece that was written before has the one before it."""
+    what = {"loads": [sk.Impulse((1.0, 1.0), (0, 0, 0.1), 0.02)], "outputs": [0.0, 0.02, 0.05]}
+    motion = start(tmp_path / "run", **what)
+    assert motion.times.tolist() == [0.0, 0.02, 0.05] and len(motion.stretches) == 2
+    assert same(arrays(motion), arrays(sk.read_motion(small(**what)[0], tmp_path / "run"))) == []
+    assert same(arrays(motion), arrays(start(tmp_path / "run", **what))) == []
+
+
 @pytest.mark.parametrize(("what", "words"), [
     ({"n": 3}, "another mesh"), ({"young": 2e6}, "material ="), ({"theory": "full"}, "theory ="),
 ])  # fmt: skip

@@ -44,11 +44,16 @@ class Recorder:
         self.systems.append(system)
         due = self._due(state.time)
         self.done += due
-        if self.knots and self.knots[-1].output and self.knots[-1].time == state.time:
-            # At the time of an event the output is the state after it.
-            self.knots[-1] = self.knots[-1]._replace(output=False)
-            due = True
+        due = self.replace_output(len(self.systems) - 1, state.time) or due
         self._add(state.time, state.q, state.v, due)
+
+    def replace_output(self, stretch: int, time: float) -> bool:
+        """At the time of an event the output is the state after it: whether there is one before it that no longer counts."""
+        last = self.knots[-1] if self.knots else None
+        if last is None or last.stretch == stretch or not last.output or last.time != time:
+            return False
+        self.knots[-1] = last._replace(output=False)
+        return True
 
     def _add(self, time: float, q: np.ndarray, v: np.ndarray, output: bool) -> None:
         self.knots.append(Knot(len(self.systems) - 1, time, q, v, output))

@@ -76,6 +76,7 @@ class Kept:
         for stretch, time, output in piece["knots"].tolist():
             k = int(stretch)
             i = rows[k] = rows.get(k, -1) + 1
+            recorder.replace_output(k, time)
             recorder.knots.append(Knot(k, time, piece[f"q_{k}"][i], piece[f"v_{k}"][i], bool(output)))
         self.steps += [_record(Step, row) for row in piece["steps"]]
         book.times += piece["book_times"].tolist()

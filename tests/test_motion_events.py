@@ -149,3 +149,12 @@ def test_a_force_moves_over_a_simply_supported_strip(ratio):
     assert motion.finished and error < 0.01, error
     static = w0 * (np.sin(0.5 * n * np.pi) * np.sin(n * omega * t) / n**4).sum(axis=0)
     assert np.abs(static - exact).max() > 0.1 * exact.max(), "inertia takes part"
+
+
+def test_a_run_that_goes_on_is_not_struck_again():
+    problem = sk.Problem(sk.Rectangle(1.0, 0.3), 0.02, sk.Isotropic(1e6, 0.3, 1e3), [sk.Clamp("left")],
+                         [sk.Impulse((1.0, 0.15), (0, 0, 0.02), time=0.125)])  # fmt: skip
+    system = problem.on(sk.meshes.uniform(problem.surface, 4, 1), "kirchhoff")
+    first = sk.simulate(system, 0.125, dt=0.125 / 8, progress=False)
+    then = sk.simulate(system, 0.125, dt=0.125 / 8, start=first.at(0.125), progress=False)
+    assert then.ledger.kinetic[0] == pytest.approx(first.ledger.kinetic[-1]) and first.ledger.kinetic[-1] > 0

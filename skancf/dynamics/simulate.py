@@ -129,6 +129,9 @@ def simulate(
     began = clock.perf_counter()
     with Progress("dynamics", t_end, shown=progress) as bar:
         run = Run(system, settings, Recorder(times, record or {}), q, v)
+        if start is not None and start.time is not None:
+            # A state that has a time is the one after what happened then.
+            run.impulses = [time for time in run.impulses if time > begin]
         try:
             status, message, seconds = _go(run, bar, checkpoint, resume)
         finally:

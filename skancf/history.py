@@ -190,8 +190,24 @@ class Path(Tabulated):
         return np.array([np.interp(inside, self._times, values) for values in self._points])
 
 
+class Lasting:
+    """What functions have in common that begin at a time and last; ``duration`` and ``start`` are among their fields."""
+
+    duration: float
+    start: float
+
+    def __post_init__(self) -> None:
+        positive("duration", self.duration, "s")
+        number("start", self.start)
+
+    @property
+    def knots(self) -> tuple[float, float]:
+        """Times at which a step ends (s)."""
+        return self.start, self.start + self.duration
+
+
 @dataclass(frozen=True)
-class Ramp:
+class Ramp(Lasting):
     r"""Zero before ``start``, one after ``start + duration``, a straight line between: :math:`(t - t_0) / T`.
 
     Parameters
@@ -210,15 +226,6 @@ class Ramp:
     duration: float
     start: float = 0.0
 
-    def __post_init__(self) -> None:
-        positive("duration", self.duration, "s")
-        number("start", self.start)
-
-    @property
-    def knots(self) -> tuple[float, float]:
-        """Times at which a step ends (s)."""
-        return self.start, self.start + self.duration
-
     def __call__(self, time: float) -> float:
         return float(min(max((time - self.start) / self.duration, 0.0), 1.0))
 
@@ -232,7 +239,7 @@ PULSES: dict[str, Callable[[float], float]] = {
 
 
 @dataclass(frozen=True)
-class Pulse:
+class Pulse(Lasting):
     r"""A pulse of height one between ``start`` and ``start + duration``, zero elsewhere.
 
     With :math:`s = (t - t_0) / T` between 0 and 1 it is :math:`\sin \pi s`, :math:`1 - |2 s - 1|`, or one; its integral over
@@ -258,15 +265,9 @@ class Pulse:
     shape: str = "sine"
 
     def __post_init__(self) -> None:
-        positive("duration", self.duration, "s")
-        number("start", self.start)
+        super().__post_init__()
         if self.shape not in PULSES:
             raise InputError(f"shape = {self.shape!r}: a pulse is one of {sorted(PULSES)}; give other shapes as a Table")
-
-    @property
-    def knots(self) -> tuple[float, float]:
-        """Times at which a step ends (s)."""
-        return self.start, self.start + self.duration
 
     def __call__(self, time: float) -> float:
         s = (time - self.start) / self.duration

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import skancf as sk
+from skancf.assembly.system import System
 
 OUT = Path(__file__).parents[1] / "decisions" / "control.csv"
 
@@ -33,10 +34,8 @@ def motions() -> Iterator[tuple[str, sk.Problem, tuple[int, int], float, dict]]:
     yield "tumbling plate", free, (4, 2), 1.0, {"velocity": sk.RigidVelocity((0, 0, 0), (2.0, 6.0, 1.0))}
 
 
-def size(system: sk.Solution, change: np.ndarray) -> np.ndarray:
-    ones = np.zeros((system.n_dofs // 12, 4, 3))
-    ones[:, 0, 0] = 1
-    weights = np.abs((system.mass @ ones.ravel()).reshape(-1, 4, 3)[:, 0, 0])
+def size(system: System, change: np.ndarray) -> np.ndarray:
+    weights = np.abs(system.shares[:, 0])
     positions = change.reshape(len(change), -1, 4, 3)[:, :, 0]
     return np.sqrt(np.einsum("n,tni->t", weights / weights.sum(), positions**2))
 

@@ -5,9 +5,7 @@ Writes docs/decisions/hanging.csv, eliminated.csv and nested.csv. From the folde
     .venv/bin/python docs/measure/hanging.py
 """
 
-import csv
 import warnings
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,13 +14,13 @@ import scipy.sparse.linalg
 import skfem
 from skfem.helpers import dd, ddot
 from skfem.utils import mpc
+from tables import write
 
 import skancf as sk
 from skancf.assembly.hanging import Hanging
 from skancf.meshes import MeshQuadTree
 from skancf.theories import Kirchhoff
 
-OUT = Path(__file__).resolve().parent.parent / "decisions"
 OPENING = [((0.0, 1.0), (0.0, 1.0))]
 SURFACE = sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))
 PLACE = (-0.5, -0.5)
@@ -143,13 +141,6 @@ def nested() -> list[list[Any]]:
             rows.append([theory, name, f"{np.abs(after - before).max() / np.abs(before).max():.0e}",
                          f"{abs(energies[1] / energies[0] - 1):.0e}"])  # fmt: skip
     return rows
-
-
-def write(name: str, header: str, rows: list[list[Any]]) -> None:
-    with (OUT / name).open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([header.split("; "), *rows])
-    print((OUT / name).read_text(encoding="utf-8"))
 
 
 def main() -> None:

@@ -5,15 +5,14 @@ Writes docs/decisions/settled.csv, settled_runs.csv and settled_cost.csv. From t
     .venv/bin/python docs/measure/motion.py
 """
 
-import csv
 import time
 import warnings
 from collections.abc import Callable, Iterator
 from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tables import write
 
 import skancf as sk
 from skancf.adaptive.between import Interpolation
@@ -23,7 +22,6 @@ from skancf.dynamics.step_solver import StepSolver
 from skancf.linear import DirectSolver
 from skancf.meshes import MeshQuadTree, quadtree, uniform
 
-OUT = Path(__file__).resolve().parent.parent / "decisions"
 ALUMINIUM = sk.Isotropic(70e9, 0.3, 2700.0)
 PLATE = sk.Rectangle(1.0, 0.8)
 TUBE = sk.CylinderSector(1.0, 1.0, 2 * pi, closed=True)
@@ -179,13 +177,6 @@ def fastest(call: Callable[[], Any], times: int = 5) -> float:
         call()
         found.append(time.perf_counter() - begin)
     return min(found)
-
-
-def write(name: str, header: str, rows: list[list[Any]]) -> None:
-    with (OUT / name).open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerows([header.split("; "), *rows])
-    print((OUT / name).read_text(encoding="utf-8"))
 
 
 def main() -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
 from skancf.assembly.system import System
-from skancf.errors import InputError
+from skancf.dynamics.prescribed import prescribed_rate
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
 
@@ -207,7 +207,7 @@ class _Passage:
 
     def velocity(self) -> np.ndarray:
         """The rates of the state, those of the prescription apart at prescribed coordinates."""
-        v, (before, after) = self.state.velocity, (prescribed_rate(s, self.state.time) for s in (self.old, self.new))
+        v, (before, after) = self.state.velocity, (_rate(s, self.state.time) for s in (self.old, self.new))
         assert v is not None
         out = self.rates(v)
         if before.any() or after.any():
@@ -269,20 +269,11 @@ class _Passage:
         )  # fmt: skip
 
 
-def prescribed_rate(system: System, time: float | None) -> np.ndarray:
+def _rate(system: System, time: float | None) -> np.ndarray:
     """The rate of the prescribed coordinates, (n_dofs,)."""
-    if time is None:
-        return np.zeros(system.n_dofs)
-    moment, now = MOMENT * max(1.0, abs(time)), system.prescribed(time)
-    try:
-        return (system.prescribed(time + moment) - now) / moment
-    except InputError:  # a table ends here
-        return (now - system.prescribed(time - moment)) / moment
+    return np.zeros(system.n_dofs) if time is None else prescribed_rate(system, time, MOMENT * max(1.0, abs(time)))
 
 
 def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:
     """Mass times the place of its centre (3,), and the mass."""
-    ones = np.zeros((system.n_dofs // 12, 4, 3))
-    ones[:, 0, 0] = 1.0
-    shares = (system.mass @ ones.ravel()).reshape(-1, 4, 3)[:, :, 0]
-    return np.einsum("nk,nki->i", shares, q.reshape(-1, 4, 3)), float(shares[:, 0].sum())
+    return np.einsum("nk,nki->i", system.shares, q.reshape(-1, 4, 3)), float(system.shares[:, 0].sum())

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.dynamics.initial import rigid_rates
 
 ROUNDING = 1e-14
 """Of momenta, relative to the sum of the sizes of their parts."""
@@ -36,13 +37,9 @@ class Momenta:
 
     def rigid(self, q: np.ndarray) -> np.ndarray:
         """Unit translations and, in units of this size, rotations about this centre of a body at q: (6, n_dofs)."""
-        arms = q.reshape(-1, 4, 3) / self.size
-        arms[:, 0] -= self.centre / self.size
-        out = np.zeros((6, *arms.shape))
-        for i, axis in enumerate(np.eye(3)):
-            out[i, :, 0] = axis
-            out[3 + i] = np.cross(axis, arms)
-        return out.reshape(6, -1)
+        none, axes = np.zeros(3), np.eye(3)
+        translations = [rigid_rates(q, axis, none, self.centre) for axis in axes]
+        return np.array(translations + [rigid_rates(q, none, axis / self.size, self.centre) for axis in axes])
 
     def corrected(self, v: np.ndarray, wanted: np.ndarray) -> np.ndarray:
         """The velocity next to v in the mass norm that has the wanted momenta (6,)."""

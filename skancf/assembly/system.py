@@ -298,6 +298,19 @@ class System:
         stresses = self.stresses(q, self.retardation * v) - self.stresses(q)
         return self.assembly.force_of(self._nodal(q), stresses).ravel()
 
+    def net_force(self, q: np.ndarray, v: np.ndarray, time: float) -> np.ndarray:
+        """External less internal force and damping at a time, (n_dofs,): what is left for inertia and supports."""
+        force = self.external_force(q, time) - self.internal_force(q) - self.retarding_force(q, v)
+        return force if self.viscous is None else force - self.viscous @ v
+
+    @cached_property
+    def shares(self) -> np.ndarray:
+        """What the mass makes of a unit translation at the vectors of the nodes, (n_nodes, 4) (kg); at positions their sum
+        is the mass of the body."""
+        ones = np.zeros((self.n_dofs // 12, 4, 3))
+        ones[:, 0, 0] = 1.0
+        return np.asarray((self.mass @ ones.ravel()).reshape(-1, 4, 3)[:, :, 0])
+
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""
         return 0.5 * float(v @ (self.mass @ v))

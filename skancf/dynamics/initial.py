@@ -48,11 +48,16 @@ class RigidVelocity:
 
     def at(self, q: np.ndarray) -> np.ndarray:
         """Rates of nodal coordinates q, (n_dofs,)."""
-        nodal = q.reshape(-1, 4, 3).copy()
-        nodal[:, R] -= self.about
-        rates = np.cross(np.asarray(self.spin, float), nodal)
-        rates[:, R] += self.velocity
-        return rates.ravel()
+        return rigid_rates(q, self.velocity, self.spin, self.about)
+
+
+def rigid_rates(q: np.ndarray, velocity: Any, spin: Any, about: Any) -> np.ndarray:
+    """Rates of nodal coordinates q that move as a rigid body, (n_dofs,): see :class:`RigidVelocity`."""
+    nodal = q.reshape(-1, 4, 3).copy()
+    nodal[:, R] -= about
+    rates = np.cross(np.asarray(spin, float), nodal)
+    rates[:, R] += velocity
+    return rates.ravel()
 
 
 Velocity = np.ndarray | RigidVelocity | Callable[[np.ndarray, np.ndarray], Any] | None

@@ -8,6 +8,7 @@ What is left over is the error of the integration: what a rule takes out of what
 Momenta change by the impulses of loads, supports, springs and damping.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -69,14 +70,13 @@ class Ledger:
     @property
     def balance(self) -> np.ndarray:
         """Energy that has no source since the first of the times: of the integration itself (J), (n,)."""
-        left = self.energy - self.work + self.dissipation - self.remeshing
+        left = without_source(vars(self))
         return np.asarray(left - left[0])
 
     @property
     def turnover(self) -> np.ndarray:
         """The largest amount of any of the energies and their sums so far (J), (n,): what a balance is compared with."""
-        amounts = np.abs([self.kinetic, self.strain, self.potential, self.work, self.dissipation]).max(axis=0)
-        return np.asarray(np.maximum.accumulate(amounts))
+        return np.asarray(np.maximum.accumulate(np.abs([getattr(self, name) for name in AMOUNTS]).max(axis=0)))
 
     @property
     def momentum_balance(self) -> np.ndarray:
@@ -103,7 +103,14 @@ class Ledger:
 
 
 COLUMNS = tuple(field.name for field in fields(Ledger) if field.name not in ("times", "events"))
+AMOUNTS = ("kinetic", "strain", "potential", "work", "dissipation")
 SUMS = ("work", "dissipation", "remeshing", "linear_impulse", "angular_impulse")
+
+
+def without_source(book: Mapping[str, Any]) -> Any:
+    """Energy less all that came in and went, of the columns of a ledger or of a row; what it changes by has no source."""
+    energy = book["kinetic"] + book["strain"] + book["potential"]
+    return energy - book["work"] + book["dissipation"] - book["remeshing"]
 
 
 def _interpolated(wanted: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -160,8 +167,7 @@ class Book:
         }  # fmt: skip
         self.times.append(state.time)
         self.rows.append(row)
-        amounts = [abs(row[name]) for name in ("kinetic", "strain", "potential", "work", "dissipation")]
-        self.turnover = max(self.turnover, *amounts)
+        self.turnover = max(self.turnover, *(abs(row[name]) for name in AMOUNTS))
 
     @property
     def most_strain(self) -> float:
@@ -169,12 +175,14 @@ class Book:
         return float(max(row["strain"] for row in self.rows))
 
     @property
+    def left(self) -> float:
+        """Energy without a source so far (J)."""
+        return float(without_source(self.rows[-1]) - without_source(self.rows[0]))
+
+    @property
     def imbalance(self) -> float:
         """Energy without a source so far, relative to the largest amount of any (signed)."""
-        first, last = self.rows[0], self.rows[-1]
-        energy = [row["kinetic"] + row["strain"] + row["potential"] for row in (first, last)]
-        left = energy[1] - energy[0] - last["work"] + last["dissipation"] - last["remeshing"]
-        return float(left / max(self.turnover, 1e-300))
+        return self.left / max(self.turnover, 1e-300)
 
     def step(self, system: System, rule: Rule, start: State, u: np.ndarray, end: State, residual: Any) -> None:
         """Book a step; ``residual()`` is that of the step's equations at its solution."""
@@ -252,8 +260,7 @@ def forces_at_rest(system: System, state: State) -> Forces:
         viscous = -(system.viscous @ state.v)
     material = -system.retarding_force(q, state.v)
     if system.constraints.fixed.any():
-        inner = system.mass @ state.a + system.internal_force(q) - system.external_force(q, time) - viscous - material
-        supports = system.constraints.fixed_part(inner)
+        supports = system.constraints.fixed_part(system.mass @ state.a - system.net_force(q, state.v, time))
     return Forces(time, loads - system.weight, supports, springs, viscous, material)
 
 

@@ -17,7 +17,6 @@ from skancf.linear import BlockMatrix
 class Rule(ABC):
     """A rule of integration. Forces are taken at one state, at the fraction ``stage`` of the step, unless overridden."""
 
-    order = 2
     stage: float
     symmetric = True
     """Whether the stiffness is all of the derivative, but for loads that follow."""

@@ -10,6 +10,7 @@ from skancf.assembly.system import System
 from skancf.atomic import reason
 from skancf.dynamics.ledger import Book, MeshEvent
 from skancf.dynamics.motion import MotionStatus, Step
+from skancf.dynamics.prescribed import prescribed_acceleration
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
@@ -17,7 +18,6 @@ from skancf.dynamics.step_solver import StepOutcome, StepSolver
 from skancf.dynamics.steps import Attempt, StepControl
 from skancf.errors import SkancfError
 from skancf.progress import Progress
-from skancf.solution import Solution
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,14 @@ class Mark:
 
 
 class Run:
-    """State of one run; everything it keeps is usable whenever it stops."""
+    """State of one run; everything it keeps is usable whenever it stops.
 
-    def __init__(self, system: System, settings: Settings, recorder: Recorder, q: np.ndarray, v: np.ndarray):
+    ``struck``: the first state is the one after what happened at its time.
+    """
+
+    def __init__(
+        self, system: System, settings: Settings, recorder: Recorder, q: np.ndarray, v: np.ndarray, struck: bool = False
+    ):  # fmt: skip
         self.settings, self.recorder = settings, recorder
         self._on(system)
         a = self.solver.initial_acceleration(q, v, settings.begin, self._driven(settings.begin))
@@ -102,7 +107,8 @@ class Run:
         self.book = Book(system, self.state)
         recorder.begin(system, self.state)
         recorder.keep(self.state)
-        self.impulses = [time for time, _ in system.impulses() if settings.begin <= time <= settings.end]
+        times = [time for time, _ in system.impulses() if settings.begin <= time <= settings.end]
+        self.impulses = [time for time in times if time > settings.begin or not struck]
         self.knots = system.knots()
         self.looked = 0
         self.mark_here()
@@ -110,9 +116,7 @@ class Run:
     def _on(self, system: System) -> None:
         self.system = system
         self.solver = StepSolver(system, self.settings.rule, self.settings.newton_rtol, self.settings.backend)
-        translation = np.zeros((system.n_dofs // 12, 4, 3))
-        translation[:, 0, 0] = 1
-        mass = np.abs((system.mass @ translation.ravel()).reshape(-1, 4, 3)[:, 0, 0])
+        mass = np.abs(system.shares[:, 0])
         self.weights = mass / mass.sum()
 
     def close(self) -> None:
@@ -123,11 +127,6 @@ class Run:
         r = u.reshape(-1, 4, 3)[:, 0]
         with np.errstate(over="ignore"):
             return float(np.sqrt(self.weights @ (r * r).sum(axis=1)))
-
-    @property
-    def solution(self) -> Solution:
-        """The present state."""
-        return Solution(self.system, self.state.q, self.state.v, self.state.time)
 
     def go(
         self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
@@ -181,10 +180,10 @@ class Run:
         if outcome.converged:
             error = self._error(start, outcome.end)
         if np.isfinite(error):
-            mark, before, known = self.book.mark(), self.book.imbalance * self.book.turnover, self.book.turnover
+            mark, before, known = self.book.mark(), self.book.left, self.book.turnover
             self.book.step(self.system, settings.rule, start, outcome.u, outcome.end,
                            lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
-            imbalance = (self.book.imbalance * self.book.turnover - before) / max(self.book.turnover, self._noise)
+            imbalance = (self.book.left - before) / max(self.book.turnover, self._noise)
             young = self.book.turnover > 2 * known
             done = (outcome.end.time - settings.begin) / settings.span
             attempt = Attempt(step, settings.span, error, outcome.iterations, imbalance, young, self.book.imbalance / done)
@@ -225,8 +224,7 @@ class Run:
 
     def _is_unbalanced(self, tolerance: float) -> bool:
         """The first steps of a load that jumps cannot be balanced; nor can rounding."""
-        left = abs(self.book.imbalance) * self.book.turnover
-        return left > tolerance * max(self.book.turnover, self._noise) and len(self.steps) > FIRST
+        return abs(self.book.left) > tolerance * max(self.book.turnover, self._noise) and len(self.steps) > FIRST
 
     @property
     def thickness(self) -> float:
@@ -237,8 +235,7 @@ class Run:
         moment = SHORT * self.settings.span
         if time + 2 * moment > self.settings.end:
             moment = -moment
-        now, soon, later = (self.system.prescribed(time + k * moment) for k in range(3))
-        return (later - 2 * soon + now) / moment**2
+        return prescribed_acceleration(self.system, time, moment)
 
     def _strike(self, time: float) -> None:
         """Velocities jump by the impulse of a time, on the present mesh."""

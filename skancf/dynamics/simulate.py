@@ -2,6 +2,7 @@
 
 import time as clock
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.prescribed import prescribed_rate
 from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
@@ -96,25 +98,9 @@ def simulate(
         For times, tolerances or velocities that cannot be used.
     """
     t_end = positive("t_end", t_end, "s")
-    for name, value in (("newton_rtol", newton_rtol), ("balance", balance)):
-        if value is not None:
-            positive(name, value)
-    if record is not None and not isinstance(record, Mapping):
-        raise InputError(f"record = {record!r}: give names and functions of a Solution, as in record={{'tip': f}}")
-    if start is not None and not isinstance(start, Solution):
-        raise InputError(f"start = {start!r}: give a Solution, for example motion.at(0.1) or sk.solve(system).solution")
-    if follow is not None and not hasattr(follow, "change"):
-        raise InputError(f"follow = {follow!r}: give a policy of meshes, for example sk.Follow(rtol=0.2)")
-    for name, quantity in (record or {}).items():
-        if not callable(quantity):
-            raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")
+    _check(record, start, follow, newton_rtol=newton_rtol, balance=balance)
     rule = _rule(rule, rho_inf)
-    if steps is not None and (isinstance(steps, type) or not hasattr(steps, "next_step")):
-        raise InputError(f"steps = {steps!r}: give a step control, for example LocalError(1e-3), or a length as dt")
-    control: StepControl = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
-    if isinstance(control, EnergyBalance) and isinstance(rule, EnergyMomentum):
-        raise InputError("steps=EnergyBalance(...) with rule=EnergyMomentum(): this rule balances at any step, right or "
-                         "wrong; control the steps by LocalError")  # fmt: skip
+    control = _control(steps, dt, rtol, rule)
     if start is not None:
         require_same_mesh(system, start)
     if follow is not None:
@@ -128,10 +114,9 @@ def simulate(
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
     began = clock.perf_counter()
     with Progress("dynamics", t_end, shown=progress) as bar:
-        run = Run(system, settings, Recorder(times, record or {}), q, v)
-        if start is not None and start.time is not None:
-            # A state that has a time is the one after what happened then.
-            run.impulses = [time for time in run.impulses if time > begin]
+        # A state that has a time is the one after what happened then.
+        struck = start is not None and start.time is not None
+        run = Run(system, settings, Recorder(times, record or {}), q, v, struck)
         try:
             status, message, seconds = _go(run, bar, checkpoint, resume)
         finally:
@@ -156,6 +141,31 @@ def _go(
     if status is not MotionStatus.FINISHED:
         writer.stopped(run, status, message)
     return status, message, writer.seconds
+
+
+def _check(record: Any, start: Any, follow: Any, **positive_or_none: float | None) -> None:
+    for name, value in positive_or_none.items():
+        if value is not None:
+            positive(name, value)
+    if record is not None and not isinstance(record, Mapping):
+        raise InputError(f"record = {record!r}: give names and functions of a Solution, as in record={{'tip': f}}")
+    if start is not None and not isinstance(start, Solution):
+        raise InputError(f"start = {start!r}: give a Solution, for example motion.at(0.1) or sk.solve(system).solution")
+    if follow is not None and not hasattr(follow, "change"):
+        raise InputError(f"follow = {follow!r}: give a policy of meshes, for example sk.Follow(rtol=0.2)")
+    for name, quantity in (record or {}).items():
+        if not callable(quantity):
+            raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")
+
+
+def _control(steps: Any, dt: float | None, rtol: float, rule: Rule) -> StepControl:
+    if steps is not None and (isinstance(steps, type) or not hasattr(steps, "next_step")):
+        raise InputError(f"steps = {steps!r}: give a step control, for example LocalError(1e-3), or a length as dt")
+    control: StepControl = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
+    if isinstance(control, EnergyBalance) and isinstance(rule, EnergyMomentum):
+        raise InputError("steps=EnergyBalance(...) with rule=EnergyMomentum(): this rule balances at any step, right or "
+                         "wrong; control the steps by LocalError")  # fmt: skip
+    return control
 
 
 def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:
@@ -190,8 +200,7 @@ def _initial_velocity(
     if jump > 1e-9 * np.abs(system.undeformed).max():
         raise InputError(f"a prescribed displacement jumps by {jump:.3g} at the start, t = {begin}; give it a history that "
                          "begins with the present state, as in history=lambda t: min(1.0, t / 0.1)")  # fmt: skip
-    moment = 1e-7 * t_end
-    rate = (system.prescribed(begin + moment) - moved) / moment
+    rate = prescribed_rate(system, begin, 1e-7 * t_end)
     if velocity is None and start is not None:
         velocity = start.velocity
     return system.constraints.free_part(initial_velocity(system, at, velocity)) + rate

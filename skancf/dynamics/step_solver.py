@@ -77,11 +77,7 @@ class StepSolver:
         self.linear.factor(self.system.mass)
         self.forget()
         self.energy = max(self.energy, self.system.kinetic_energy(v))
-        system = self.system
-        force = system.external_force(q, time) - system.internal_force(q) - system.retarding_force(q, v)
-        if system.viscous is not None:
-            force = force - system.viscous @ v
-        return driven + self.linear.solve(force - system.mass @ driven)
+        return driven + self.linear.solve(self.system.net_force(q, v, time) - self.system.mass @ driven)
 
     def jump(self, impulse: np.ndarray) -> np.ndarray:
         """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""

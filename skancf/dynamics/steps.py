@@ -1,5 +1,6 @@
 """Step control: how long the next step is, and whether the last one is good enough."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -41,6 +42,14 @@ class StepControl(Protocol):
         """Length of the step after this one."""
 
 
+def _check(largest: float = float("inf"), **numbers: float) -> None:
+    """InputError for numbers, and a longest step, that are not positive."""
+    for name, value in numbers.items():
+        positive(name, value, "s" if name == "dt" else "")
+    if not largest > 0:
+        raise InputError(f"largest = {largest} s: give a step length greater than zero")
+
+
 @dataclass(frozen=True)
 class FixedStep:
     """Always the same step; halved while Newton's method fails.
@@ -57,8 +66,7 @@ class FixedStep:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
-        positive("dt", self.dt, "s")
-        positive("smallest", self.smallest)
+        _check(dt=self.dt, smallest=self.smallest)
 
     def first(self, guess: float) -> float:
         return self.dt
@@ -78,7 +86,7 @@ def _changed(dt: float, factor: float, largest: float) -> float:
 
 
 @dataclass(frozen=True)
-class _Limited:
+class _Limited(ABC):
     """What the three controls share: each step may cause its part of the asked error, by its share of the time."""
 
     rtol: float = 1e-3
@@ -86,16 +94,14 @@ class _Limited:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
-        positive("rtol", self.rtol)
-        positive("smallest", self.smallest)
-        if not self.largest > 0:
-            raise InputError(f"largest = {self.largest} s: give a step length greater than zero")
+        _check(self.largest, rtol=self.rtol, smallest=self.smallest)
 
     def first(self, guess: float) -> float:
         return min(guess, self.largest)
 
+    @abstractmethod
     def measured(self, attempt: Attempt) -> float:
-        raise NotImplementedError
+        """What counts as the error of a step, relative."""
 
     def _over(self, attempt: Attempt) -> float:
         """Error of a step over what it may be; of order two in the step, since a shorter step may cause less."""
@@ -189,10 +195,7 @@ class NewtonCount:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
-        positive("dt", self.dt, "s")
-        positive("smallest", self.smallest)
-        if not self.largest > 0:
-            raise InputError(f"largest = {self.largest} s: give a step length greater than zero")
+        _check(self.largest, dt=self.dt, smallest=self.smallest)
         if not (isinstance(self.iterations, int) and self.iterations > 0):
             raise InputError(f"iterations = {self.iterations}: give a whole number of iterations, 1 at least")
 

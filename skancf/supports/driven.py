@@ -71,7 +71,7 @@ class DrivenClamp(Support):
     @cached_property
     def histories(self) -> tuple[Any, ...]:
         """cos - 1 and sin if it turns, and the displacements along x, y and z if it moves."""
-        motion = Motion(self.angle, self.displacement)
+        motion = RigidMotion(self.angle, self.displacement)
         return tuple(Component(motion, k) for k in self._components)
 
     @property
@@ -96,7 +96,7 @@ class DrivenClamp(Support):
         return rows
 
 
-class Motion:
+class RigidMotion:
     """cos - 1 and sin of an angle, and three displacements, at a time; the last ones are kept."""
 
     def __init__(self, angle: Callable[[float], float] | None, displacement: Callable[[float], Any] | None):
@@ -120,7 +120,7 @@ class Component:
 
     at_rest = 0.0
 
-    def __init__(self, motion: Motion, number: int):
+    def __init__(self, motion: RigidMotion, number: int):
         self.motion, self.number = motion, number
 
     def __call__(self, time: float) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 from skancf.assembly.base import CompiledAssembly
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
-from skancf.assembly.thin import kernels
+from skancf.assembly.thin import between_kernel, kernels
 from skancf.assembly.thin.sections import build_thin_sections
 from skancf.materials import Section
 from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
@@ -50,7 +50,7 @@ class ThinAssembly(CompiledAssembly):
 
     def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
-        self.schedule.run(kernels.force_between, q0, q1, stresses, self._rule, self.geometry.maps, out)
+        self.schedule.run(between_kernel.force_between, q0, q1, stresses, self._rule, self.geometry.maps, out)
         return out
 
     @cached_property

@@ -1,0 +1,21 @@
+"""Rates and accelerations of prescribed coordinates: differences of their values over a short moment."""
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.errors import InputError
+
+
+def prescribed_rate(system: System, time: float, moment: float) -> np.ndarray:
+    """The rate at a time, (n_dofs,), forwards over ``moment`` (s); backwards where a table ends."""
+    now = system.prescribed(time)
+    try:
+        return (system.prescribed(time + moment) - now) / moment
+    except InputError:
+        return (now - system.prescribed(time - moment)) / moment
+
+
+def prescribed_acceleration(system: System, time: float, moment: float) -> np.ndarray:
+    """The acceleration at a time, (n_dofs,), over twice ``moment`` (s); backwards where it is negative."""
+    now, soon, later = (system.prescribed(time + k * moment) for k in range(3))
+    return (later - 2 * soon + now) / moment**2

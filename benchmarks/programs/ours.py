@@ -1,0 +1,136 @@
+"""skancf itself: theories, uniform, graded and adaptive meshes, plain Newton."""
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+from benchmarks.programs.program import Outcome, Program, Variant
+from benchmarks.scenes import Scene
+
+STATIC = ("end_shear", "roll_up", "hemisphere", "hinged_roof", "l_shape", "corner_plate")
+DYNAMIC = ("paper_2n", "paper_20n", "free_ruler")
+
+UNIFORM: dict[str, Sequence[float]] = {
+    "end_shear": (2, 3, 4, 6, 8, 12, 16),
+    "roll_up": (4, 6, 8, 12, 16, 24, 32),
+    "hemisphere": (8, 12, 16, 20, 24, 32, 48),
+    "hinged_roof": (2, 3, 4, 6, 8, 12, 16),
+    "l_shape": (4, 8, 16, 32, 64, 128),
+    "corner_plate": (1, 2, 3, 4, 6, 8, 12, 16, 24, 32),
+    "paper_2n": (2, 3, 4, 6, 8, 12),
+    "paper_20n": (2, 3, 4, 6, 8, 12),
+    "free_ruler": (4, 6, 8, 12, 16, 24),
+}
+# Asked error of the steps for each size: about what the mesh of that size leaves.
+ACCURACY: dict[str, dict[float, float]] = {
+    "paper_2n": {2: 1e-2, 3: 5e-3, 4: 2e-3, 6: 1e-3, 8: 5e-4, 12: 2e-4},
+    "paper_20n": {2: 1e-2, 3: 5e-3, 4: 2e-3, 6: 1e-3, 8: 5e-4, 12: 2e-4},
+    "free_ruler": {4: 1e-2, 6: 3e-3, 8: 1e-3, 12: 5e-4, 16: 2e-4, 24: 1e-4},
+}
+TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5)
+NO_ADAPTIVE_TIME = "meshes that follow a motion do not pay where the plate bends as a whole"
+NO_GOAL = "one number is asked of an adaptive run; here several states are"
+
+VARIANTS = {
+    "uniform": Variant("skancf, thin", "thin", UNIFORM),
+    "graded": Variant(
+        "skancf, thin, graded", "thin", {name: UNIFORM[name] for name in ("hemisphere", "hinged_roof", "l_shape", "corner_plate")},
+        {name: "nothing is concentrated" for name in ("end_shear", "roll_up", "free_ruler")},
+    ),
+    "adaptive": Variant(
+        "skancf, thin, adaptive", "thin", {name: TOLERANCES for name in ("hemisphere", "l_shape", "corner_plate")},
+        {**dict.fromkeys(DYNAMIC, NO_ADAPTIVE_TIME), **dict.fromkeys(("end_shear", "roll_up"), "one element width is enough"),
+         "hinged_roof": NO_GOAL},
+    ),
+    "plain": Variant(
+        "skancf, thin, plain Newton", "thin", {name: UNIFORM[name] for name in STATIC[:4]},
+        {**dict.fromkeys(("l_shape", "corner_plate"), "linear"), **dict.fromkeys(DYNAMIC, "the default there")},
+    ),
+    "full": Variant(
+        "skancf, full", "thick", UNIFORM,
+        dict.fromkeys(("corner_plate", "paper_2n", "paper_20n"), "no limit under a point force"),
+    ),
+}  # fmt: skip
+
+
+def prepare() -> None:
+    import skancf  # noqa: F401
+
+
+def version() -> str:
+    import skancf
+    from skancf.linear import available_backends
+
+    return f"skancf {skancf.__version__}, {available_backends()[0]}"
+
+
+def run(scene: Scene, variant: str, size: float) -> Outcome:
+    from benchmarks.programs.models import model
+
+    theory = "full" if variant == "full" else "kirchhoff"
+    built = model(scene)
+    if variant == "adaptive":
+        return adaptive(built, size)
+    system = built.problem.on(graded(built, int(size)) if variant == "graded" else built.uniform(int(size)), theory)
+    if scene.times:
+        return moving(scene, built, system, ACCURACY[scene.name][size])
+    if built.linear:
+        import skancf as sk
+
+        return Outcome(built.values(sk.solve_linear(system)), free(system))
+    if scene.name == "hinged_roof":
+        return pressed(scene, built, system, variant != "plain")
+    return static(built, system, variant != "plain")
+
+
+def free(system: Any) -> int:
+    """Coordinates that are not prescribed."""
+    return int((~system.constraints.fixed).sum())
+
+
+def static(built: Any, system: Any, mixed: bool) -> Outcome:
+    import skancf as sk
+
+    result = sk.solve(system, mixed=mixed)
+    return Outcome(built.values(result.unwrap()), free(system), f"{len(result.path) - 1} steps, {result.iterations} iterations")
+
+
+def pressed(scene: Scene, built: Any, system: Any, mixed: bool) -> Outcome:
+    """The force at one prescribed deflection after the other."""
+    import skancf as sk
+
+    state, values, steps, iterations = None, {}, 0, 0
+    for k in range(len(scene.quantities)):
+        result = sk.solve(system, load_factor=scene.data[f"deflection_{k}"], start=state, mixed=mixed)
+        state = result.unwrap()
+        steps, iterations = steps + len(result.path) - 1, iterations + result.iterations
+        values[f"force_{k}"] = built.values(state)["force"]
+    return Outcome(values, free(system), f"{steps} steps, {iterations} iterations")
+
+
+def moving(scene: Scene, built: Any, system: Any, rtol: float) -> Outcome:
+    import skancf as sk
+
+    motion = sk.simulate(system, scene.data["end"], rtol=rtol, outputs=(0.0, *scene.times), progress=False).unwrap()
+    values = {key: series[1:] for key, series in built.values(motion).items()}
+    return Outcome(values, free(system), f"{len(motion.steps)} steps")
+
+
+def adaptive(built: Any, rtol: float) -> Outcome:
+    import skancf as sk
+
+    result = sk.adapt(built.problem, built.goal, rtol, linear=built.linear, mesh=built.uniform(4))
+    return Outcome(built.values(result.solution), free(result.solution.system), f"{len(result.levels)} meshes")
+
+
+def graded(built: Any, n: int) -> Any:
+    """As many elements as the uniform mesh, small at the peaks."""
+    import skancf as sk
+
+    (x0, x1), (y0, y1) = built.problem.surface.bounds
+    regions = [sk.meshes.Region(at, (0.1 * (x1 - x0), 0.1 * (y1 - y0)), 16.0) for at in built.peaks]
+    return sk.meshes.graded(built.problem.surface, regions, shape=(n, n), openings=built.openings)
+
+
+PROGRAM = Program("skancf", VARIANTS, prepare, version, run)
+os.environ.setdefault("SKANCF_THREADS", os.environ.get("OMP_NUM_THREADS", "1"))

@@ -13,7 +13,7 @@ import skancf
 PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
-    "version", "errors", "atomic", "history", "progress", "compiled", "elements", "surfaces", "meshes", "materials",
+    "version", "errors", "atomic", "history", "progress", "compiled", "threads", "elements", "surfaces", "meshes", "materials",
     "theories", "linear", "assembly", "supports", "loads", "thinness", "problem", "solution", "statics", "dynamics",
     "adaptive", "output",
 ]  # fmt: skip

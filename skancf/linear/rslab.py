@@ -54,7 +54,7 @@ class Rslab:
         lower = sp.csc_matrix((self._entries, indices, indptr), shape=pattern.shape)
         lower.has_canonical_format = True
         self._symbolic = _module().analyze(lower, path="ldlt", threads=n_threads(), scaling="identity")
-        self._values: np.ndarray | None = None
+        self._values = np.empty(0)
         self._factors: Any = None
         self._careful: SuperLU | None = None
 
@@ -89,7 +89,8 @@ class Rslab:
 
     def close(self) -> None:
         """Give the factors back."""
-        self._factors = self._careful = self._values = None
+        self._factors = self._careful = None
+        self._values = np.empty(0)
 
     def _with_exchanges(self) -> SuperLU:
         other = SuperLU()

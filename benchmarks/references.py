@@ -2,12 +2,13 @@
 
     python -m benchmarks.references [NAME ...]
 
-Statics: two meshes finer than any that is compared, extrapolated; the uncertainty is the distance from the extrapolation of the
-two before. Dynamics: the finest mesh and steps; the uncertainty is the distance from a coarser mesh plus that from longer
-steps. About a quarter of an hour for all on two cores.
+Statics: two meshes finer than any that is compared, extrapolated; the uncertainty is the distance from the extrapolation of
+the two before. Dynamics: the finest mesh and steps; the uncertainty is the distance from a coarser mesh plus that from
+longer steps. About a quarter of an hour for all on two cores.
 """
 
 import argparse
+import json
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,7 +20,7 @@ from scipy.integrate import solve_bvp
 from benchmarks.programs.models import Model, model
 from benchmarks.scenes import SCENES
 from benchmarks.scenes.stored import FOLDER
-from benchmarks.store import write
+from skancf.atomic import replacing
 
 Found = dict[str, Any]
 
@@ -182,7 +183,8 @@ def main() -> None:
     for name in parser.parse_args().names or REFERENCES:
         print(name, flush=True)
         found = REFERENCES[name]()
-        write(FOLDER / f"{name}.json", found)
+        with replacing(FOLDER / f"{name}.json") as part:
+            part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

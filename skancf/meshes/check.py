@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import skfem
-from scipy.spatial import cKDTree
 
 from skancf.errors import InputError
 
@@ -48,6 +47,8 @@ def check_mesh(mesh: Any) -> None:
 
 def _check_joined(mesh: skfem.MeshQuad) -> None:
     """No node of the boundary lies inside an edge of it."""
+    from scipy.spatial import cKDTree  # not at the top: it is slow to load
+
     ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
     nodes = mesh.boundary_nodes()
     middle, half = ends.mean(axis=1), (ends[:, 1] - ends[:, 0]) / 2

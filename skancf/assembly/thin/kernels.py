@@ -9,11 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from skancf.assembly.local import gather, scatter_force, scatter_tangent
+from skancf.assembly.local import gather, scatter_force
 from skancf.compiled import INNER, OPTIONS
 
 N_POINTS = 16
-N_ROWS = 11 * N_POINTS
 
 
 class Elements(NamedTuple):
@@ -35,14 +34,20 @@ class Elements(NamedTuple):
 class Rule(NamedTuple):
     """What elements share.
 
-    ``table`` (16, 80): jets of the local functions, jet by jet; ``slopes`` (32, 16): the first two. ``projections``
-    (2, 3, 16, 16): from the membrane strains 11, 22, 12 at the points to those that the law is applied to, ``(c, from,
-    to)``: the identity, and the assumed ones. ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
+    ``table`` (16, 80): jets of the local functions, jet by jet, ``jets`` its transpose, ``slopes`` (32, 16) the first two,
+    point by point. ``projections`` (2, 3, 16, 16): from the membrane strains 11, 22, 12 at the points to those that the law
+    is applied to, ``(c, from, to)``: the identity, and the assumed ones. ``kept`` (16, 16): at the points, the polynomials
+    that the assumed strains are made of, ``fit``: the same times ``weights``, from strains at the points to coefficients.
+    ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
     """
 
     table: np.ndarray
+    jets: np.ndarray
     slopes: np.ndarray
     projections: np.ndarray
+    kept: np.ndarray
+    fit: np.ndarray
+    weights: np.ndarray
     pairs: np.ndarray
 
 
@@ -219,120 +224,3 @@ def force_of(start, stop, order, q, stress, rule, maps, out):
         surface(x, n, duals, gamma)
         forces(rule, x, n, gamma, stress[e], f, force)
         scatter_force(e, force, maps, out)
-
-
-@njit(**INNER)
-def strain_rows(rule, projection, rest, x, n, gamma, A):
-    """Gradients of the strains (16 points each), (144, 48): three assumed membrane strains, three curvatures, the scaled
-    rest of the membrane strains."""
-    table = rule.table
-    plain = np.empty((N_POINTS, 48))
-    for c in range(3):
-        for p in range(N_POINTS):
-            for i in range(3):
-                u, v = x[i, p], x[i, 16 + p]
-                u, v = (u, 0.0) if c == 0 else ((0.0, v) if c == 1 else (v, u))
-                for a in range(16):
-                    plain[p, 16 * i + a] = u * table[a, p] + v * table[a, 16 + p]
-        hat, other = A[16 * c : 16 * c + 16], A[96 + 16 * c : 112 + 16 * c]
-        np.dot(projection[c].T, plain, hat)
-        for p in range(N_POINTS):
-            for a in range(48):
-                other[p, a] = rest[c] * (plain[p, a] - hat[p, a])
-    for k in range(3):
-        double = -2.0 if k == 2 else -1.0
-        for p in range(N_POINTS):
-            row = A[48 + 16 * k + p]
-            for a in range(16):
-                g = double * (table[a, 32 + 16 * k + p] - gamma[k, 0, p] * table[a, p] - gamma[k, 1, p] * table[a, 16 + p])
-                for i in range(3):
-                    row[16 * i + a] = n[i, p] * g
-
-
-@njit(**INNER)
-def law_rows(rule, law, A, B):
-    """Half of the law times the gradients: B (144, 48)."""
-    B[:144] = 0.0
-    for m in range(rule.pairs.shape[0]):
-        k, l = rule.pairs[m]
-        for p in range(N_POINTS):
-            d = 0.5 * law[m, p]
-            for a in range(48):
-                B[16 * k + p, a] += d * A[16 * l + p, a]
-            if k != l:
-                for a in range(48):
-                    B[16 * l + p, a] += d * A[16 * k + p, a]
-            if l < 3:
-                for a in range(48):
-                    B[96 + 16 * k + p, a] += d * A[96 + 16 * l + p, a]
-                if k != l:
-                    for a in range(48):
-                        B[96 + 16 * l + p, a] += d * A[96 + 16 * k + p, a]
-
-
-@njit(**INNER)
-def bending_rows(rule, x, n, duals, gamma, stress, A, B):
-    """Rows 144 to 175, whose products A^T B with their transpose are moment . second derivative of the curvature."""
-    table = rule.table
-    for p in range(N_POINTS):
-        m11, m22, m12 = stress[3, p], stress[4, p], 2.0 * stress[5, p]
-        on1 = m11 * gamma[0, 0, p] + m22 * gamma[1, 0, p] + m12 * gamma[2, 0, p]
-        on2 = m11 * gamma[0, 1, p] + m22 * gamma[1, 1, p] + m12 * gamma[2, 1, p]
-        bending = 0.0
-        for i in range(3):
-            bending += n[i, p] * (m11 * x[i, 32 + p] + m22 * x[i, 48 + p] + m12 * x[i, 64 + p])
-        for g in range(2):
-            row, with_row = A[144 + 16 * g + p], B[144 + 16 * g + p]
-            along = across = 0.0
-            for i in range(3):
-                along += duals[g, i, p] * duals[0, i, p]
-                across += duals[g, i, p] * duals[1, i, p]
-            along, across = 0.5 * bending * along, 0.5 * bending * across
-            for a in range(16):
-                N1, N2 = table[a, p], table[a, 16 + p]
-                w = m11 * table[a, 32 + p] + m22 * table[a, 48 + p] + m12 * table[a, 64 + p] - on1 * N1 - on2 * N2
-                own, both = N1 if g == 0 else N2, along * N1 + across * N2
-                for i in range(3):
-                    row[16 * i + a] = n[i, p] * own
-                    with_row[16 * i + a] = duals[g, i, p] * w + both * n[i, p]
-
-
-@njit(**INNER)
-def membrane_geometry(rule, stress, T, G):
-    """Half of membrane stress . second derivative of the strain: G (16, 16), the same for the three components."""
-    for a in range(16):
-        for p in range(N_POINTS):
-            N1, N2 = rule.table[a, p], rule.table[a, 16 + p]
-            T[a, p] = 0.5 * (stress[0, p] * N1 + stress[2, p] * N2)
-            T[a, 16 + p] = 0.5 * (stress[2, p] * N1 + stress[1, p] * N2)
-    np.dot(T, rule.slopes, G)
-
-
-@njit(**OPTIONS)
-def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
-    """Tangent with the given stresses (n_elements, 6, 16), added to out (n_blocks, 12, 12)."""
-    local, x = np.empty((16, 3)), np.empty((3, 80))
-    n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    A, B = np.empty((N_ROWS, 48)), np.empty((N_ROWS, 48))
-    K, G, T = np.empty((48, 48)), np.empty((16, 16)), np.empty((16, 32))
-    for index in range(start, stop):
-        e = order[index]
-        c = elements.shape[e]
-        gather(e, q, maps, local)
-        jets(rule, local, x)
-        surface(x, n, duals, gamma)
-        strain_rows(rule, rule.projections[elements.assumed[c]], elements.rest[c], x, n, gamma, A)
-        law_rows(rule, elements.law[c], A, B)
-        bending_rows(rule, x, n, duals, gamma, stress[e], A, B)
-        np.dot(A.T, B, K)
-        membrane_geometry(rule, stress[e], T, G)
-        for i in range(0, 48, 16):
-            for a in range(16):
-                for b in range(16):
-                    K[i + a, i + b] += G[a, b]
-        # A^T B is half of the tangent; the other half is its transpose.
-        for a in range(48):
-            for b in range(a + 1):
-                K[a, b] = K[b, a] = K[a, b] + K[b, a]
-        scatter_tangent(e, maps, slots, K, out)
-

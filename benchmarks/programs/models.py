@@ -132,7 +132,7 @@ def paper_example(scene: Scene) -> Model:
 def free_ruler(scene: Scene) -> Model:
     d = scene.data
     surface = sk.Rectangle(d["length"], d["width"])
-    pulse = sk.Table((0.0, d["peak"], d["over"]), (0.0, 1.0, 0.0))
+    pulse = sk.Table((0.0, d["peak"], d["over"], d["end"]), (0.0, 1.0, 0.0, 0.0))
     load = sk.EdgeLoad("right", (d["force_x"] / d["width"], 0.0, d["force_z"] / d["width"]), pulse)
     problem = sk.Problem(surface, d["thickness"], sk.Isotropic(d["young"], d["poisson"], d["density"]), [], [load])
     near, far = (0.0, d["width"] / 2), (d["length"], d["width"] / 2)

@@ -10,7 +10,6 @@ SOURCE = ("Thin: bicubic elements, mesh and steps refined until the series no lo
 
 def scene(force: float) -> Scene:
     name = f"paper_{force:g}n"
-    series = stored.read(name)
     return Scene(
         name=name,
         title=f"The paper's plate, {force:g} N",
@@ -19,11 +18,10 @@ def scene(force: float) -> Scene:
         "points over 0.5 s. The error is the root mean square of the difference over that of the deflection. Dynamic.",
         data={"side": 1.0, "thickness": 0.05, "young": 0.2e6, "poisson": 0.0, "density": 2000.0, "force": force, "end": 0.5},
         quantities={
-            key: Quantity(f"deflection of {point}", "m", {"thin": tuple(series["values"][key])},
-                          {"thin": series["uncertainty"]}, SOURCE)
+            key: Quantity(f"deflection of {point}", "m", source=SOURCE, **stored.references(name, key))
             for key, point in POINTS.items()
         },
-        times=tuple(series["times"]),
+        times=tuple(stored.read(name)["times"]),
     )  # fmt: skip
 
 

@@ -56,6 +56,15 @@ def nested_dissection(pattern: BlockPattern, leaf: int = LEAF) -> np.ndarray:
     return order
 
 
+def fill(pattern: BlockPattern, order: np.ndarray) -> int:
+    """Entries of the triangular factor, diagonal included, when nodes are eliminated in an ``order``."""
+    place = np.empty(pattern.n_nodes, np.int64)
+    place[order] = np.arange(pattern.n_nodes)
+    below = kernels.column_counts(*pattern.neighbours(), order, place)
+    block = pattern.block
+    return int(block**2 * below.sum() + pattern.n_nodes * block * (block + 1) // 2)
+
+
 def _halves(nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """``nodes`` below and above a cut across the longest extent of their ``points``, shape (d, n)."""
     extent = np.ptp(points, axis=1)

@@ -14,7 +14,7 @@ THIN: dict[str, Sequence[float]] = {
     "corner_plate": (4, 6, 8, 12, 16, 24, 32, 48, 64),
     "paper_2n": (8, 12, 16, 24, 32),
     "paper_20n": (8, 12, 16, 24, 32),
-    "free_ruler": (8, 12, 16, 24, 32),
+    "free_ruler": (8, 12, 16, 24, 32, 48),
 }
 NO_LIMIT = "a shell with shear has no limit under a force at a point: the finer the mesh, the deeper its node sinks"
 VARIANTS = {

@@ -51,7 +51,7 @@ def end_of(shell: Shell, end: Any) -> dict[str, float]:
 
 
 def end_shear(scene: Scene, element: str, n: int) -> Result:
-    """Wider than one element if fine: shear flexibility of the thick one grows with its longest side; the thin one gains, too."""
+    """Wider than one element if fine: the shear flexibility of the thick one grows with its longest side."""
     wide = max(1, round(n / 12))
     shell, end, share = strip(scene, element, n, wide)
     shell.fix(range(wide + 1), "XYZ", "XYZ")
@@ -141,9 +141,9 @@ def corner_plate(scene: Scene, element: str, n: int) -> Result:
 
 
 # Steps for each size: what they add to the error is less than what the mesh leaves.
-TIME_STEP = {
+TIME_STEPS = {
     "paper": {8: 0.01, 12: 0.005, 16: 0.005, 24: 0.0025, 32: 0.0025},
-    "free_ruler": {8: 5e-4, 12: 2.5e-4, 16: 2.5e-4, 24: 1.25e-4, 32: 1e-4},
+    "free_ruler": {8: 1.25e-4, 12: 1.25e-4, 16: 1.25e-4, 24: 6.25e-5, 32: 3.125e-5, 48: 2.5e-5},
 }
 
 
@@ -158,12 +158,14 @@ def paper_example(scene: Scene, element: str, n: int) -> Result:
     symmetric(shell, range(n, centre + 1, n + 1), "Y")
     shell.load([centre], [[0, 0, d["force"] / 4]])
     nodes = {"centre": centre, "quarter": (n // 2) * (n + 2), "edge": edge}
-    rows = shell.march(scene.times, TIME_STEP["paper"][n], lambda t: 1.0, nodes.values())
+    # The inertia makes conjugate gradients faster than the direct solver, and with corrections below a tenth of the
+    # displacements (one iteration for most steps) the series change by less than 1e-4.
+    rows = shell.march(scene.times, TIME_STEPS["paper"][n], lambda t: 1.0, nodes.values(), 0.1, 0.0, "sparse_cg")
     return {key: rows[:, k, 2].tolist() for k, key in enumerate(nodes)}, shell
 
 
 def free_ruler(scene: Scene, element: str, n: int) -> Result:
-    d, wide = scene.data, 2 * max(1, round(n / 10))
+    d, wide = scene.data, 2
     shell, end, share = strip(scene, element, n, wide, moving=True)
     shell.load(end, share * [d["force_x"], 0, d["force_z"]])
 
@@ -171,7 +173,8 @@ def free_ruler(scene: Scene, element: str, n: int) -> Result:
         return max(0.0, min(t / d["peak"], (d["over"] - t) / (d["over"] - d["peak"])))
 
     nodes = {"near": wide // 2, "far": end[wide // 2]}
-    rows = shell.march(scene.times, TIME_STEP["free_ruler"][n], pulse, nodes.values())
+    # Conjugate gradients fail here, and so do long steps without damping.
+    rows = shell.march(scene.times, TIME_STEPS["free_ruler"][n], pulse, nodes.values(), 1e-2, -0.1, "sparse_lu")
     components = [(f"{key}_{axis}", k, j) for k, key in enumerate(nodes) for axis, j in (("x", 0), ("z", 2))]
     return {name: rows[:, k, j].tolist() for name, k, j in components}, shell
 

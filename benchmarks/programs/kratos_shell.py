@@ -157,7 +157,7 @@ class Shell:
                 size /= 2
 
     def press(self, node: int, deflections: Sequence[float], force: float, tolerance: float) -> list[float]:
-        """The forces that hold a node at these deflections, downwards, each in one step; the unknown is a multiple of ``force``."""
+        """The forces that hold a node at these downward deflections, a step each; the unknown is in units of ``force``."""
         place = self.part.GetNode(int(node) + 1)
         place.AddDof(Structural.LOAD_FACTOR, Structural.PRESCRIBED_DISPLACEMENT)
         held = self.part.CreateNewCondition("DisplacementControlCondition3D1N", 1, [int(node) + 1], self.properties)
@@ -170,14 +170,22 @@ class Shell:
             forces.append(force * place.GetSolutionStepValue(Structural.LOAD_FACTOR))
         return forces
 
-    def march(self, times: Sequence[float], size: float, factor: Callable[[float], float], nodes: Iterable[int]) -> Any:
-        """Displacements (times, nodes, 3) at times that are multiples of the step; Newmark's scheme, average acceleration.
+    def march(
+        self,
+        times: Sequence[float],
+        size: float,
+        factor: Callable[[float], float],
+        nodes: Iterable[int],
+        tolerance: float,
+        bossak: float,
+        solver: str,
+    ) -> Any:
+        """Displacements (times, nodes, 3) at times that are multiples of the step.
 
-        The inertia makes conjugate gradients faster than the direct solver, and a correction below a tenth of the
-        displacements leaves less error than the steps do.
+        Bossak's scheme: with 0 it is Newmark's average acceleration, below 0 it damps what the steps do not resolve.
         """
-        settings = Kratos.Parameters('{"damp_factor_m": 0.0, "newmark_beta": 0.25, "projection_variables_list": []}')
-        self.newton(Structural.StructuralMechanicsBossakScheme(settings), 0.1, 15, "sparse_cg")
+        settings = f'{{"damp_factor_m": {bossak}, "newmark_beta": 0.25, "projection_variables_list": []}}'
+        self.newton(Structural.StructuralMechanicsBossakScheme(Kratos.Parameters(settings)), tolerance, 15, solver)
         wanted, nodes, rows, at = {round(t / size) for t in times}, list(nodes), [], 0.0
         # A first step of almost no length finds the accelerations under a force that acts at once.
         plan = [(0, 1e-4 * size)] if factor(0.0) else []

@@ -36,6 +36,8 @@ def grid(columns: Any, rows: Any) -> tuple[Any, Any]:
 class Shell:
     """A mesh of elements of one kind; triangles halve the quadrilaterals. Nodes are counted from 0."""
 
+    builder = Kratos.ResidualBasedEliminationBuilderAndSolver
+
     def __init__(
         self, data: Any, element: str, points: Any, quads: Any, moving: bool = False, pressing: bool = False
     ) -> None:
@@ -105,7 +107,7 @@ class Shell:
     def linear(self) -> None:
         """One step from rest."""
         self.factor(1.0)
-        builder = Kratos.ResidualBasedEliminationBuilderAndSolver(linear_solver("sparse_lu"))
+        builder = self.builder(linear_solver("sparse_lu"))
         scheme = Kratos.ResidualBasedIncrementalUpdateStaticScheme()
         strategy = Kratos.ResidualBasedLinearStrategy(self.part, scheme, builder, False, False, False, False)
         strategy.SetEchoLevel(0)
@@ -116,7 +118,7 @@ class Shell:
         """``tolerance``: of the last correction relative to all displacements. Residuals cost these elements a tangent."""
         criterion = Kratos.DisplacementCriteria(tolerance, 1e-14)
         criterion.SetEchoLevel(0)
-        builder = Kratos.ResidualBasedEliminationBuilderAndSolver(linear_solver(solver))
+        builder = self.builder(linear_solver(solver))
         self.strategy = Kratos.ResidualBasedNewtonRaphsonStrategy(
             self.part, scheme, criterion, builder, iterations, False, False, True
         )

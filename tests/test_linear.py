@@ -4,6 +4,7 @@ import gc
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from skancf.errors import InputError, SingularMatrix, SkancfError
@@ -16,6 +17,7 @@ from skancf.linear import (
     available_backends,
     kernels,
     mkl,
+    rslab,
     solver,
 )
 from skancf.linear.dissection import nested_dissection
@@ -225,6 +227,18 @@ def fill(pattern: BlockPattern, order: np.ndarray) -> int:
     return splu(full, permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).L.nnz
 
 
+@pytest.mark.parametrize("block", [1, 3])
+def test_upper_triangle_of_entries_against_scipy(block):
+    matrix = random_matrix(pattern_of(3, 4, block))
+    pattern = matrix.pattern
+    indptr, indices = kernels.upper_pattern(pattern.indptr, pattern.indices, block)
+    entries = np.empty(indices.size)
+    kernels.upper_entries(pattern.indptr, matrix.values, entries)
+    expected = sp.triu(matrix.to_scipy(), format="csr")
+    assert (indptr == expected.indptr).all() and (indices == expected.indices).all()
+    assert (entries == expected.data).all()
+
+
 def test_dissection_is_a_permutation_with_less_fill():
     n = 60
     pattern = pattern_of(n, n, 1)
@@ -363,6 +377,23 @@ def test_poor_factors_are_replaced_by_careful_ones(backend, monkeypatch):
     assert direct.negative_pivots == negative
 
 
+@pytest.mark.skipif("rslab" not in available_backends(), reason="rslab is not installed")
+def test_rslab_hands_over_what_it_cannot_pivot():
+    """Without a diagonal no supernode has pivots of its own."""
+    pattern = pattern_of(9, 9, 1)
+    matrix = random_matrix(pattern)
+    matrix.values[pattern.diagonal_slots] = 0.0
+    direct, full = rslab.Rslab(), dense_twin(matrix)
+    direct.symbolic(pattern)
+    direct.factor(matrix.values)
+    assert direct.perturbed_pivots > 0
+    assert direct.negative_pivots == np.count_nonzero(np.linalg.eigvalsh(full) < 0)
+    direct.factor(matrix.values, careful=True)
+    assert direct.perturbed_pivots == 0
+    rhs = rng.standard_normal(pattern.shape[0])
+    assert np.abs(full @ direct.solve(rhs) - rhs).max() < SOLVED * np.abs(direct.solve(rhs)).max()
+
+
 # --------------------------------------------------------------------------------------------- what cannot be solved
 
 
@@ -467,14 +498,18 @@ def test_misuse_is_refused(backend):
 # -------------------------------------------------------------------------------------------- choosing a solver
 
 
-def test_without_mkl_the_other_solver_is_taken(monkeypatch):
-    monkeypatch.setattr(mkl, "load", lambda: None)
+def test_without_the_fast_solvers_the_next_one_is_taken(monkeypatch):
     pattern = pattern_of(2, 2, 2)
     constraints = Constraints(np.zeros((9, 2), bool))
-    assert available_backends() == ("superlu",)
-    assert DirectSolver(pattern, constraints).backend_name == "superlu"
+    monkeypatch.setattr(mkl, "load", lambda: None)
+    assert available_backends()[-1] == "superlu" and "mkl" not in available_backends()
     with pytest.raises(InputError, match=r"pip install 'skancf\[fast\]'"):
         DirectSolver(pattern, constraints, "mkl")
+    monkeypatch.setattr(rslab, "_module", lambda: None)
+    assert available_backends() == ("superlu",)
+    assert DirectSolver(pattern, constraints).backend_name == "superlu"
+    with pytest.raises(InputError, match="pip install rslab"):
+        DirectSolver(pattern, constraints, "rslab")
     with pytest.raises(InputError, match="choose 'auto' or one of"):
         DirectSolver(pattern, constraints, "umfpack")
 

@@ -1,4 +1,4 @@
-"""What a scene is: data, and numbers with their reference values. Only the standard library, since every program reads it."""
+"""What a scene is: data, and numbers with their reference values. Only the standard library: every program reads it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,8 @@ class Quantity:
     """A number, or a series over the scene's times, that every program is asked for.
 
     ``reference`` and ``uncertainty`` (relative to the scale) by theory: ``"thin"`` or ``"thick"``; a theory that is not
-    named is compared with the thin one. ``scale`` is what errors are relative to; if None, the reference: its root mean square.
+    named is compared with the thin one. ``scale`` is what errors are relative to; if None, the root mean square of the
+    reference.
     """
 
     text: str

@@ -16,6 +16,7 @@ from skancf.elements.quad_ancf import gauss
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, vector
 from skancf.meshes import check_mesh
+from skancf.meshes.finder import Finder, element_finder
 from skancf.surfaces import Surface, check_regular, normal
 from skancf.theories import Theory
 
@@ -199,8 +200,8 @@ class Geometry(Places):
         return self.surface.derivatives(*self.parameters(points, elements))[0]
 
     @cached_property
-    def _finder(self) -> Any:
-        return self.mesh.element_finder()
+    def _finder(self) -> Finder:
+        return element_finder(self.mesh)
 
     def locate(self, at: Any) -> tuple[int, np.ndarray]:
         """The element that holds a point of the parameter plane, and the point's local coordinates (2,).

@@ -1,28 +1,14 @@
 """Which elements may be assembled at the same time."""
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from typing import Any
 
 import numpy as np
 
+from skancf.threads import n_threads, pool
+
 CHUNKS = 16
 SMALLEST_CHUNK = 64
-
-
-def n_threads() -> int:
-    """Threads that assembly uses: the cores of this process, or the environment variable ``SKANCF_THREADS``."""
-    wanted = os.environ.get("SKANCF_THREADS", "")
-    if wanted.isdigit() and int(wanted) > 0:
-        return int(wanted)
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@cache
-def _pool(n: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(n, thread_name_prefix="skancf")
 
 
 class Schedule:
@@ -53,7 +39,7 @@ class Schedule:
                 for start, stop in phase:
                     kernel(start, stop, self.order, *arguments)
             else:
-                jobs = [_pool(threads).submit(kernel, start, stop, self.order, *arguments) for start, stop in phase]
+                jobs = [pool(threads).submit(kernel, start, stop, self.order, *arguments) for start, stop in phase]
                 for job in jobs:
                     job.result()
 

@@ -146,8 +146,8 @@ class System:
     def skew(self, q: np.ndarray, time: float | None = None, factor: float = 1.0) -> sp.csr_matrix | None:
         """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
         found = [part for part in (load.skew(q.reshape(-1, 4, 3), time) for load in self.loads) if part is not None]
-        total = sum((self._sparse(*part) for part in found), sp.csr_matrix(self.pattern.shape))
-        return factor * total if total.nnz else None
+        sum_of_parts = total(self._sparse(*part) for part in found)
+        return factor * sum_of_parts if sum_of_parts is not None and sum_of_parts.nnz else None
 
     def external_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
         """Loads at a time and the forces of held back free strains, (n_dofs,); without a time at their full amplitude."""
@@ -362,7 +362,8 @@ class System:
         m, geometry = len(elements), self.geometry
         maps = np.stack([geometry.dense_map(e) for e in elements])
         split = matrices.reshape(m, 3, 16, 3, 16)
-        blocks = np.einsum("eak,eiajb,ebl->ekilj", maps, split, maps, optimize=True).reshape(m, 48, 48)
+        blocks = maps.swapaxes(1, 2)[:, None, None] @ split.transpose(0, 1, 3, 2, 4) @ maps[:, None, None]
+        blocks = blocks.transpose(0, 3, 1, 4, 2).reshape(m, 48, 48)
         places = (12 * geometry.nodes[elements][:, :, None].astype(int) + np.arange(12)).reshape(m, 48)
         rows, columns = np.repeat(places, 48, axis=1).ravel(), np.tile(places, (1, 48)).ravel()
         return sp.coo_matrix((blocks.ravel(), (rows, columns)), shape=self.pattern.shape).tocsr()
@@ -387,7 +388,7 @@ def _angles(normals: np.ndarray) -> np.ndarray:
     return np.asarray(np.arccos(np.clip(np.einsum("iep,ieq->epq", units, units), -1.0, 1.0)))
 
 
-def total(parts: Iterable[np.ndarray | None]) -> np.ndarray | None:
+def total(parts: Iterable[Any]) -> Any:
     """Sum of the parts that are there; None if none is."""
     found = [part for part in parts if part is not None]
     return sum(found[1:], found[0]) if found else None

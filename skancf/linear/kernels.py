@@ -71,3 +71,36 @@ def touches(nodes: np.ndarray, indptr: np.ndarray, indices: np.ndarray, part: np
                 mask[k] = True
                 break
     return mask
+
+
+@numba.njit(cache=True, nogil=True)
+def upper_pattern(indptr: np.ndarray, indices: np.ndarray, block: int) -> tuple[np.ndarray, np.ndarray]:
+    """Compressed rows of the upper triangle of entries."""
+    n_nodes = indptr.size - 1
+    starts = np.empty(n_nodes * block + 1, np.int64)
+    starts[0] = 0
+    for i in range(n_nodes):
+        for a in range(block):
+            starts[i * block + a + 1] = starts[i * block + a] + (indptr[i + 1] - indptr[i]) * block - a
+    columns = np.empty(starts[-1], np.int32)
+    for i in range(n_nodes):
+        for a in range(block):
+            place = starts[i * block + a]
+            for slot in range(indptr[i], indptr[i + 1]):
+                for c in range(a if slot == indptr[i] else 0, block):
+                    columns[place] = indices[slot] * block + c
+                    place += 1
+    return starts, columns
+
+
+@numba.njit(cache=True, nogil=True)
+def upper_entries(indptr: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
+    """Entries of the upper triangle, row by row as :func:`upper_pattern` has them."""
+    block = values.shape[1]
+    place = 0
+    for i in range(indptr.size - 1):
+        for a in range(block):
+            for slot in range(indptr[i], indptr[i + 1]):
+                for c in range(a if slot == indptr[i] else 0, block):
+                    out[place] = values[slot, a, c]
+                    place += 1

@@ -8,11 +8,12 @@ from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.pardiso import Pardiso
 from skancf.linear.pattern import BlockPattern
+from skancf.linear.rslab import Rslab
 from skancf.linear.scaling import ScaledSystem
 from skancf.linear.superlu import SuperLU
 
 # Fastest first: "auto" takes the first that is available.
-BACKENDS: tuple[type[Backend], ...] = (Pardiso, SuperLU)
+BACKENDS: tuple[type[Backend], ...] = (Pardiso, Rslab, SuperLU)
 
 # A x is a sum of block * neighbours products. When it is no larger than this share of |A| |x|, the matrix cannot be
 # told from a singular one: the sum is the rounding of its terms, and of the sums from which the entries came.
@@ -39,7 +40,7 @@ class DirectSolver:
     pattern : BlockPattern
     constraints : Constraints
     backend : str
-        ``"mkl"``, ``"superlu"``, or ``"auto"`` for the fastest that is available.
+        ``"mkl"``, ``"rslab"``, ``"superlu"``, or ``"auto"`` for the fastest that is available.
 
     Raises
     ------

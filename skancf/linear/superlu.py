@@ -1,4 +1,4 @@
-"""SuperLU of scipy on the nodes in nested dissection order: the solver that needs nothing installed."""
+"""SuperLU of scipy on the nodes in nested dissection order: the solver that is always there."""
 
 from typing import ClassVar
 

@@ -122,7 +122,7 @@ def solve(
         Where load steps end, at a limit point for one, go on along the path by arc length until the load is reached; the
         message then names the limit points that were passed. A structure under that load would snap there.
     backend : str
-        Linear solver: "auto", "mkl" or "superlu".
+        Linear solver: "auto", "mkl", "rslab" or "superlu".
 
     Returns
     -------

@@ -84,10 +84,13 @@ def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
 def held_along(geometry: Geometry, where: Any, directions: np.ndarray) -> list[Row]:
     """Positions held in some directions of space, with the slopes along the edges of the place."""
     rows = []
+    known: dict[bytes, np.ndarray] = {}  # nodes along a straight edge are alike
     for node, tangents in edges(geometry, where).items():
-        for direction in directions:
-            rows.append(Row(node, condition({R: 1.0}, direction)))
-            rows += [Row(node, condition({R_X: t[0], R_Y: t[1]}, direction)) for t in tangents]
+        key = b"".join(t.tobytes() for t in tangents)
+        if key not in known:
+            kinds = [{R: 1.0}, *[{R_X: t[0], R_Y: t[1]} for t in tangents]]
+            known[key] = np.array([condition(kind, direction) for direction in directions for kind in kinds])
+        rows += [Row(node, a) for a in known[key]]
     return rows
 
 

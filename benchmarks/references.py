@@ -1,0 +1,191 @@
+"""Computes the reference values of the scenes and stores them with their uncertainty in ``benchmarks/scenes/references``.
+
+    python -m benchmarks.references [NAME ...]
+
+Statics: two meshes finer than any that is compared, extrapolated; the uncertainty is the distance from the extrapolation of
+the two before. Dynamics: the finest mesh and steps; the uncertainty is the distance from a coarser mesh plus that from
+longer steps. About a quarter of an hour for all on two cores.
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_bvp
+
+from benchmarks.programs.models import Model, model
+from benchmarks.scenes import SCENES
+from benchmarks.scenes.stored import FOLDER
+from skancf.atomic import replacing
+
+Found = dict[str, Any]
+
+
+def rod(thin: bool) -> Found:
+    """The strip under end shear as a rod; thin: with the energy EA (λ² - 1)² / 8 + EI (λ φ')² / 2 per length, λ the stretch;
+    thick: EA (λ - 1)² / 2 + EI φ'² / 2 + k GA γ² / 2.
+
+    The force P is dead: P sin φ acts along the rod, P cos φ across, and M' = -P dx/ds.
+    """
+    d = SCENES["end_shear"].data
+    area, inertia = d["width"] * d["thickness"], d["width"] * d["thickness"] ** 3 / 12
+    EA, EI, kGA, P = d["young"] * area, d["young"] * inertia, 5 / 6 * d["young"] / 2 * area, d["force"]
+
+    def state(phi: np.ndarray, moment: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """φ', stretch and shear."""
+        if not thin:
+            return moment / EI, 1 + P * np.sin(phi) / EA, P * np.cos(phi) / kGA
+        stretch = np.ones_like(phi)
+        for _ in range(30):  # a contraction by the strain
+            bend = moment / (EI * stretch**2)
+            stretch = np.sqrt(1 + 2 * (P * np.sin(phi) / stretch - EI * bend**2) / EA)
+        return bend, stretch, np.zeros_like(phi)
+
+    def slopes(s: np.ndarray, y: np.ndarray) -> np.ndarray:
+        bend, along, across = state(y[0], y[1])
+        x = along * np.cos(y[0]) - across * np.sin(y[0])
+        z = along * np.sin(y[0]) + across * np.cos(y[0])
+        return np.stack([bend, -P * x, x, z])
+
+    def ends(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return np.array([a[0], b[1], a[2], a[3]])
+
+    s = np.linspace(0, d["length"], 101)
+    start = np.stack([0.12 * s, P * (d["length"] - s), s, 0.05 * s**2])
+    out = solve_bvp(slopes, ends, s, start, tol=1e-10, max_nodes=100_000)
+    if not out.success:
+        raise RuntimeError(out.message)
+    return {"u": float(d["length"] - out.y[2, -1]), "w": float(out.y[3, -1])}
+
+
+def end_shear() -> Found:
+    return {"thin": rod(True), "thick": rod(False), "uncertainty": 1e-8}
+
+
+def limits(values: list[np.ndarray], order: float) -> tuple[np.ndarray, np.ndarray]:
+    """Extrapolation of the last two of values on meshes of halved size, and its distance from that of the two before."""
+    weight = 2**order
+    first, last = ((weight * b - a) / (weight - 1) for a, b in zip(values[-3:-1], values[-2:], strict=True))
+    return last, np.abs(last - first)
+
+
+def on_meshes(name: str, state: Callable[[Model, int], Any], sizes: list[int], order: float) -> Found:
+    """A static scene on meshes of halved size."""
+    scene, rows = SCENES[name], []
+    for n in sizes:
+        built = model(scene)
+        rows.append(state(built, n))
+        print(f"  {n:4d}", {k: float(f"{v:.10g}") for k, v in rows[-1].items()}, flush=True)
+    keys = list(scene.quantities)
+    last, distance = limits([np.array([row[k] for k in keys]) for row in rows], order)
+    scales = [scene.quantities[k].scale or abs(v) for k, v in zip(keys, last, strict=True)]
+    return {"thin": dict(zip(keys, last.tolist(), strict=True)), "uncertainty": float((distance / scales).max())}
+
+
+def hemisphere() -> Found:
+    import skancf as sk
+
+    def state(built: Model, n: int) -> dict[str, float]:
+        return built.values(sk.solve(built.problem.on(built.uniform(n), "kirchhoff"), rtol=1e-9).unwrap())
+
+    # Under a point force bicubic elements are of order two: the second derivative is not bounded.
+    return on_meshes("hemisphere", state, [24, 48, 96], 2.0)
+
+
+def hinged_roof() -> Found:
+    from benchmarks.programs.ours import pressed
+
+    scene = SCENES["hinged_roof"]
+
+    def state(built: Model, n: int) -> dict[str, float]:
+        return dict(pressed(scene, built, built.problem.on(built.uniform(n), "kirchhoff"), True).values)
+
+    return on_meshes("hinged_roof", state, [16, 32, 64], 2.0)
+
+
+def l_shape() -> Found:
+    import skancf as sk
+
+    def state(built: Model, n: int) -> dict[str, float]:
+        return built.values(sk.solve_linear(built.problem.on(built.uniform(n), "kirchhoff")))
+
+    # The corner: deflections grow with r to the power 1.5445, and the energy is wrong by the square of h to 0.5445.
+    return on_meshes("l_shape", state, [32, 64, 128, 256], 2 * 0.544484)
+
+
+def corner_plate() -> Found:
+    """On adaptive meshes, each quantity with its error estimate added; ten times as thick, with the same bending stiffness,
+    which a linear thin plate does not notice, but rounding does."""
+    import skancf as sk
+
+    scene = SCENES["corner_plate"]
+    thicker = {"thickness": 10 * scene.data["thickness"], "young": scene.data["young"] / 1000}
+    built = model(replace(scene, data={**scene.data, **thicker}))
+    values, doubts = {}, []
+    for key, at in (("centre", (0.0, 0.0)), ("edge", (0.0, scene.data["side"] / 2))):
+        result = sk.adapt(built.problem, sk.Displacement(at), 1e-6, mesh=built.uniform(4), linear=True)
+        values[key] = float(result.corrected)
+        doubts.append(abs(result.error_bar / result.corrected))
+        print(f"  {key} {values[key]:.10g} +- {doubts[-1]:.1e}", flush=True)
+    return {"thin": values, "uncertainty": float(max(doubts))}
+
+
+def motion(name: str, mesh: int, rtol: float) -> dict[str, list[float]]:
+    import skancf as sk
+
+    scene = SCENES[name]
+    built = model(scene)
+    system = built.problem.on(built.uniform(mesh), "kirchhoff")
+    began = time.perf_counter()
+    run = sk.simulate(system, scene.data["end"], rtol=rtol, outputs=(0.0, *scene.times), progress=False).unwrap()
+    print(f"  {mesh} elements, steps to {rtol:g}: {len(run.steps)} steps, {time.perf_counter() - began:.0f} s", flush=True)
+    return {key: series[1:] for key, series in built.values(run).items()}
+
+
+def moving(name: str, mesh: int, rtol: float) -> Found:
+    """A run, and the sum of what a coarser mesh and three times larger errors of the steps change."""
+    scene, best = SCENES[name], motion(name, mesh, rtol)
+    others = motion(name, round(mesh / 1.5), 3 * rtol), motion(name, mesh, 3 * rtol)
+    stepped = distance(scene, best, others[1])
+    meshed = distance(scene, others[1], others[0])
+    print(f"  mesh {meshed:.1e}, steps {stepped:.1e}")
+    return {"times": list(scene.times), "thin": best, "uncertainty": meshed + stepped}
+
+
+def distance(scene: Any, a: dict[str, list[float]], b: dict[str, list[float]]) -> float:
+    parts = []
+    for key, quantity in scene.quantities.items():
+        difference = np.asarray(a[key]) - np.asarray(b[key])
+        scale = quantity.scale or float(np.sqrt(np.mean(np.square(a[key]))))
+        parts.append(float(np.sqrt(np.mean(difference**2))) / scale)
+    return max(parts)
+
+
+REFERENCES: dict[str, Callable[[], Found]] = {
+    "end_shear": end_shear,
+    "hemisphere": hemisphere,
+    "hinged_roof": hinged_roof,
+    "l_shape": l_shape,
+    "corner_plate": corner_plate,
+    "paper_2n": lambda: moving("paper_2n", 24, 1e-5),
+    "paper_20n": lambda: moving("paper_20n", 24, 1e-4),
+    "free_ruler": lambda: moving("free_ruler", 24, 1e-4),
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", choices=[[], *REFERENCES])
+    for name in parser.parse_args().names or REFERENCES:
+        print(name, flush=True)
+        found = REFERENCES[name]()
+        with replacing(FOLDER / f"{name}.json") as part:
+            part.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -47,7 +47,7 @@ class Shell:
         rotations = ng.NormalFacetSurface(mesh, order=order - 1, dirichlet_bbnd=turned)
         forces = ng.HCurlCurl(mesh, order=order - 1, discontinuous=True)
         self.mixed = mixed
-        self.space = ng.FESpace([displacement, moments, rotations] + [forces] * mixed)
+        self.space = displacement * moments * rotations * forces
         u, m, alpha, *force = self.space.TrialFunction()
         m, alpha = m.Trace(), alpha.Trace()
         self.z = ng.GridFunction(self.space)

@@ -97,6 +97,8 @@ class ScaledSystem:
     def _rotation_noise(self, turned: np.ndarray) -> np.ndarray:
         """Rounding that a turn into nodal frames leaves on the diagonal, (n_nodes, block); zero without a frame."""
         noise = np.zeros(self.scale.shape)
+        if not self._turned.size:
+            return noise
         own = self.pattern.rows[self._turned] == self.pattern.indices[self._turned]
         frames = np.abs(self._frames[self._left[own]])
         bound = np.einsum("kab,kbc,kac->ka", frames, np.abs(turned[own]), frames, optimize=True)

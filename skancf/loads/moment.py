@@ -14,6 +14,8 @@ from skancf.loads.acting import Acting
 from skancf.theories.kirchhoff_point import R1, R2, dual, unit_normal
 from skancf.vectors import cross
 
+ROUNDING = 1e-12
+"""A moment's part normal to the surface that is none, relative to the moment."""
 
 @dataclass(frozen=True)
 class EdgeMoment:
@@ -135,9 +137,13 @@ class MomentOnNormals(Acting):
         half = (left @ right.swapaxes(1, 2)).reshape(-1, 16, 3, 3, 16).transpose(0, 3, 1, 2, 4).reshape(-1, 48, 48)
         local.add_local(self.elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)
 
-    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
         n, duals, m, _ = self._surface(q, time)
-        normal_part = np.einsum("imn,imn->mn", m, cross(duals[R1], duals[R2]))
+        spanned = cross(duals[R1], duals[R2])
+        normal_part = np.einsum("imn,imn->mn", m, spanned)
+        # A moment in the surface: the rest is rounding, and an unsymmetric solve costs as much as all else in an iteration.
+        if not (np.abs(normal_part) > ROUNDING * np.abs(m).max() * np.abs(spanned).max()).any():
+            return None
         # Along each normal, r_1 and r_2 of the functions: (m, 48, points), component by component.
         one, two = (np.einsum("man,imn->mian", self.slopes[:, g], n).reshape(len(self.slopes), 48, -1) for g in (0, 1))
         half = (normal_part[:, None] * one) @ two.swapaxes(1, 2)

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from skancf.assembly.panels import prefetch
 from skancf.compiled import INNER, OPTIONS
 
 
@@ -42,6 +43,17 @@ def scatter_force(e, force, maps, out):
         n, kind = maps.nodes[e, maps.corners[k]], maps.kinds[k]
         for i in range(3):
             out[n, kind, i] += v * force[a, i]
+
+
+@njit(**INNER)
+def prefetch_blocks(e, slots, out):
+    """Asks for the blocks of an element early, so that they come while its tangent is computed."""
+    for a in range(4):
+        for b in range(4):
+            slot = slots[e, a, b]
+            if slot >= 0:
+                for line in range(0, 144, 8):
+                    prefetch(out, 144 * slot + line)
 
 
 @njit(**INNER)

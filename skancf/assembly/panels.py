@@ -2,11 +2,14 @@
 
 A library's matrix multiply has to look at its arguments before it starts, and is built for sizes that a compiler does not
 know. Here the compiler knows how many rows there are; they stay in registers.
+
+After an edit here ``make kernels`` removes the cache of the kernels that use it.
 """
 
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
+from numba.core import cgutils
 from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
@@ -100,3 +103,21 @@ def add_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
 def set_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
     """As :func:`add_panel`, but what was in C is forgotten."""
     return _panel(False, typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row)
+
+
+@intrinsic
+def prefetch(typing, array, at):
+    """Asks the cache for what is at a flat index of a contiguous array, which is written soon."""
+    signature = types.void(array, at)
+
+    def generate(context, builder, signature, arguments):
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        place = builder.gep(data, [context.cast(builder, arguments[1], signature.args[1], types.int64)])
+        byte = builder.bitcast(place, ir.IntType(8).as_pointer())
+        flag = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [byte.type, flag, flag, flag])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8")
+        builder.call(function, [byte, *(ir.Constant(flag, value) for value in (1, 3, 1))])
+        return context.get_dummy_value()
+
+    return signature, generate

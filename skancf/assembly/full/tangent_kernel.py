@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 
 from skancf.assembly.full.kernels import N_POINTS, collect, in_plane_jets, sample_jets, vectors
-from skancf.assembly.local import gather, scatter_tangent
+from skancf.assembly.local import gather, prefetch_blocks, scatter_tangent
 from skancf.assembly.panels import add_panel, aligned, set_panel
 from skancf.compiled import INNER, OPTIONS
 from skancf.theories.full import N_IN_PLANE
@@ -156,6 +156,7 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
     for index in range(start, stop):
         e = order[index]
         law = elements.law[elements.shape[e]]
+        prefetch_blocks(e, slots, out)
         gather(e, q, maps, local)
         in_plane_jets(rule, local, x)
         sample_jets(rule, local, sx)

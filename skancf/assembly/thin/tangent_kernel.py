@@ -13,7 +13,7 @@ share.
 import numpy as np
 from numba import njit
 
-from skancf.assembly.local import gather, scatter_tangent
+from skancf.assembly.local import gather, prefetch_blocks, scatter_tangent
 from skancf.assembly.panels import add_panel, aligned, set_panel
 from skancf.assembly.thin.kernels import N_POINTS, jets, surface
 from skancf.compiled import INNER, OPTIONS
@@ -178,6 +178,7 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
             if assumed:
                 kept_law(rule, square, elements.rest[c], C)
             last = c
+        prefetch_blocks(e, slots, out)
         gather(e, q, maps, local)
         jets(rule, local, x)
         surface(x, n, duals, gamma)

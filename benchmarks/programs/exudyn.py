@@ -19,13 +19,13 @@ UNIFORM = {
     "corner_plate": (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48),
     "paper_2n": (2, 4, 6, 8, 12, 16, 24, 32),
     "paper_20n": (2, 4, 6, 8, 12, 16, 24, 32),
-    "free_ruler": (4, 6, 8, 12, 16, 24, 32),
+    "free_ruler": (3, 4, 6, 8, 12, 16, 24),
 }
 # Time steps between two of the scene's times: their error is about that of the mesh.
 STEPS = {
-    "paper_2n": {2: 1, 4: 2, 6: 3, 8: 4, 12: 6, 16: 8, 24: 16, 32: 24},
-    "paper_20n": {2: 1, 4: 2, 6: 3, 8: 4, 12: 6, 16: 8, 24: 16, 32: 24},
-    "free_ruler": {4: 10, 6: 10, 8: 20, 12: 40, 16: 60, 24: 100, 32: 150},
+    "paper_2n": {2: 1, 4: 2, 6: 2, 8: 4, 12: 6, 16: 8, 24: 12, 32: 16},
+    "paper_20n": {2: 1, 4: 2, 6: 2, 8: 4, 12: 6, 16: 8, 24: 12, 32: 16},
+    "free_ruler": {3: 10, 4: 10, 6: 20, 8: 20, 12: 40, 16: 80, 24: 160},
 }
 VARIANTS = {
     "reduced": Variant("Exudyn, thin", "thin", UNIFORM),
@@ -51,22 +51,33 @@ def lines(n: int, end: float, start: float = 0.0) -> Any:
     return np.linspace(start, end, n + 1)
 
 
+def half_strip(scene: Scene, n: int, reduced: bool, density: float = 0.0) -> Plate:
+    """Half the width of a strip, one element wide. As one element over the whole width, the edges bow: the ruler comes out
+    0.2 % off at best."""
+    plate = Plate(scene, lines(n, scene.data["length"]), lines(1, scene.data["width"] / 2), reduced, density=density)
+    plate.mirror(plate.index[0], Y, "x")
+    return plate
+
+
 def end_shear(scene: Scene, n: int, reduced: bool) -> Outcome:
-    return strip(scene, n, reduced, lambda plate: plate.end_force([0.0, 0.0, scene.data["force"]]))
+    return cantilever(scene, n, reduced, lambda plate: plate.end_force([0.0, 0.0, scene.data["force"] / 2]))
 
 
 def roll_up(scene: Scene, n: int, reduced: bool) -> Outcome:
-    return strip(scene, n, reduced, lambda plate: plate.end_moment([0.0, -scene.data["moment"], 0.0]), steps=max(2, n // 4), follow=True)
+    def load(plate: Plate) -> None:
+        plate.end_moment([0.0, -scene.data["moment"] / 2, 0.0])
+
+    return cantilever(scene, n, reduced, load, steps=4, rtol=1e-5, follow=True)
 
 
-def strip(scene: Scene, n: int, reduced: bool, load: Any, **how: Any) -> Outcome:
-    plate = Plate(scene, lines(n, scene.data["length"]), lines(1, scene.data["width"]), reduced)
+def cantilever(scene: Scene, n: int, reduced: bool, load: Any, **how: Any) -> Outcome:
+    plate = half_strip(scene, n, reduced)
     # The slope across the edge may stretch.
     plate.fix(plate.index[:, 0], (X, Y, Z), (Y, Z), (X, Y, Z))
     load(plate)
     plate.mbs.Assemble()
     note = static(plate, **how)
-    u = np.mean([plate.displacement(node) for node in plate.index[:, -1]], axis=0)
+    u = plate.displacement(plate.index[0, -1])
     return Outcome({"u": -u[X], "w": u[Z]}, plate.free, note)
 
 
@@ -88,7 +99,7 @@ def hemisphere(scene: Scene, n: int, reduced: bool) -> Outcome:
     plate.force(a, [d["force"] / 2, 0.0, 0.0])
     plate.force(b, [0.0, -d["force"] / 2, 0.0])
     plate.mbs.Assemble()
-    note = static(plate, steps=4)
+    note = static(plate, steps=6, rtol=1e-2)
     return Outcome({"outwards": plate.displacement(a)[X], "inwards": -plate.displacement(b)[Y]}, plate.free, note)
 
 
@@ -115,9 +126,6 @@ def hinged_roof(scene: Scene, n: int, reduced: bool) -> Outcome:
         notes.append(static(plate))
         values[f"force_{k}"] = -4 * float(plate.mbs.GetObjectOutput(press, exu.OutputVariableType.Force))
     return Outcome(values, plate.free, "; ".join(notes))
-
-
-SMALL = 1e-6
 
 
 def l_shape(scene: Scene, n: int, reduced: bool) -> Outcome:
@@ -160,17 +168,19 @@ def paper_example(scene: Scene, n: int, reduced: bool) -> Outcome:
     plate.mirror(plate.index[-1], Y, "x")
     plate.force(plate.index[-1, -1], [0.0, 0.0, d["force"] / 4])
     watched = {"centre": plate.index[-1, -1], "quarter": plate.index[n // 2, n // 2], "edge": plate.index[0, -1]}
-    series, note = simulate(plate, scene, STEPS[scene.name][n], list(watched.values()))
+    series, note = simulate(plate, scene, STEPS[scene.name][n], list(watched.values()), 1e-2)
     return Outcome({key: series[:, k, Z].tolist() for k, key in enumerate(watched)}, plate.free, note)
 
 
 def free_ruler(scene: Scene, n: int, reduced: bool) -> Outcome:
     d = scene.data
-    plate = Plate(scene, lines(n, d["length"]), lines(1, d["width"]), reduced, density=d["density"])
-    plate.end_force([d["force_x"], 0.0, d["force_z"]], lambda t: max(0.0, min(t, d["over"] - t)) / d["peak"])
-    series, note = simulate(plate, scene, STEPS[scene.name][n], [*plate.index[:, 0], *plate.index[:, -1]])
-    ends = {"near": series[:, :2].mean(axis=1), "far": series[:, 2:].mean(axis=1)}
-    return Outcome({f"{end}_{key}": u[:, c].tolist() for end, u in ends.items() for key, c in (("x", X), ("z", Z))}, plate.free, note)
+    plate = half_strip(scene, n, reduced, d["density"])
+    plate.end_force([d["force_x"] / 2, 0.0, d["force_z"] / 2], lambda t: max(0.0, min(t, d["over"] - t)) / d["peak"])
+    series, note = simulate(plate, scene, STEPS[scene.name][n], [plate.index[0, 0], plate.index[0, -1]], 1e-4)
+    return Outcome(
+        {f"{end}_{key}": series[:, k, c].tolist() for k, end in enumerate(("near", "far")) for key, c in (("x", X), ("z", Z))},
+        plate.free, note,
+    )  # fmt: skip
 
 
 RUNS = {"end_shear": end_shear, "roll_up": roll_up, "hemisphere": hemisphere, "hinged_roof": hinged_roof, "l_shape": l_shape,

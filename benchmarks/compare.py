@@ -3,8 +3,8 @@
     python -m benchmarks.compare [--quick] [--scenes NAME ...] [--programs NAME ...]
 
 Programs take turns: a round runs the ladder of sizes of each of them on a scene, then the next round does, so that a slow
-spell of the machine meets all of them. The medians of rounds are what is charted. A ladder ends where its runs become longer than the
-limit. Programs that are not installed (``make peers``), and scenes that a program cannot run, are stored with the reason.
+spell of the machine meets all of them. The medians of rounds are what is charted. A ladder ends where its time is
+up. Programs that are not installed (``make peers``), and scenes that a program cannot run, are stored with the reason.
 """
 
 import argparse
@@ -15,23 +15,19 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks.machine import facts
+from benchmarks.machine import RESULTS, facts, with_threads, write
 from benchmarks.programs.program import Program
 from benchmarks.scenes import SCENES, Scene
-from benchmarks.store import RESULTS, read, write
 from benchmarks.worker import program
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAMS = ("ours", "exudyn", "kratos", "opensees", "calculix", "ngsolve")
-ONE_THREAD = {
-    name: "1"
-    for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS", "SKANCF_THREADS",
-                 "CCX_NPROC_EQUATION_SOLVER", "NGS_NUM_THREADS")
-}  # fmt: skip
+# Of programs that do not listen to the usual ones.
+ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "CCX_NPROC_EQUATION_SOLVER": "1", "NGS_NUM_THREADS": "1"}
 
 
 class Limits(NamedTuple):
@@ -42,6 +38,8 @@ class Limits(NamedTuple):
     repeated: float
 
 
+# Seconds for starting a program.
+START = 60.0
 FULL, QUICK = Limits(45.0, 3, 3.0), Limits(2.0, 1, 0.0)
 # Scenes in which the peers need longer to reach the accuracy that is asked for.
 PATIENCE = {"hemisphere": 3.0, "paper_2n": 2.0}
@@ -81,35 +79,41 @@ def contenders(names: list[str]) -> list[Contender]:
 def ladder(contender: Contender, scene: Scene, sizes: list[float], limit: float) -> Iterator[dict[str, Any]]:
     """What the worker says of each run, until the limit."""
     command = [str(contender.python()), "-m", "benchmarks.worker", contender.module, contender.variant, scene.name]
-    environment = {**os.environ, **ONE_THREAD}
-    with process([*command, *(f"{size:g}" for size in sizes)], environment, limit) as worker:
+    environment = {**with_threads(1), **ONE_THREAD}
+    with process([*command, *(f"{size:g}" for size in sizes)], environment) as worker:
         assert worker.stdout is not None
+        # Its first line says that it has started: start and imports are not compared.
+        alarm = threading.Timer(START, end, [worker])
+        alarm.start()
         for line in worker.stdout:
-            if line.startswith("@"):
-                yield json.loads(line[1:])
+            if not line.startswith("@"):
+                continue
+            found = json.loads(line[1:])
+            if "version" in found:
+                alarm.cancel()
+                alarm = threading.Timer(limit, end, [worker])
+                alarm.start()
+            yield found
+        alarm.cancel()
 
 
 @contextmanager
-def process(command: list[str], environment: dict[str, str], limit: float) -> Iterator[subprocess.Popen[str]]:
-    """A worker that is ended when its time is up, with the processes that it has started."""
-    worker = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-                              start_new_session=True)  # fmt: skip
-    # Start and imports are not what is compared.
-    alarm = threading.Timer(limit + 15.0, end, [worker])
-    alarm.start()
+def process(command: list[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
+    """A worker that is ended with the processes that it has started."""
+    worker = subprocess.Popen(
+        command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        start_new_session=True,
+    )  # fmt: skip
     try:
         yield worker
     finally:
-        alarm.cancel()
         end(worker)
         worker.wait()
 
 
 def end(worker: "subprocess.Popen[str]") -> None:
-    try:
+    with suppress(ProcessLookupError):
         os.killpg(worker.pid, 9)
-    except ProcessLookupError:
-        pass
 
 
 class Runs:
@@ -125,8 +129,9 @@ class Runs:
             self.versions[contender.program.name] = line["version"]
             return
         key = (contender.module, contender.variant, line["size"])
-        head = {"program": contender.program.name, "module": contender.module, "variant": contender.variant, "label": contender.label,
-                "theory": contender.program.variants[contender.variant].theory, "size": line["size"]}  # fmt: skip
+        theory = contender.program.variants[contender.variant].theory
+        head = {"program": contender.program.name, "module": contender.module, "variant": contender.variant,
+                "label": contender.label, "theory": theory, "size": line["size"]}  # fmt: skip
         row = self.rows.setdefault(key, {**head, "wall": [], "cpu": []})
         if "failed" in line:
             row["failed"] = line["failed"]
@@ -168,16 +173,16 @@ def best(runs: Runs, contender: Contender) -> str:
     return (f"least error {min(r['error'] for r in done):.1e}" if done else "no result") + failed
 
 
-def stored(runs: Runs, entered: list[Contender], limits: Limits, old: dict[str, Any] | None) -> dict[str, Any]:
+def stored(runs: Runs, entered: list[Contender], limits: Limits, old: dict[str, Any]) -> dict[str, Any]:
     """What goes into the file; rows of programs that did not run this time are kept."""
     scene, ran = runs.scene, {contender.module for contender in entered}
-    kept = [row for row in (old or {}).get("rows", ()) if row["module"] not in ran]
+    kept = [row for row in old.get("rows", ()) if row["module"] not in ran]
     cannot = [{"module": c.module, "label": c.label, "reason": c.reason(scene)} for c in entered if c.reason(scene)]
     return {
         "scene": scene.name, "machine": facts(), "threads": 1, "rounds": limits.rounds,
-        "versions": {**(old or {}).get("versions", {}), **runs.versions},
+        "versions": {**old.get("versions", {}), **runs.versions},
         "rows": sorted([*kept, *runs.rows.values()], key=lambda row: (row["label"], PROGRAMS.index(row["module"]))),
-        "cannot": [*(c for c in (old or {}).get("cannot", ()) if c["module"] not in ran), *cannot],
+        "cannot": [*(c for c in old.get("cannot", ()) if c["module"] not in ran), *cannot],
     }  # fmt: skip
 
 
@@ -186,16 +191,15 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="short runs only, one round: five minutes")
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--programs", nargs="+", choices=PROGRAMS, default=list(PROGRAMS))
-    parser.add_argument("--out", type=Path, default=RESULTS)
     arguments = parser.parse_args()
     limits, entered, began = QUICK if arguments.quick else FULL, contenders(arguments.programs), time.perf_counter()
     for number, name in enumerate(arguments.scenes, 1):
         minutes = (time.perf_counter() - began) / 60
         print(f"{SCENES[name].title} ({number} of {len(arguments.scenes)} scenes, {minutes:.0f} minutes so far)", flush=True)
-        file = arguments.out / f"scene_{name}.json"
-        whole = arguments.programs == list(PROGRAMS)
+        file = RESULTS / f"scene_{name}.json"
         runs = compare(SCENES[name], entered, limits)
-        write(file, stored(runs, entered, limits, None if whole or not file.exists() else read(file)))
+        old = json.loads(file.read_text(encoding="utf-8")) if file.exists() and arguments.programs != list(PROGRAMS) else {}
+        write(file.name, stored(runs, entered, limits, old))
 
 
 if __name__ == "__main__":

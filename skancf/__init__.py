@@ -1,6 +1,8 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
-from skancf import meshes, output
+from typing import TYPE_CHECKING, Any
+
+from skancf import meshes
 from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
@@ -112,6 +114,9 @@ from skancf.surfaces import (
 )
 from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
+
+if TYPE_CHECKING:
+    from skancf import output
 
 __all__ = [
     "AdaptiveResult",
@@ -231,3 +236,16 @@ __all__ = [
     "trace",
     "transfer",
 ]  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    """``output`` is loaded when it is first used: many runs show nothing."""
+    if name == "output":
+        import skancf.output
+
+        return skancf.output
+    raise AttributeError(f"module 'skancf' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -7,7 +7,6 @@ from math import pi, sin
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from skancf.errors import InputError, finite, number, positive
 
@@ -147,6 +146,8 @@ class Table(Tabulated):
     def _function(self) -> Callable[[float], Any]:
         values = np.array(self.values)
         if self.kind == "smooth":
+            from scipy.interpolate import PchipInterpolator  # not at the top: few runs need it, and it is slow to load
+
             return PchipInterpolator(self._times, values)
         return lambda time: np.interp(time, self._times, values)
 

@@ -63,7 +63,7 @@ class Problem:
     def __post_init__(self) -> None:
         if isinstance(self.surface, type) or not hasattr(self.surface, "position"):
             raise InputError(f"surface = {self.surface!r}: give a surface, for example Rectangle(1.0, 1.0)")
-        section_of(self.material, self.thickness)  # what is wrong is told here, not where the section is first used
+        _ = self.section  # what is wrong with it is told here, not where it is first used
         for name, method in (("supports", "rows"), ("loads", "on")):
             items = getattr(self, name)
             if not isinstance(items, Sequence):

@@ -9,10 +9,9 @@ import scipy.sparse as sp
 
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
-from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number
-from skancf.thinness import shear_forces, shear_share
+from skancf.thinness import BILINEAR, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 
@@ -50,7 +49,10 @@ class Solution:
 
     def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        return self.position(at, z) - Solution(self.system, self.system.undeformed).position(at, z)
+        out = probe(self.system, at) @ (self.q - self.system.undeformed).reshape(-1, 3)
+        if self._depth(z):
+            out = out + z * (self._normals(at) - self._undeformed._normals(at))
+        return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def position(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
@@ -61,9 +63,13 @@ class Solution:
 
     def rotation(self, at: Any) -> np.ndarray:
         """Angle between the normal (director) and the undeformed one at points (2,) or (n, 2): () or (n,) (rad)."""
-        n, before = self._normals(at), Solution(self.system, self.system.undeformed)._normals(at)
+        n, before = self._normals(at), self._undeformed._normals(at)
         angle = np.arctan2(np.linalg.norm(np.cross(before, n), axis=1), (before * n).sum(axis=1))
         return angle[0] if np.ndim(at) == 1 else angle
+
+    @property
+    def _undeformed(self) -> "Solution":
+        return Solution(self.system, self.system.undeformed)
 
     def _normals(self, at: Any) -> np.ndarray:
         """Directors or unit normals (n, 3) at points of the parameter plane."""
@@ -131,7 +137,11 @@ class Solution:
             :func:`skancf.thinness.shear_forces`.
         """
         inside = self.system.geometry.inside(np.array([[0.5], [0.5]]) if points is None else points)
-        return self._of_state(lambda q: shear_forces(self.system, q, inside, self.load_factor, self.time))
+        system, factor, time = self.system, self.load_factor, self.time
+        if not system.geometry.theory.twist:
+            raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
+        moments = self._of_state(lambda q: system.section_forces(q, BILINEAR[0], factor, time)[:, 3:])
+        return shear_forces(system, self.q, moments, inside, factor, time)
 
     @property
     def shear_share(self) -> float:
@@ -142,7 +152,7 @@ class Solution:
         """The same with the shear forces of some elements only, a mask (n_elements,); None: of all."""
         if not self.system.geometry.theory.twist:
             return 0.0
-        points, weights = square_quadrature(2)
+        points, weights = BILINEAR
         heat = self.load_factor**2 * self.system.thermal_energy(self.time)
         Q = self.shear_forces(points)
         if elements is not None:
@@ -251,10 +261,11 @@ def require_same_mesh(system: System, start: Solution) -> None:
 def probe(system: System, at: Any) -> sp.csr_matrix:
     """Weights (n, 4 n_nodes) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
     vectors."""
-    geometry, rows = system.geometry, []
-    for place in np.atleast_2d(finite("at", at)):
-        element, local = geometry.locate(place)
-        weights = np.zeros((1, 16, 3))
-        weights[0, :, 0] = geometry.theory.position_table(local[:, None])[0, :, 0]
-        rows.append(sp.csr_matrix(geometry.nodal(weights, np.array([element]))[:, :, 0].reshape(1, -1)))
-    return sp.vstack(rows).tocsr()
+    places, geometry = finite("at", at), system.geometry
+    if places.ndim not in (1, 2) or places.shape[-1] != 2:
+        raise InputError(f"at of shape {places.shape}: give a point (x, y) of the parameter plane, or a list of them")
+    elements, local = geometry.locate_all(places.reshape(-1, 2).T)
+    table = geometry.theory.position_table(local.T)[0]
+    point, row, column, value = geometry.local_entries(elements)
+    shape = (len(elements), 4 * geometry.n_nodes)
+    return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)

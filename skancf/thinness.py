@@ -17,10 +17,14 @@ from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import InputError, OutOfDepth, SingularMatrix
 from skancf.theories.kirchhoff import legendre, local_frame
 from skancf.theories.kirchhoff_point import dual
+from skancf.vectors import cross
+
+BILINEAR = square_quadrature(2)
+"""Points where the moments are taken, and their weights."""
 
 
 def shear_forces(
-    system: System, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
+    system: System, q: np.ndarray, moments: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
 ) -> np.ndarray:
     r"""Transverse shear forces per length that balance the moments of a thin state: (n_elements, 2, n) (N/m).
 
@@ -36,17 +40,16 @@ def shear_forces(
     Parameters
     ----------
     q : (n_dofs,) array
+    moments : (n_elements, 3, 4) array
+        :math:`M_{11}, M_{22}, M_{12}` at the points :data:`BILINEAR`.
     points : (2, n) array
         Of the reference square.
     factor, time : float
         Of the loads: a temperature change and eccentric weight have moments of their own.
     """
     geometry, theory = system.geometry, system.geometry.theory
-    if not theory.twist:
-        raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
-    places, weights = square_quadrature(2)
-    moments = system.section_forces(q, places, factor, time)[:, 3:]
-    fit = np.einsum("ekp,p,pf->ekf", moments, weights, legendre(places, (2, 2)))
+    places, weights = BILINEAR
+    fit = moments @ (weights[:, None] * legendre(places, (2, 2)))
     values = legendre(points, (2, 2))
     slopes = [legendre(points + d, (2, 2)) - values for d in (np.array([[1.0], [0.0]]), np.array([[0.0], [1.0]]))]
     m11, m22, m12 = (fit @ values.T).swapaxes(0, 1)
@@ -82,7 +85,7 @@ def shear_energy(system: System, Q: np.ndarray, weights: np.ndarray, points: np.
     """
     geometry = system.geometry
     jets = geometry.theory.jets(geometry.undeformed_local, points)
-    areas = np.linalg.norm(np.cross(jets[0], jets[1], axis=0), axis=0) * weights
+    areas = np.linalg.norm(cross(jets[0], jets[1]), axis=0) * weights
     compliance = np.linalg.inv(system.problem.section.shear_stiffness())
     return float(0.5 * np.einsum("eip,ij,ejp,ep->", Q, compliance, Q, areas))
 
@@ -146,9 +149,9 @@ def choose(system: System, tolerance: float) -> Choice:
     energy, heat = system.linear_energy(change), system.thermal_energy()
     if not (energy > 0 or heat > 0):
         raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")
-    points, weights = square_quadrature(2)
-    inside = system.geometry.inside(points)
-    Q = system.linearised(lambda q: shear_forces(system, q, inside), change)
+    points, weights = BILINEAR
+    moments = system.linearised(lambda q: system.section_forces(q, points)[:, 3:], change)
+    Q = shear_forces(system, system.undeformed + change, moments, system.geometry.inside(points))
     share = shear_share(system, Q, weights, points, energy, heat)
     name, than = ("kirchhoff", "no more than") if share <= tolerance else ("full", "more than")
     reason = (f"theory '{name}': leaving transverse shear out changes the strain energy by {100 * share:.3g} %, "

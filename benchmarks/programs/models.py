@@ -15,9 +15,8 @@ from benchmarks.scenes import Scene
 class Model:
     """A scene as a problem.
 
-    ``ratio``: elements along the first and the second parameter for fineness n are n * ratio. ``values`` reads the scene's quantities
-    off a state. ``goal``: the quantity and the factor by which an adaptive run gets the scene's number; ``peaks``: where
-    graded meshes are fine.
+    ``ratio``: elements along the first and the second parameter for fineness n are n * ratio, at least one. ``values`` reads
+    the scene's quantities off a state. ``goal``: what an adaptive run is asked for; ``peaks``: where graded meshes are fine.
     """
 
     problem: sk.Problem
@@ -92,7 +91,8 @@ def l_shape(scene: Scene) -> Model:
     d = scene.data
     surface = sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))
     material = sk.Isotropic(d["young"], d["poisson"], 1.0)
-    problem = sk.Problem(surface, d["thickness"], material, [sk.Clamp("boundary")], [sk.SurfaceLoad((0.0, 0.0, d["pressure"]))])
+    load = sk.SurfaceLoad((0.0, 0.0, d["pressure"]))
+    problem = sk.Problem(surface, d["thickness"], material, [sk.Clamp("boundary")], [load])
     # Linear: the load does twice the work that is stored.
     return Model(
         problem, lambda state: {"volume": 2 * float(state.strain_energy) / d["pressure"]}, linear=True,

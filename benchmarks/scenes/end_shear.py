@@ -11,8 +11,8 @@ SOURCE = ("Boundary value problem of a rod with the stiffnesses of the strip, so
 SCENE = Scene(
     name="end_shear",
     title="Strip, end shear",
-    text="A strip of length 10, width 1 and thickness 0.1, clamped at x = 0. A force of 4 in all, along z and dead, is spread "
-    "evenly over its other edge. Static.",
+    text="A strip of length 10, width 1 and thickness 0.1, clamped at x = 0. A force of 4 in all, along z and dead, is "
+    "spread evenly over its other edge. Static.",
     data={"length": LENGTH, "width": 1.0, "thickness": 0.1, "young": 1.2e6, "poisson": 0.0, "force": 4.0},
     quantities={
         "u": Quantity("end moves back, -u", "m", source=SOURCE, scale=LENGTH, **stored.references("end_shear", "u")),

@@ -10,9 +10,10 @@ DEFLECTIONS = (10.0, 20.0, 29.0)
 SCENE = Scene(
     name="hinged_roof",
     title="Hinged roof, snap-through",
-    text="A cylindrical roof of radius 2540, thickness 12.7, length 508 and half an opening angle of 0.1. Its straight edges are "
-    "hinged (they turn, do not move), the curved ones free. A force at the centre presses it through. Asked for: that force at "
-    "three deflections of the centre, before, near and after the lowest load. By symmetry a quarter. Static.",
+    text="A cylindrical roof of radius 2540, thickness 12.7, length 508 and half an opening angle of 0.1. Its straight "
+    "edges are hinged (they turn, do not move), the curved ones free. A force at the centre presses it through. "
+    "Asked for: that force at three deflections of the centre, before, near and after the lowest load. By symmetry a"
+    " quarter. Static.",
     data={
         "radius": 2540.0, "thickness": 12.7, "half_length": 254.0, "half_angle": 0.1, "young": 3102.75, "poisson": 0.3,
         **{f"deflection_{k}": w for k, w in enumerate(DEFLECTIONS)},

@@ -1,4 +1,4 @@
-"""What a scene is: data, and numbers with their reference values. Only the standard library, since every program reads it."""
+"""What a scene is: data, and numbers with their reference values. Only the standard library: every program reads it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,8 @@ class Quantity:
     """A number, or a series over the scene's times, that every program is asked for.
 
     ``reference`` and ``uncertainty`` (relative to the scale) by theory: ``"thin"`` or ``"thick"``; a theory that is not
-    named is compared with the thin one. ``scale`` is what errors are relative to; if None, the reference: its root mean square.
+    named is compared with the thin one. ``scale`` is what errors are relative to; if None, the root mean square of the
+    reference.
     """
 
     text: str
@@ -29,7 +30,7 @@ class Quantity:
             raise ValueError(f"{self.text}: {len(got)} values, the reference has {len(wanted)}")
         if not all(isfinite(v) for v in got):
             return float("inf")
-        return _rms([a - b for a, b in zip(got, wanted, strict=True)]) / (self.scale or _rms(wanted))
+        return root_mean_square([a - b for a, b in zip(got, wanted, strict=True)]) / (self.scale or root_mean_square(wanted))
 
 
 @dataclass(frozen=True)
@@ -59,5 +60,5 @@ def _series(value: Value) -> list[float]:
     return [float(v) for v in value] if isinstance(value, Sequence) else [float(value)]
 
 
-def _rms(values: Sequence[float]) -> float:
+def root_mean_square(values: Sequence[float]) -> float:
     return sqrt(sum(v * v for v in values) / len(values))

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from skancf.errors import InputError, finite, number, positive
 from skancf.meshes.region import Region
@@ -88,6 +87,8 @@ def find_regions(
 
 def find_peaks(positions: np.ndarray, sigma: np.ndarray, reach: np.ndarray) -> list[int]:
     """Nodes above the mean whose value is the largest within their ``reach``: (d, n), (n,), (n,) -> indices."""
+    from scipy.spatial import cKDTree  # not at the top: it is slow to load
+
     above = np.flatnonzero(sigma > sigma.mean() * (1 + SAME))
     around = cKDTree(positions.T).query_ball_point(positions[:, above].T, reach[above] * (1 + SAME))
     is_peak = np.zeros(sigma.size, bool)

@@ -1,8 +1,7 @@
 """Conditions of supports on the nodal coordinates, turned into constraints in nodal frames."""
 
-from collections import defaultdict
 from collections.abc import Sequence
-from math import sqrt
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -41,34 +40,28 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     InputError
         Where two supports ask for different values of the same coordinate.
     """
-    mixed = ~(geometry.ties.mix == np.eye(4)).all(axis=(1, 2))
-    by_node: dict[int, list[tuple[np.ndarray, Any, list[int]]]] = defaultdict(list)
     histories: list[Any] = [None]
-    for support in supports:
-        for history in support.histories:
-            if not any(history is known for known in histories):
-                histories.append(history)
-        numbers = [next(k for k, known in enumerate(histories) if known is history) for history in support.histories]
-        for mesh_node, a, value, own in support.rows(geometry):
-            on_node = a if own or not mixed[mesh_node] else (geometry.ties.mix[mesh_node].T @ a.reshape(4, 3)).ravel()
-            size = sqrt(on_node @ on_node)
-            if size > PARALLEL * sqrt(a @ a):  # a vector that a pole does not have needs no holding
-                by_node[int(geometry.ties.node_of[mesh_node])].append((on_node / size, value / size, numbers))
+    for history in chain.from_iterable(support.histories for support in supports):
+        if not any(history is known for known in histories):
+            histories.append(history)
+    conditions = [_conditions(geometry, support, histories) for support in supports]
     if geometry.theory.twist:
-        for node in geometry.ties.poles:  # has three vectors only
-            by_node[node] += [(row, 0.0, [0]) for row in np.eye(12)[9:]]
+        none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
+        conditions += [(np.full(3, node), none) for node in geometry.ties.poles]
+    nodes, rows = np.empty(0, dtype=int), np.empty((0, 12 + len(histories)))
+    if conditions:
+        nodes, rows = (np.concatenate(parts) for parts in zip(*conditions, strict=True))
+    order = np.argsort(nodes, kind="stable")
+    held, first = np.unique(nodes[order], return_index=True)
     fixed = np.zeros((geometry.n_nodes, 12), dtype=bool)
     changes = np.zeros((len(histories), geometry.n_nodes, 12))
     frame_nodes, frames = [], []
     known: dict[bytes, tuple[np.ndarray, int, np.ndarray, np.ndarray | None]] = {}
-    for node, rows in by_node.items():
-        A = np.array([row[0] for row in rows])
-        values = np.zeros((len(rows), len(histories)))
-        for k, (_, value, numbers) in enumerate(rows):
-            values[k, numbers] = value
-        key = A.tobytes() + values.tobytes()
+    for node, begin, end in zip(held.tolist(), first, [*first[1:], len(order)], strict=False):
+        part = order[begin:end]
+        key = rows[part].tobytes()
         if key not in known:  # nodes along a straight edge are alike
-            known[key] = _held(geometry, node, A, values)
+            known[key] = _held(geometry, node, rows[part, :12], rows[part, 12:])
         frame, rank, local, axes = known[key]
         if axes is not None:
             fixed[node, axes] = True
@@ -80,6 +73,24 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     constraints = Constraints(fixed, np.array(frame_nodes, dtype=np.int64), np.array(frames).reshape(-1, 12, 12))
     parts = [(change.ravel(), history) for change, history in zip(changes, histories, strict=True) if change.any()]
     return constraints, PrescribedMotion(fixed.size, parts)
+
+
+def _conditions(geometry: Geometry, support: Any, histories: list[Any]) -> tuple[np.ndarray, np.ndarray]:
+    """The nodes (m,) that a support holds, and of each of its conditions the unit vector and the values for all histories,
+    (m, 12 + n_histories)."""
+    found = support.rows(geometry)
+    ties, nodes = geometry.ties, np.array([row.node for row in found], dtype=int)
+    given = np.array([row.a for row in found]).reshape(-1, 12)
+    seen = np.array([not row.own for row in found], dtype=bool)  # with the slopes seen from that node of the mesh
+    a = given.copy()
+    a[seen] = np.einsum("nkl,nki->nli", ties.mix[nodes[seen]], given[seen].reshape(-1, 4, 3)).reshape(-1, 12)
+    numbers = [next(k for k, known in enumerate(histories) if known is history) for history in support.histories]
+    values = np.zeros((len(found), len(histories)))
+    if found:
+        values[:, numbers] = np.array([row.value for row in found]).reshape(len(found), -1)
+    sizes = np.linalg.norm(a, axis=1)
+    kept = sizes > PARALLEL * np.linalg.norm(given, axis=1)  # a vector that a pole does not have needs no holding
+    return ties.node_of[nodes[kept]], np.hstack([a, values])[kept] / sizes[kept, None]
 
 
 def _held(

@@ -18,6 +18,7 @@ from skancf.errors import InputError
 from skancf.history import check_cover
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.materials import Section
+from skancf.vectors import cross, sum_of_cross
 
 ASSEMBLIES: dict[str, type] = {"full": FullAssembly, "kirchhoff": ThinAssembly}
 
@@ -146,8 +147,8 @@ class System:
     def skew(self, q: np.ndarray, time: float | None = None, factor: float = 1.0) -> sp.csr_matrix | None:
         """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
         found = [part for part in (load.skew(q.reshape(-1, 4, 3), time) for load in self.loads) if part is not None]
-        total = sum((self._sparse(*part) for part in found), sp.csr_matrix(self.pattern.shape))
-        return factor * total if total.nnz else None
+        sum_of_parts = total(self._sparse(*part) for part in found)
+        return factor * sum_of_parts if sum_of_parts is not None and sum_of_parts.nnz else None
 
     def external_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
         """Loads at a time and the forces of held back free strains, (n_dofs,); without a time at their full amplitude."""
@@ -322,7 +323,7 @@ class System:
         :math:`\sum_i (M v)_i` over positions, and :math:`\sum_i q_i \times (M v)_i` over positions and slopes.
         """
         of_vectors, nodal = (self.mass @ v).reshape(-1, 4, 3), self._nodal(q)
-        return np.stack([of_vectors[:, 0].sum(axis=0), np.cross(nodal, of_vectors).sum(axis=(0, 1))])
+        return np.stack([of_vectors[:, 0].sum(axis=0), sum_of_cross(nodal, of_vectors)])
 
     def gathered_mass(self, shape: np.ndarray, shapes: np.ndarray) -> BlockMatrix:
         """The mass matrix of elements whose local vectors have the matrices ``shapes[shape]``, (n_elements, 16, 16)."""
@@ -339,7 +340,7 @@ class System:
         """
         geometry, points = self.geometry, self.geometry.theory.quadrature[0]
         jets = [geometry.theory.jets(geometry.local(nodal), points)[:2] for nodal in (self._nodal(q), geometry.undeformed)]
-        now, before = (np.cross(pair[0], pair[1], axis=0) for pair in jets)
+        now, before = (cross(pair[0], pair[1]) for pair in jets)
         whole = ((now**2).sum(axis=0) > FOLDED**2 * (before**2).sum(axis=0)).all(axis=1)
         whole[whole] = (_angles(now[:, whole]) - _angles(before[:, whole]) < TURNED).all(axis=(1, 2))
         wrong = np.flatnonzero(~whole)
@@ -362,7 +363,8 @@ class System:
         m, geometry = len(elements), self.geometry
         maps = np.stack([geometry.dense_map(e) for e in elements])
         split = matrices.reshape(m, 3, 16, 3, 16)
-        blocks = np.einsum("eak,eiajb,ebl->ekilj", maps, split, maps, optimize=True).reshape(m, 48, 48)
+        blocks = maps.swapaxes(1, 2)[:, None, None] @ split.transpose(0, 1, 3, 2, 4) @ maps[:, None, None]
+        blocks = blocks.transpose(0, 3, 1, 4, 2).reshape(m, 48, 48)
         places = (12 * geometry.nodes[elements][:, :, None].astype(int) + np.arange(12)).reshape(m, 48)
         rows, columns = np.repeat(places, 48, axis=1).ravel(), np.tile(places, (1, 48)).ravel()
         return sp.coo_matrix((blocks.ravel(), (rows, columns)), shape=self.pattern.shape).tocsr()
@@ -387,7 +389,7 @@ def _angles(normals: np.ndarray) -> np.ndarray:
     return np.asarray(np.arccos(np.clip(np.einsum("iep,ieq->epq", units, units), -1.0, 1.0)))
 
 
-def total(parts: Iterable[np.ndarray | None]) -> np.ndarray | None:
+def total(parts: Iterable[Any]) -> Any:
     """Sum of the parts that are there; None if none is."""
     found = [part for part in parts if part is not None]
     return sum(found[1:], found[0]) if found else None

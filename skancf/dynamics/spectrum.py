@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import polynomial
-from scipy.interpolate import CubicSpline
-from scipy.signal import find_peaks, get_window
 
 from skancf.errors import InputError, finite, number, positive
 from skancf.statics import Modes
@@ -110,6 +108,8 @@ class Spectrum:
             raise InputError(f"count = {count}: give a whole number of peaks")
         if not 0 <= number("prominence", prominence) < 1:
             raise InputError(f"prominence = {prominence}: give a share of the largest peak, at least 0 and less than 1")
+        from scipy.signal import find_peaks  # not at the top: it takes as long to load as all else
+
         fine, p = self.total, self.padding
         coarse = fine[::p]
         at, about = find_peaks(coarse, prominence=0)
@@ -195,6 +195,8 @@ def spectrum(
         raise InputError(f"detrend = {detrend!r}: give 'constant', 'linear' or None")
     if positive("padding", padding) != int(padding):
         raise InputError(f"padding = {padding}: give a whole number")
+    from scipy.signal import get_window  # not at the top: it takes as long to load as all else
+
     t, x = _part(*_history(times, values), begin, end)
     longest = np.diff(t).max()
     t, x = _equidistant(t, x)
@@ -243,6 +245,8 @@ def _part(t: np.ndarray, x: np.ndarray, begin: float | None, end: float | None) 
 
 
 def _equidistant(t: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    from scipy.interpolate import CubicSpline  # not at the top: few runs need it, and it is slow to load
+
     intervals = np.diff(t)
     mean = intervals.mean()
     if np.abs(intervals - mean).max() <= JITTER * mean:

@@ -1,5 +1,6 @@
 """The fully parameterised ANCF plate as a scikit-fem element, and the tools to integrate it through the thickness."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -59,16 +60,19 @@ class MappingPlate(skfem.MappingIsoparametric):
         return super().J(i, j, X[:2], tind)
 
 
+_leggauss = cache(np.polynomial.legendre.leggauss)
+
+
 def gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss points and weights on [0, 1]."""
-    points, weights = np.polynomial.legendre.leggauss(n)
+    points, weights = _leggauss(n)
     return (points + 1) / 2, weights / 2
 
 
 def square_quadrature(n: int) -> tuple[np.ndarray, np.ndarray]:
     """n x n Gauss points of the reference square, (2, n n) with eta running fastest, and weights (n n,)."""
     s, w = gauss(n)
-    return np.stack([a.ravel() for a in np.meshgrid(s, s, indexing="ij")]), np.outer(w, w).ravel()
+    return np.stack([np.repeat(s, n), np.tile(s, n)]), np.outer(w, w).ravel()
 
 
 def through_thickness(mesh: skfem.MeshQuad, thickness: float, n: int = 4, n_z: int = 2) -> dict[str, Any]:

@@ -4,24 +4,45 @@ Corners are numbered (0, 0), (1, 0), (1, 1), (0, 1). An element's local vectors 
 to :math:`\xi, \eta`, so that these functions are the same for every element.
 """
 
+from collections.abc import Callable
+from functools import lru_cache, wraps
+from typing import Any
+
 import numpy as np
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
-# One polynomial for each end of the unit interval: coefficients of 1, s, s^2, s^3.
-HERMITE_VALUE = ((1.0, 0.0, -3.0, 2.0), (0.0, 0.0, 3.0, -2.0))
-HERMITE_SLOPE = ((0.0, 1.0, -2.0, 1.0), (0.0, 0.0, -1.0, 1.0))
+# One row for each end of the unit interval: coefficients of 1, s, s^2, s^3.
+VALUE = ((1.0, 0.0, -3.0, 2.0), (0.0, 0.0, 3.0, -2.0))
+SLOPE = ((0.0, 1.0, -2.0, 1.0), (0.0, 0.0, -1.0, 1.0))
 LINEAR = ((1.0, -1.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0))
+HERMITE, ALL = np.array([VALUE, SLOPE]), np.array([VALUE, SLOPE, LINEAR])
+# Ends of the corners in xi and in eta.
+END_XI, END_ETA = CORNERS.astype(int).T
 
 
-def derivative(polynomial: tuple[float, ...], s: np.ndarray, order: int) -> np.ndarray:
-    """The derivative of that order at ``s``, shaped like ``s``."""
+def derivative(polynomials: np.ndarray, s: np.ndarray, order: int) -> np.ndarray:
+    """The derivatives of that order at ``s`` (...) of polynomials (..., n_coefficients): all their axes first."""
     for _ in range(order):
-        polynomial = tuple(k * c for k, c in enumerate(polynomial))[1:]
-    value = np.full(s.shape, polynomial[-1])
-    for coefficient in reversed(polynomial[:-1]):
+        polynomials = polynomials[..., 1:] * np.arange(1, polynomials.shape[-1])
+    first, *rest = np.moveaxis(polynomials[..., ::-1].reshape(*polynomials.shape, *[1] * s.ndim), polynomials.ndim - 1, 0)
+    value = first + np.zeros_like(s)
+    for coefficient in rest:
         value = value * s + coefficient
     return value
+
+
+def of_points(table: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
+    """A table of points (2, n), and of arguments, that is remembered: the same few sets of points come again and again."""
+    @lru_cache(maxsize=32)
+    def computed(points: bytes, *arguments: Any) -> np.ndarray:
+        return table(np.frombuffer(points).reshape(2, -1), *arguments)
+
+    @wraps(table)
+    def remembered(points: np.ndarray, *arguments: Any) -> np.ndarray:
+        return computed(np.asarray(points, dtype=float).tobytes(), *arguments).copy()
+
+    return remembered
 
 
 def ancf_functions(xi: np.ndarray, eta: np.ndarray, order: tuple[int, int] = (0, 0)) -> np.ndarray:
@@ -55,13 +76,10 @@ def ancf_functions(xi: np.ndarray, eta: np.ndarray, order: tuple[int, int] = (0,
     xi, eta = np.broadcast_arrays(np.asarray(xi, float), np.asarray(eta, float))
     m, n = order
     out = np.empty((4, 4, *xi.shape))
-    for corner, (a, b) in enumerate(CORNERS.astype(int)):
-        value_x, value_y = derivative(HERMITE_VALUE[a], xi, m), derivative(HERMITE_VALUE[b], eta, n)
-        linear_x, linear_y = derivative(LINEAR[a], xi, m), derivative(LINEAR[b], eta, n)
-        out[corner, 0] = value_x * linear_y + linear_x * value_y - linear_x * linear_y
-        out[corner, 1] = derivative(HERMITE_SLOPE[a], xi, m) * linear_y
-        out[corner, 2] = linear_x * derivative(HERMITE_SLOPE[b], eta, n)
-        out[corner, 3] = linear_x * linear_y
+    value_x, slope_x, linear_x = derivative(ALL, xi, m)[:, END_XI]
+    value_y, slope_y, linear_y = derivative(ALL, eta, n)[:, END_ETA]
+    out[:, 0] = value_x * linear_y + linear_x * value_y - linear_x * linear_y
+    out[:, 1], out[:, 2], out[:, 3] = slope_x * linear_y, linear_x * slope_y, linear_x * linear_y
     return out
 
 
@@ -95,9 +113,7 @@ def hermite_functions(xi: np.ndarray, eta: np.ndarray, order: tuple[int, int] = 
     xi, eta = np.broadcast_arrays(np.asarray(xi, float), np.asarray(eta, float))
     m, n = order
     out = np.empty((4, 4, *xi.shape))
-    families = (HERMITE_VALUE, HERMITE_SLOPE)
-    along_xi, along_eta = ([[derivative(f[end], s, k) for f in families] for end in (0, 1)] for s, k in ((xi, m), (eta, n)))
-    for corner, (a, b) in enumerate(CORNERS.astype(int)):
-        for kind in range(4):
-            np.multiply(along_xi[a][kind % 2], along_eta[b][kind // 2], out=out[corner, kind])
+    along_xi, along_eta = derivative(HERMITE, xi, m)[:, END_XI], derivative(HERMITE, eta, n)[:, END_ETA]
+    for kind in range(4):
+        np.multiply(along_xi[kind % 2], along_eta[kind // 2], out=out[:, kind])
     return out

@@ -12,6 +12,7 @@ from skancf.errors import vector
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
 from skancf.theories.kirchhoff_point import R1, R2, dual, unit_normal
+from skancf.vectors import cross
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ class MomentOnNormals(Acting):
         jet = np.einsum("mgan,mai->gimn", self.slopes, vectors)
         n, duals = unit_normal(jet), dual(jet)
         m = amplitude(self.history, time) * self.moments
-        return n, duals, m, np.einsum("imn,gimn->gmn", np.cross(m, n, axis=0), duals)
+        return n, duals, m, np.einsum("imn,gimn->gmn", cross(m, n), duals)
 
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         n, _, _, c = self._surface(q, time)
@@ -128,14 +129,16 @@ class MomentOnNormals(Acting):
         self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
     ) -> None:
         n, duals, _, c = self._surface(q, time)
-        half = np.einsum("mgan,mlbn,lmn,imn,gjmn->miajb", self.slopes, self.slopes, c, n, duals, optimize=True)
-        half = half.reshape(-1, 48, 48)
+        # Sums over points as products of matrices; a sum of so many factors takes longer to plan than to do.
+        left = np.einsum("mgan,gjmn->majn", self.slopes, duals).reshape(len(self.slopes), 48, -1)
+        right = np.einsum("mlbn,lmn,imn->mibn", self.slopes, c, n).reshape(len(self.slopes), 48, -1)
+        half = (left @ right.swapaxes(1, 2)).reshape(-1, 16, 3, 3, 16).transpose(0, 3, 1, 2, 4).reshape(-1, 48, 48)
         local.add_local(self.elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)
 
     def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
         n, duals, m, _ = self._surface(q, time)
-        normal_part = np.einsum("imn,imn->mn", m, np.cross(duals[R1], duals[R2], axis=0))
-        sign = np.array([[0.0, -1.0], [1.0, 0.0]])  # of a^lambda x a^gamma
-        matrices = -np.einsum("gl,mgan,mlbn,mn,imn,jmn->miajb", sign, self.slopes, self.slopes, normal_part, n, n,
-                              optimize=True)  # fmt: skip
-        return self.elements, matrices.reshape(-1, 48, 48)
+        normal_part = np.einsum("imn,imn->mn", m, cross(duals[R1], duals[R2]))
+        # Along each normal, r_1 and r_2 of the functions: (m, 48, points), component by component.
+        one, two = (np.einsum("man,imn->mian", self.slopes[:, g], n).reshape(len(self.slopes), 48, -1) for g in (0, 1))
+        half = (normal_part[:, None] * one) @ two.swapaxes(1, 2)
+        return self.elements, half - half.swapaxes(1, 2)

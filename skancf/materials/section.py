@@ -5,6 +5,7 @@ Classical lamination theory is that of R. M. Jones, *Mechanics of Composite Mate
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -125,6 +126,10 @@ class Section:
 
         for the in-plane strain :math:`\varepsilon + z \kappa` in the order 11, 22, 12. A in N/m, B in N, D in N m.
         """
+        return self._abd.copy()
+
+    @cached_property
+    def _abd(self) -> np.ndarray:
         A, B, D = np.einsum("kl,lij->kij", self._powers(), self.in_plane())
         return np.block([[A, B], [B, D]])
 

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import skfem
-from scipy.spatial import cKDTree
 
 from skancf.errors import InputError
 
@@ -49,12 +48,11 @@ def check_mesh(mesh: Any) -> None:
 def _check_joined(mesh: skfem.MeshQuad) -> None:
     """No node of the boundary lies inside an edge of it."""
     ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]]
-    nodes = mesh.boundary_nodes()
     middle, half = ends.mean(axis=1), (ends[:, 1] - ends[:, 0]) / 2
     length = np.linalg.norm(half, axis=0)
-    near = cKDTree(mesh.p[:, nodes].T).query_ball_point(middle.T, length * (1 - INSIDE))
-    facet = np.repeat(np.arange(len(near)), [len(found) for found in near])
-    node = nodes[np.concatenate([*near, []]).astype(int)]
+    pairs = [_between_ends(mesh.p[axis], mesh.boundary_nodes(), middle[axis], half[axis], facets)
+             for axis, facets in enumerate(_by_direction(half))]  # fmt: skip
+    facet, node = np.concatenate(pairs, axis=1)
     away = mesh.p[:, node] - middle[:, facet]
     off = np.abs(away[0] * half[1, facet] - away[1] * half[0, facet]) / length[facet] ** 2
     torn = np.flatnonzero(off < INSIDE)
@@ -63,6 +61,24 @@ def _check_joined(mesh: skfem.MeshQuad) -> None:
         raise InputError(f"node {node[torn[0]]} at ({x:.6g}, {y:.6g}) lies inside the edge of an element that does not have "
                          "it: the surface would be torn there; give both sides the same nodes, or refine a "
                          "sk.meshes.quadtree")
+
+
+def _by_direction(half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the edges that run along x rather than y, and of the others."""
+    along_x = np.abs(half[0]) >= np.abs(half[1])
+    return np.flatnonzero(along_x), np.flatnonzero(~along_x)
+
+
+def _between_ends(
+    x: np.ndarray, nodes: np.ndarray, middle: np.ndarray, half: np.ndarray, facets: np.ndarray
+) -> np.ndarray:
+    """Pairs (2, n) of an edge and a node whose coordinate is between those of the edge's ends."""
+    nodes = nodes[np.argsort(x[nodes])]
+    reach = np.abs(half[facets]) * (1 - INSIDE)
+    first, last = (np.searchsorted(x[nodes], middle[facets] + sign * reach) for sign in (-1, 1))
+    counts = last - first
+    begin = np.repeat(first - np.cumsum(counts) + counts, counts)
+    return np.stack([np.repeat(facets, counts), nodes[begin + np.arange(len(begin))]])
 
 
 def corner_jacobians(points: np.ndarray, quads: np.ndarray) -> np.ndarray:

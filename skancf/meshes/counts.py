@@ -4,7 +4,6 @@ from itertools import count
 from math import exp, log
 
 import numpy as np
-from scipy.optimize import brentq
 
 from skancf.errors import InputError
 from skancf.meshes.placing import coarse_for
@@ -47,6 +46,8 @@ def factorise(nodes: int, proportion: float) -> tuple[int, int] | None:
 
 def natural_proportion(surface: BoundedSurface, along_x: Sizes, along_y: Sizes, nodes: int) -> float:
     """nx : ny, as real numbers, when the coarse length in space is the same in both directions."""
+    from scipy.optimize import brentq  # not at the top: graded meshes alone need it, and it is slow to load
+
     scale_x, scale_y = stretch(surface)
 
     def counts(log_coarse: float) -> tuple[float, float]:

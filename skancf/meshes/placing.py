@@ -1,7 +1,6 @@
 """Node positions along one direction of a graded mesh: an exact number of cells, nodes on the region centres."""
 
 import numpy as np
-from scipy.optimize import brentq
 
 from skancf.meshes.sizes import CellLine, Sizes
 
@@ -42,6 +41,8 @@ def place_natural(sizes: Sizes, coarse: float) -> np.ndarray:
 
 def coarse_for(sizes: Sizes, cells: float) -> float:
     """The coarse length with which the domain holds ``cells`` cells (a real number)."""
+    from scipy.optimize import brentq  # not at the top: graded meshes alone need it, and it is slow to load
+
     # h lies between the finest fraction of the coarse length and the coarse length itself.
     shortest = (sizes.high - sizes.low) / cells
     longest = shortest / sizes.fractions.min(initial=1.0)

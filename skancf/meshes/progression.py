@@ -3,7 +3,6 @@
 from math import log1p
 
 import numpy as np
-from scipy.optimize import brentq
 
 from skancf.errors import InputError, positive
 
@@ -44,6 +43,8 @@ def progression(l_0: float, l_n: float, length: float) -> np.ndarray:
     n = _steps(l_0, l_n, length)
     if l_0 == l_n:
         return np.full(n + 1, length / (n + 1))
+    from scipy.optimize import brentq  # not at the top: graded meshes alone need it, and it is slow to load
+
     k = np.arange(n + 1)
     # At log q = -+50 the sum is beyond L on either side: l_0 alone below, more than e^50 l_0 above.
     bound = max(50.0, 2 * abs(np.log(length / l_0)))

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from math import log
 
 import numpy as np
-from scipy.special import exprel
 
 # Constant lengths and ramps are followed exactly. A bend in between is known to this fraction of the domain: sampling
 # moves it a little, but makes nothing steeper.
@@ -80,7 +79,7 @@ class CellLine:
 
     @classmethod
     def of(cls, x: np.ndarray, h: np.ndarray) -> "CellLine":
-        # The integral of 1/h over a linear piece is dx ln(b/a) / (b - a); exprel(z) = (e^z - 1) / z has no 0/0.
+        # The integral of 1/h over a linear piece is dx ln(b/a) / (b - a).
         cells = np.diff(x) / (h[:-1] * exprel(np.log(h[1:] / h[:-1])))
         return cls(x, h, np.concatenate([[0.0], np.cumsum(cells)]))
 
@@ -94,3 +93,8 @@ class CellLine:
         ahead = s - self.s[i]
         rate = np.log(self.h[i + 1] / self.h[i]) / (self.s[i + 1] - self.s[i])
         return self.x[i] + self.h[i] * ahead * exprel(rate * ahead)
+
+
+def exprel(z: np.ndarray) -> np.ndarray:
+    """(e^z - 1) / z, which is 1 at zero."""
+    return np.divide(np.expm1(z), z, out=np.ones_like(z), where=z != 0)

@@ -1,6 +1,7 @@
 """Derivatives by differences of high order that never leave an interval."""
 
 from collections.abc import Callable
+from functools import cache
 from math import factorial
 
 import numpy as np
@@ -21,8 +22,10 @@ def _weights(order: int, first: int) -> list[float]:
     return weights
 
 
-# By order and by how many of the points lie below.
-WEIGHTS = {order: np.array([_weights(order, -below) for below in range(POINTS)]) for order in (1, 2)}
+@cache
+def _table(order: int) -> np.ndarray:
+    """Weights by how many of the points lie below."""
+    return np.array([_weights(order, -below) for below in range(POINTS)])
 
 
 def difference(
@@ -56,7 +59,7 @@ def difference(
     # A rounding below a whole number of steps still counts as that number; the clip takes the rounding away.
     fit_below, fit_above = (np.floor(distance / h + 1e-9).astype(int) for distance in (t - low, high - t))
     below = np.maximum(np.minimum(POINTS // 2, fit_below), POINTS - 1 - fit_above)
-    weights = WEIGHTS[order][below]
+    weights = _table(order)[below]
     # Less f(t), which changes nothing but the rounding: that of a constant is nothing then.
     here = function(t)
     total = sum(weights[..., k] * (function(np.clip(t + (k - below) * h, low, high)) - here) for k in range(POINTS))

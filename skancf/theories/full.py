@@ -16,10 +16,11 @@ from functools import cached_property
 import numpy as np
 
 from skancf.elements.quad_ancf import square_quadrature
-from skancf.elements.reference import ancf_functions
+from skancf.elements.reference import ancf_functions, of_points
 from skancf.errors import InputError
 from skancf.materials import Section
 from skancf.surfaces import Surface, normal
+from skancf.vectors import cross
 
 R1, R2, D1, D2, D = range(5)
 TERMS = np.array([
@@ -56,6 +57,7 @@ def strain(jet: np.ndarray) -> np.ndarray:
     return out
 
 
+@of_points
 def jet_table(points: np.ndarray) -> np.ndarray:
     """The 16 local functions' part in the jet at points (2, n): shape (5, 16, n).
 
@@ -68,6 +70,7 @@ def jet_table(points: np.ndarray) -> np.ndarray:
     return table
 
 
+@of_points
 def position_table(points: np.ndarray) -> np.ndarray:
     """Values of the local functions at points (2, n): shape (2, 16, n); first axis r, d."""
     value = ancf_functions(*points)
@@ -76,6 +79,7 @@ def position_table(points: np.ndarray) -> np.ndarray:
     return table
 
 
+@of_points
 def interpolation(points: np.ndarray) -> np.ndarray:
     r"""Interpolation of the assumed strains from the sampling points: shape (3 families, 8 samples, n).
 
@@ -182,7 +186,8 @@ class Full:
 
     def jets(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Jets (5, 3, n_elements, n) of local vectors (n_elements, 16, 3) at points (2, n)."""
-        return np.einsum("jap,eai->jiep", jet_table(points), local, optimize=True)
+        table = jet_table(points)
+        return (np.moveaxis(local, 2, 0).reshape(-1, 16) @ table).reshape(5, 3, len(local), points.shape[1])
 
     def strains(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Strains (n_elements, 14, n) at points (2, n), before those of the undeformed state are subtracted."""
@@ -244,12 +249,12 @@ def covariant_to_local(jet: np.ndarray, first: np.ndarray, z: np.ndarray) -> tup
 
 def local_frame(jet: np.ndarray, first: np.ndarray) -> np.ndarray:
     """Rows e1, e2, e3, shape (3, 3, ...): e3 the undeformed normal on the side of the director, e1 nearest to first."""
-    n = np.cross(jet[0], jet[1], axis=0)
+    n = cross(jet[0], jet[1])
     n = n * np.sign((n * jet[D]).sum(axis=0))
     n = n / np.sqrt((n * n).sum(axis=0))
     e1 = first - n * (n * first).sum(axis=0)
     e1 = e1 / np.sqrt((e1 * e1).sum(axis=0))
-    return np.stack([e1, np.cross(n, e1, axis=0), n])
+    return np.stack([e1, cross(n, e1), n])
 
 
 def voigt_rows(A: np.ndarray, z: float) -> np.ndarray:

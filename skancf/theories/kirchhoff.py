@@ -22,9 +22,10 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 
 from skancf.elements.quad_ancf import square_quadrature
-from skancf.elements.reference import hermite_functions
+from skancf.elements.reference import hermite_functions, of_points
 from skancf.surfaces import Surface
 from skancf.theories.kirchhoff_point import SECOND, dot, dual, gradient, strain, unit_normal
+from skancf.vectors import cross
 
 REST, REST_FROM = 0.8, 0.9
 """g and x0 of :func:`rest_factors`, by measurement: buckling against locking."""
@@ -32,6 +33,7 @@ KEPT = ((2, 3), (3, 2), (2, 2))
 """Legendre polynomials in xi and in eta that the assumed strains 11, 22, 12 are made of."""
 
 
+@of_points
 def legendre(points: np.ndarray, numbers: tuple[int, int]) -> np.ndarray:
     """Products of orthonormal Legendre polynomials on the reference square at points (2, n): (n, n_polynomials)."""
     xi, eta = (
@@ -40,10 +42,22 @@ def legendre(points: np.ndarray, numbers: tuple[int, int]) -> np.ndarray:
     return np.asarray((xi[:, :, None] * eta[:, None, :]).reshape(points.shape[1], -1))
 
 
+@of_points
 def jet_table(points: np.ndarray) -> np.ndarray:
     """Jets of the 16 local functions at points (2, n): (5, 16, n)."""
     orders = [(1, 0), (0, 1), (2, 0), (0, 2), (1, 1)]
     return np.stack([hermite_functions(points[0], points[1], order).reshape(16, -1) for order in orders])
+
+
+@of_points
+def _interpolation(points: np.ndarray) -> np.ndarray:
+    inside, weights = square_quadrature(4)
+    return np.stack([(legendre(inside, kept) * weights[:, None]) @ legendre(points, kept).T for kept in KEPT])
+
+
+@of_points
+def _values(points: np.ndarray) -> np.ndarray:
+    return hermite_functions(points[0], points[1]).reshape(1, 16, -1)
 
 
 @dataclass(frozen=True)
@@ -77,16 +91,16 @@ class Kirchhoff:
 
     def position_table(self, points: np.ndarray) -> np.ndarray:
         """Values of the local functions at points (2, n): (1, 16, n)."""
-        return hermite_functions(points[0], points[1]).reshape(1, 16, -1)
+        return _values(points)
 
     def jets(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Jets (5, 3, n_elements, n) of local vectors (n_elements, 16, 3) at points (2, n)."""
-        return np.einsum("jap,eai->jiep", jet_table(points), local, optimize=True)
+        table = jet_table(points)
+        return (np.moveaxis(local, 2, 0).reshape(-1, 16) @ table).reshape(5, 3, len(local), points.shape[1])
 
     def interpolation(self, points: np.ndarray) -> np.ndarray:
         """Weights of the integration points in the assumed membrane strains 11, 22, 12 at points (2, n): (3, 16, n)."""
-        inside, weights = self.quadrature
-        return np.stack([(legendre(inside, kept) * weights[:, None]) @ legendre(points, kept).T for kept in KEPT])
+        return _interpolation(points)
 
     def strains(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Strains (n_elements, 6, n) at points (2, n), before those of the undeformed state are subtracted."""
@@ -135,7 +149,7 @@ def local_frame(jet: np.ndarray, first: np.ndarray, side: np.ndarray) -> np.ndar
     n = unit_normal(jet) * side[:, None]
     e1 = first - n * dot(n, first)
     e1 = e1 / np.sqrt(dot(e1, e1))
-    return np.stack([e1, np.cross(n, e1, axis=0), n])
+    return np.stack([e1, cross(n, e1), n])
 
 
 def covariant_to_local(jet: np.ndarray, first: np.ndarray, side: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -24,6 +24,8 @@ All are scalar products of vectors that turn with the surface, so a rigid rotati
 
 import numpy as np
 
+from skancf.vectors import cross
+
 R1, R2, R11, R22, R12 = range(5)
 N_STRAINS = 6
 FIRST, SECOND = (R1, R2), (R11, R22, R12)
@@ -38,7 +40,7 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def unit_normal(jet: np.ndarray) -> np.ndarray:
     """n, shape (3, ...)."""
-    n = np.cross(jet[R1], jet[R2], axis=0)
+    n = cross(jet[R1], jet[R2])
     return np.asarray(n / np.sqrt(dot(n, n)))
 
 
@@ -110,8 +112,8 @@ def spin_adjoint(n: np.ndarray, duals: np.ndarray, torque: np.ndarray) -> np.nda
     The spin is linear in them and exact where they turn: :math:`\omega = \tfrac12 (a^\gamma \times \delta r_{,\gamma} +
     n \times \delta n)`.
     """
-    tilt = np.cross(torque, n, axis=0)
-    return np.stack([0.5 * (np.cross(torque, a, axis=0) - n * dot(a, tilt)) for a in duals])
+    tilt = cross(torque, n)
+    return np.stack([0.5 * (cross(torque, a) - n * dot(a, tilt)) for a in duals])
 
 
 def discrete_gradient(jet0: np.ndarray, jet1: np.ndarray) -> np.ndarray:
@@ -142,26 +144,26 @@ def discrete_gradient(jet0: np.ndarray, jet1: np.ndarray) -> np.ndarray:
     mid, change = 0.5 * (jet0 + jet1), jet1 - jet0
     a, b, da, db = mid[R1], mid[R2], change[R1], change[R2]
     n, duals = unit_normal(mid), dual(mid)
-    normals = [np.cross(jet[R1], jet[R2], axis=0) for jet in (jet0, jet1)]
+    normals = [cross(jet[R1], jet[R2]) for jet in (jet0, jet1)]
     lengths = [np.sqrt(dot(m, m)) for m in normals]
     J = 0.5 * (lengths[0] + lengths[1])
     aa, bb, ab = (0.5 * (dot(jet0[i], jet0[j]) + dot(jet1[i], jet1[j])) for i, j in ((R1, R1), (R2, R2), (R1, R2)))
     on_J = (bb * a - ab * b) / J, (aa * b - ab * a) / J
     tilt = -dot(n, da) * duals[0] - dot(n, db) * duals[1]
-    spin = 0.5 * (np.cross(duals[0], da, axis=0) + np.cross(duals[1], db, axis=0) + np.cross(n, tilt, axis=0))
-    turned_a, turned_b = np.cross(spin, a, axis=0), np.cross(spin, b, axis=0)
+    spin = 0.5 * (cross(duals[0], da) + cross(duals[1], db) + cross(n, tilt))
+    turned_a, turned_b = cross(spin, a), cross(spin, b)
     out = np.zeros((N_STRAINS, *mid.shape))
     out[0, R1], out[1, R2], out[2, R1], out[2, R2] = a, b, b, a
     for k, (second, factor) in enumerate(zip(SECOND, DOUBLED, strict=True), start=3):
         c, dc = mid[second], change[second]
         bar = 0.5 * (dot(jet0[second], normals[0]) / lengths[0] + dot(jet1[second], normals[1]) / lengths[1])
-        rest = [np.cross(db, dc, axis=0), np.cross(dc, turned_a, axis=0), np.cross(turned_a, turned_b, axis=0)]
-        torque = np.sum([np.cross(v, g, axis=0) for v, g in zip((a, b, c), rest, strict=True)], axis=0)
+        rest = [cross(db, dc), cross(dc, turned_a), cross(turned_a, turned_b)]
+        torque = np.sum([cross(v, g) for v, g in zip((a, b, c), rest, strict=True)], axis=0)
         on_a, on_b = spin_adjoint(n, duals, torque)
         on_T = (
-            np.cross(b, c, axis=0) + 0.25 * (rest[0] - on_a),
-            np.cross(c, a, axis=0) + 0.25 * (rest[1] - on_b),
-            np.cross(a, b, axis=0) + 0.25 * rest[2],
+            cross(b, c) + 0.25 * (rest[0] - on_a),
+            cross(c, a) + 0.25 * (rest[1] - on_b),
+            cross(a, b) + 0.25 * rest[2],
         )
         for g in FIRST:
             out[k, g] = -factor * (on_T[g] - bar * on_J[g]) / J

@@ -8,11 +8,11 @@ import numpy as np
 from skancf.assembly.base import CompiledAssembly
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
-from skancf.assembly.thin import between_kernel, kernels
+from skancf.assembly.thin import between_kernel, kernels, tangent_kernel
 from skancf.assembly.thin.sections import build_thin_sections
 from skancf.materials import Section
 from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
-from skancf.theories.kirchhoff import Kirchhoff, covariant_to_local, jet_table
+from skancf.theories.kirchhoff import KEPT, Kirchhoff, covariant_to_local, jet_table, legendre
 
 PLAIN = Kirchhoff(assumed=False)
 
@@ -20,19 +20,24 @@ PLAIN = Kirchhoff(assumed=False)
 class ThinAssembly(CompiledAssembly):
     """See :class:`skancf.assembly.protocols.Assembly`."""
 
-    residual_kernel, stress_kernel, tangent_kernel = kernels.residual, kernels.stresses, kernels.tangent
+    residual_kernel, stress_kernel, tangent_kernel = kernels.residual, kernels.stresses, tangent_kernel.tangent
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         super().__init__(geometry, section, schedule)
         self.sections = build_thin_sections(geometry, section)
         theory = cast(Kirchhoff, geometry.theory)
-        points = theory.quadrature[0]
+        points, weights = theory.quadrature
         table = jet_table(points)
-        identity = np.stack([np.eye(points.shape[1])] * 3)
+        kept = np.ascontiguousarray(np.hstack([legendre(points, numbers) for numbers in KEPT]).T)
+        projections = np.stack([np.stack([np.eye(points.shape[1])] * 3), theory.interpolation(points)])
         self._rule = kernels.Rule(
             table=np.ascontiguousarray(table.transpose(1, 0, 2).reshape(16, -1)),
-            slopes=np.ascontiguousarray(table[:2].transpose(0, 2, 1).reshape(-1, 16)),
-            projections=np.stack([identity, theory.interpolation(points)]),
+            jets=np.ascontiguousarray(table.transpose(0, 2, 1).reshape(-1, 16)),
+            slopes=np.ascontiguousarray(table[:2].transpose(2, 0, 1).reshape(-1, 16)),
+            projections=projections,
+            transposed=np.ascontiguousarray(projections.swapaxes(2, 3)),
+            kept=kept,
+            fit=kept * weights,
             pairs=self.sections.pairs,
         )
         parts = self.sections

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from skancf.assembly.local import gather, scatter_force, scatter_tangent
+from skancf.assembly.local import gather, scatter_force
+from skancf.assembly.panels import add_panel, set_panel
 from skancf.compiled import INNER, OPTIONS
 
 N_POINTS = 16
-N_ROWS = 11 * N_POINTS
 
 
 class Elements(NamedTuple):
@@ -35,21 +35,28 @@ class Elements(NamedTuple):
 class Rule(NamedTuple):
     """What elements share.
 
-    ``table`` (16, 80): jets of the local functions, jet by jet; ``slopes`` (32, 16): the first two. ``projections``
-    (2, 3, 16, 16): from the membrane strains 11, 22, 12 at the points to those that the law is applied to, ``(c, from,
-    to)``: the identity, and the assumed ones. ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
+    ``table`` (16, 80): jets of the local functions, jet by jet, ``jets`` its transpose, ``slopes`` (32, 16) the first two,
+    point by point. ``projections`` (2, 3, 16, 16): from the membrane strains 11, 22, 12 at the points to those that the law
+    is applied to, ``(c, from, to)``: the identity, and the assumed ones; ``transposed`` the other way. ``kept`` (16, 16): at
+    the points, the polynomials that the assumed strains are made of, and ``fit``, from strains at the points to their
+    coefficients. ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
     """
 
     table: np.ndarray
+    jets: np.ndarray
     slopes: np.ndarray
     projections: np.ndarray
+    transposed: np.ndarray
+    kept: np.ndarray
+    fit: np.ndarray
     pairs: np.ndarray
 
 
 @njit(**INNER)
 def jets(rule, local, x):
     """r_1, r_2, r_11, r_22, r_12 at the points: x (3, 80), jet by jet."""
-    np.dot(local.T, rule.table, x)
+    for at in range(0, 80, 16):
+        set_panel(3, 16, local, 0, 3, 1, rule.table, at, 80, x, at, 80)
 
 
 @njit(**INNER)
@@ -109,20 +116,17 @@ def add_change(x, y, n, gamma, eps):
 
 
 @njit(**INNER)
-def section(rule, projection, law, rest, eps, hat, stress):
+def section(rule, assumed, law, rest, eps, hat, extra, stress):
     """Stresses (6, 16), with the weights, that do work on the strains at the points.
 
     The law is applied to the assumed membrane strains with the curvatures, and to the scaled rest of the membrane strains;
-    ``hat`` (6, 16) is scratch.
+    ``hat`` (6, 16) and ``extra`` (3, 16) are scratch.
     """
-    hat[:3] = 0.0
     hat[3:] = eps[3:]
     for c in range(3):
-        for s in range(N_POINTS):
-            for p in range(N_POINTS):
-                hat[c, p] += projection[c, s, p] * eps[c, s]
+        set_panel(1, N_POINTS, eps, 16 * c, 1, 0, rule.projections, 768 * assumed + 256 * c, 16, hat, 16 * c, 16)
     stress[:] = 0.0
-    extra = np.zeros((3, N_POINTS))
+    extra[:] = 0.0
     for m in range(rule.pairs.shape[0]):
         k, l = rule.pairs[m]
         for p in range(N_POINTS):
@@ -140,16 +144,22 @@ def section(rule, projection, law, rest, eps, hat, stress):
     for c in range(3):
         for p in range(N_POINTS):
             hat[c, p] = stress[c, p] - extra[c, p]
-        for s in range(N_POINTS):
-            total = extra[c, s]
-            for p in range(N_POINTS):
-                total += projection[c, s, p] * hat[c, p]
-            stress[c, s] = total
+        stress[c] = extra[c]
+        add_panel(1, N_POINTS, hat, 16 * c, 1, 0, rule.transposed, 768 * assumed + 256 * c, 16, stress, 16 * c, 16)
 
 
 @njit(**INNER)
-def forces(rule, x, n, gamma, stress, f, force):
-    """Forces (16, 3) on the local vectors; ``f`` (3, 80) is scratch."""
+def forces_of_jets(rule, f, turned, force):
+    """Forces (16, 3) on the local vectors of those on the jets, f (3, 80); ``turned`` (3, 16) is scratch."""
+    set_panel(3, 80, f, 0, 1, 80, rule.jets, 0, 16, turned, 0, 16)
+    for a in range(16):
+        for i in range(3):
+            force[a, i] = turned[i, a]
+
+
+@njit(**INNER)
+def forces(rule, x, n, gamma, stress, f, turned, force):
+    """Forces (16, 3) on the local vectors; ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
     for i in range(3):
         for p in range(N_POINTS):
             m11, m22, m12 = stress[3, p], stress[4, p], 2.0 * stress[5, p]
@@ -160,7 +170,7 @@ def forces(rule, x, n, gamma, stress, f, force):
             f[i, 32 + p] = -m11 * n[i, p]
             f[i, 48 + p] = -m22 * n[i, p]
             f[i, 64 + p] = -m12 * n[i, p]
-    np.dot(rule.table, f.T, force)
+    forces_of_jets(rule, f, turned, force)
 
 
 @njit(**OPTIONS)
@@ -172,7 +182,7 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
     local, moved = np.empty((16, 3)), np.empty((16, 3))
     x, y = np.empty((3, 80)), np.empty((3, 80))
     n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    eps, hat = np.empty((6, 16)), np.empty((6, 16))
+    eps, hat, extra = np.empty((6, 16)), np.empty((6, 16)), np.empty((3, 16))
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
@@ -184,7 +194,7 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
             gather(e, change, maps, moved)
             jets(rule, moved, y)
             add_change(x, y, n, gamma, eps)
-        section(rule, rule.projections[elements.assumed[c]], elements.law[c], elements.rest[c], eps, hat, out[e])
+        section(rule, elements.assumed[c], elements.law[c], elements.rest[c], eps, hat, extra, out[e])
         if strain_out.shape[0]:
             strain_out[e] = eps
 
@@ -192,9 +202,10 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
 @njit(**OPTIONS)
 def residual(start, stop, order, q, rule, maps, elements, out):
     """Internal force, added to out (n_nodes, 4, 3)."""
-    local, force, x, f = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 80)), np.empty((3, 80))
+    local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
+    x, f = np.empty((3, 80)), np.empty((3, 80))
     n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    eps, hat, stress = np.empty((6, 16)), np.empty((6, 16)), np.empty((6, 16))
+    eps, hat, extra, stress = np.empty((6, 16)), np.empty((6, 16)), np.empty((3, 16)), np.empty((6, 16))
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
@@ -202,137 +213,21 @@ def residual(start, stop, order, q, rule, maps, elements, out):
         jets(rule, local, x)
         surface(x, n, duals, gamma)
         strains(x, n, elements.reference[c], eps)
-        section(rule, rule.projections[elements.assumed[c]], elements.law[c], elements.rest[c], eps, hat, stress)
-        forces(rule, x, n, gamma, stress, f, force)
+        section(rule, elements.assumed[c], elements.law[c], elements.rest[c], eps, hat, extra, stress)
+        forces(rule, x, n, gamma, stress, f, turned, force)
         scatter_force(e, force, maps, out)
 
 
 @njit(**OPTIONS)
 def force_of(start, stop, order, q, stress, rule, maps, out):
     """Force of given stresses (n_elements, 6, 16), which have the weights, added to out (n_nodes, 4, 3)."""
-    local, force, x, f = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 80)), np.empty((3, 80))
+    local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
+    x, f = np.empty((3, 80)), np.empty((3, 80))
     n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
     for index in range(start, stop):
         e = order[index]
         gather(e, q, maps, local)
         jets(rule, local, x)
         surface(x, n, duals, gamma)
-        forces(rule, x, n, gamma, stress[e], f, force)
+        forces(rule, x, n, gamma, stress[e], f, turned, force)
         scatter_force(e, force, maps, out)
-
-
-@njit(**INNER)
-def strain_rows(rule, projection, rest, x, n, gamma, A):
-    """Gradients of the strains (16 points each), (144, 48): three assumed membrane strains, three curvatures, the scaled
-    rest of the membrane strains."""
-    table = rule.table
-    plain = np.empty((N_POINTS, 48))
-    for c in range(3):
-        for p in range(N_POINTS):
-            for i in range(3):
-                u, v = x[i, p], x[i, 16 + p]
-                u, v = (u, 0.0) if c == 0 else ((0.0, v) if c == 1 else (v, u))
-                for a in range(16):
-                    plain[p, 16 * i + a] = u * table[a, p] + v * table[a, 16 + p]
-        hat, other = A[16 * c : 16 * c + 16], A[96 + 16 * c : 112 + 16 * c]
-        np.dot(projection[c].T, plain, hat)
-        for p in range(N_POINTS):
-            for a in range(48):
-                other[p, a] = rest[c] * (plain[p, a] - hat[p, a])
-    for k in range(3):
-        double = -2.0 if k == 2 else -1.0
-        for p in range(N_POINTS):
-            row = A[48 + 16 * k + p]
-            for a in range(16):
-                g = double * (table[a, 32 + 16 * k + p] - gamma[k, 0, p] * table[a, p] - gamma[k, 1, p] * table[a, 16 + p])
-                for i in range(3):
-                    row[16 * i + a] = n[i, p] * g
-
-
-@njit(**INNER)
-def law_rows(rule, law, A, B):
-    """Half of the law times the gradients: B (144, 48)."""
-    B[:144] = 0.0
-    for m in range(rule.pairs.shape[0]):
-        k, l = rule.pairs[m]
-        for p in range(N_POINTS):
-            d = 0.5 * law[m, p]
-            for a in range(48):
-                B[16 * k + p, a] += d * A[16 * l + p, a]
-            if k != l:
-                for a in range(48):
-                    B[16 * l + p, a] += d * A[16 * k + p, a]
-            if l < 3:
-                for a in range(48):
-                    B[96 + 16 * k + p, a] += d * A[96 + 16 * l + p, a]
-                if k != l:
-                    for a in range(48):
-                        B[96 + 16 * l + p, a] += d * A[96 + 16 * k + p, a]
-
-
-@njit(**INNER)
-def bending_rows(rule, x, n, duals, gamma, stress, A, B):
-    """Rows 144 to 175, whose products A^T B with their transpose are moment . second derivative of the curvature."""
-    table = rule.table
-    for p in range(N_POINTS):
-        m11, m22, m12 = stress[3, p], stress[4, p], 2.0 * stress[5, p]
-        on1 = m11 * gamma[0, 0, p] + m22 * gamma[1, 0, p] + m12 * gamma[2, 0, p]
-        on2 = m11 * gamma[0, 1, p] + m22 * gamma[1, 1, p] + m12 * gamma[2, 1, p]
-        bending = 0.0
-        for i in range(3):
-            bending += n[i, p] * (m11 * x[i, 32 + p] + m22 * x[i, 48 + p] + m12 * x[i, 64 + p])
-        for g in range(2):
-            row, with_row = A[144 + 16 * g + p], B[144 + 16 * g + p]
-            along = across = 0.0
-            for i in range(3):
-                along += duals[g, i, p] * duals[0, i, p]
-                across += duals[g, i, p] * duals[1, i, p]
-            along, across = 0.5 * bending * along, 0.5 * bending * across
-            for a in range(16):
-                N1, N2 = table[a, p], table[a, 16 + p]
-                w = m11 * table[a, 32 + p] + m22 * table[a, 48 + p] + m12 * table[a, 64 + p] - on1 * N1 - on2 * N2
-                own, both = N1 if g == 0 else N2, along * N1 + across * N2
-                for i in range(3):
-                    row[16 * i + a] = n[i, p] * own
-                    with_row[16 * i + a] = duals[g, i, p] * w + both * n[i, p]
-
-
-@njit(**INNER)
-def membrane_geometry(rule, stress, T, G):
-    """Half of membrane stress . second derivative of the strain: G (16, 16), the same for the three components."""
-    for a in range(16):
-        for p in range(N_POINTS):
-            N1, N2 = rule.table[a, p], rule.table[a, 16 + p]
-            T[a, p] = 0.5 * (stress[0, p] * N1 + stress[2, p] * N2)
-            T[a, 16 + p] = 0.5 * (stress[2, p] * N1 + stress[1, p] * N2)
-    np.dot(T, rule.slopes, G)
-
-
-@njit(**OPTIONS)
-def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
-    """Tangent with the given stresses (n_elements, 6, 16), added to out (n_blocks, 12, 12)."""
-    local, x = np.empty((16, 3)), np.empty((3, 80))
-    n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    A, B = np.empty((N_ROWS, 48)), np.empty((N_ROWS, 48))
-    K, G, T = np.empty((48, 48)), np.empty((16, 16)), np.empty((16, 32))
-    for index in range(start, stop):
-        e = order[index]
-        c = elements.shape[e]
-        gather(e, q, maps, local)
-        jets(rule, local, x)
-        surface(x, n, duals, gamma)
-        strain_rows(rule, rule.projections[elements.assumed[c]], elements.rest[c], x, n, gamma, A)
-        law_rows(rule, elements.law[c], A, B)
-        bending_rows(rule, x, n, duals, gamma, stress[e], A, B)
-        np.dot(A.T, B, K)
-        membrane_geometry(rule, stress[e], T, G)
-        for i in range(0, 48, 16):
-            for a in range(16):
-                for b in range(16):
-                    K[i + a, i + b] += G[a, b]
-        # A^T B is half of the tangent; the other half is its transpose.
-        for a in range(48):
-            for b in range(a + 1):
-                K[a, b] = K[b, a] = K[a, b] + K[b, a]
-        scatter_tangent(e, maps, slots, K, out)
-

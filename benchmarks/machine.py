@@ -1,0 +1,69 @@
+"""What the numbers of a benchmark depend on: the machine, the versions, the threads; and the files that hold them."""
+
+import importlib.metadata
+import json
+import os
+import platform
+import resource
+import time
+from pathlib import Path
+from typing import Any
+
+from skancf.atomic import replacing
+from skancf.linear import mkl
+from skancf.threads import n_threads
+
+RESULTS = Path(__file__).parent / "results"
+PACKAGES = ("skancf", "numpy", "scipy", "numba", "scikit-fem", "mkl", "rslab")
+
+
+def facts() -> dict[str, Any]:
+    """Processor, cores, memory (GB), versions (None where not installed) and threads of this process."""
+    return {
+        "processor": _processor(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "cores": os.cpu_count(),
+        "memory_gb": round(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9, 1),
+        "python": platform.python_version(),
+        "versions": {name: _version(name) for name in PACKAGES},
+        "threads": {"skancf": n_threads(), "mkl": mkl.n_threads()},
+    }
+
+
+def peak_memory() -> float:
+    """Largest resident memory of this process so far (GB)."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1e9 if platform.system() == "Darwin" else 1e6)
+
+
+def clock() -> float:
+    """Seconds: of the processor where this process has one thread, which other work on the machine does not slow down."""
+    return time.process_time() if n_threads() == 1 else time.perf_counter()
+
+
+def with_threads(n: int) -> dict[str, str]:
+    """The environment of a process in which every library may use ``n`` threads."""
+    names = ("SKANCF_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+    return {**os.environ, **{name: str(n) for name in names}}
+
+
+def write(name: str, content: dict[str, Any]) -> Path:
+    """``results/name`` as JSON; an older file stays until the new one is whole."""
+    RESULTS.mkdir(exist_ok=True)
+    with replacing(RESULTS / name) as part:
+        part.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    return RESULTS / name
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.processor())
+
+
+def _version(name: str) -> str | None:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return None

@@ -1,7 +1,6 @@
 """Exudyn: its thin plate in the absolute nodal coordinate formulation, four nodes with a position and two slopes each."""
 
-import os
-from math import cos, pi, sin
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -12,24 +11,24 @@ from benchmarks.scenes import Scene
 
 UNIFORM = {
     "end_shear": (2, 3, 4, 6, 8, 12, 16),
-    "roll_up": (4, 6, 8, 12, 16, 24, 32, 48),
+    "roll_up": (4, 6, 8, 12, 16, 24, 32),
     "hemisphere": (8, 12, 16, 24, 32, 48),
-    "hinged_roof": (2, 3, 4, 6, 8, 12, 16),
-    "l_shape": (4, 8, 16, 32, 64, 128),
-    "corner_plate": (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48),
+    "hinged_roof": (2, 3, 4, 6, 8, 12, 16, 24, 32, 48),
+    "l_shape": (4, 6, 8, 12, 16, 24, 32, 48, 64, 96),
+    "corner_plate": (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96),
     "paper_2n": (2, 4, 6, 8, 12, 16, 24, 32),
     "paper_20n": (2, 4, 6, 8, 12, 16, 24, 32),
-    "free_ruler": (4, 6, 8, 12, 16, 24, 32),
+    "free_ruler": (3, 4, 6, 8, 12, 16, 24),
 }
 # Time steps between two of the scene's times: their error is about that of the mesh.
 STEPS = {
-    "paper_2n": {2: 1, 4: 2, 6: 3, 8: 4, 12: 6, 16: 8, 24: 16, 32: 24},
-    "paper_20n": {2: 1, 4: 2, 6: 3, 8: 4, 12: 6, 16: 8, 24: 16, 32: 24},
-    "free_ruler": {4: 10, 6: 10, 8: 20, 12: 40, 16: 60, 24: 100, 32: 150},
+    "paper_2n": {2: 1, 4: 2, 6: 2, 8: 4, 12: 6, 16: 8, 24: 12, 32: 16},
+    "paper_20n": {2: 1, 4: 2, 6: 2, 8: 4, 12: 6, 16: 8, 24: 12, 32: 16},
+    "free_ruler": {3: 10, 4: 10, 6: 20, 8: 20, 12: 40, 16: 80, 24: 160},
 }
+# With full integration the same takes three to four times as long and is no more accurate.
 VARIANTS = {
-    "reduced": Variant("Exudyn, thin", "thin", UNIFORM),
-    "full": Variant("Exudyn, thin, full integration", "thin", UNIFORM),
+    "thin": Variant("Exudyn, thin", "thin", UNIFORM),
 }
 
 
@@ -51,26 +50,37 @@ def lines(n: int, end: float, start: float = 0.0) -> Any:
     return np.linspace(start, end, n + 1)
 
 
-def end_shear(scene: Scene, n: int, reduced: bool) -> Outcome:
-    return strip(scene, n, reduced, lambda plate: plate.end_force([0.0, 0.0, scene.data["force"]]))
+def half_strip(scene: Scene, n: int, density: float = 0.0) -> Plate:
+    """Half the width of a strip, one element wide. As one element over the whole width, the edges bow: the ruler comes out
+    0.2 % off at best."""
+    plate = Plate(scene, lines(n, scene.data["length"]), lines(1, scene.data["width"] / 2), density=density)
+    plate.mirror(plate.index[0], Y, "x")
+    return plate
 
 
-def roll_up(scene: Scene, n: int, reduced: bool) -> Outcome:
-    return strip(scene, n, reduced, lambda plate: plate.end_moment([0.0, -scene.data["moment"], 0.0]), steps=max(2, n // 4), follow=True)
+def end_shear(scene: Scene, n: int) -> Outcome:
+    return cantilever(scene, n, lambda plate: plate.end_force([0.0, 0.0, scene.data["force"] / 2]))
 
 
-def strip(scene: Scene, n: int, reduced: bool, load: Any, **how: Any) -> Outcome:
-    plate = Plate(scene, lines(n, scene.data["length"]), lines(1, scene.data["width"]), reduced)
+def roll_up(scene: Scene, n: int) -> Outcome:
+    def load(plate: Plate) -> None:
+        plate.end_moment([0.0, -scene.data["moment"] / 2, 0.0])
+
+    return cantilever(scene, n, load, steps=4, rtol=1e-5, follow=True)
+
+
+def cantilever(scene: Scene, n: int, load: Any, **how: Any) -> Outcome:
+    plate = half_strip(scene, n)
     # The slope across the edge may stretch.
     plate.fix(plate.index[:, 0], (X, Y, Z), (Y, Z), (X, Y, Z))
     load(plate)
     plate.mbs.Assemble()
     note = static(plate, **how)
-    u = np.mean([plate.displacement(node) for node in plate.index[:, -1]], axis=0)
+    u = plate.displacement(plate.index[0, -1])
     return Outcome({"u": -u[X], "w": u[Z]}, plate.free, note)
 
 
-def hemisphere(scene: Scene, n: int, reduced: bool) -> Outcome:
+def hemisphere(scene: Scene, n: int) -> Outcome:
     d, radius = scene.data, scene.data["radius"]
 
     def sphere(x: Any, y: Any) -> Any:
@@ -80,7 +90,7 @@ def hemisphere(scene: Scene, n: int, reduced: bool) -> Outcome:
         r_y = -radius * np.sin(y) * np.cos(x), -radius * np.sin(y) * np.sin(x), radius * np.cos(y)
         return r, r_x, r_y
 
-    plate = Plate(scene, lines(n, pi / 2), lines(n, pi / 2 - d["hole"]), reduced, sphere)
+    plate = Plate(scene, lines(n, pi / 2), lines(n, pi / 2 - d["hole"]), sphere)
     plate.mirror(plate.index[:, 0], Y, "y")
     plate.mirror(plate.index[:, -1], X, "y")
     a, b = plate.index[0, 0], plate.index[0, -1]
@@ -88,11 +98,12 @@ def hemisphere(scene: Scene, n: int, reduced: bool) -> Outcome:
     plate.force(a, [d["force"] / 2, 0.0, 0.0])
     plate.force(b, [0.0, -d["force"] / 2, 0.0])
     plate.mbs.Assemble()
-    note = static(plate, steps=4)
+    # Roughly on the way, well at the end.
+    note = "; ".join([static(plate, steps=6, rtol=1e-1), static(plate, restart=True)])
     return Outcome({"outwards": plate.displacement(a)[X], "inwards": -plate.displacement(b)[Y]}, plate.free, note)
 
 
-def hinged_roof(scene: Scene, n: int, reduced: bool) -> Outcome:
+def hinged_roof(scene: Scene, n: int) -> Outcome:
     """The force at one prescribed deflection after the other."""
     import exudyn as exu
 
@@ -103,7 +114,7 @@ def hinged_roof(scene: Scene, n: int, reduced: bool) -> Outcome:
         r = x, radius * np.sin(y), radius * np.cos(y)
         return r, (1.0, 0.0, 0.0), (0.0, radius * np.cos(y), -radius * np.sin(y))
 
-    plate = Plate(scene, lines(n, d["half_length"]), lines(n, d["half_angle"]), reduced, cylinder)
+    plate = Plate(scene, lines(n, d["half_length"]), lines(n, d["half_angle"]), cylinder)
     plate.mirror(plate.index[:, 0], X, "y")
     plate.mirror(plate.index[0], Y, "x")
     plate.fix(plate.index[-1], (X, Y, Z), (X, Y, Z))
@@ -117,13 +128,10 @@ def hinged_roof(scene: Scene, n: int, reduced: bool) -> Outcome:
     return Outcome(values, plate.free, "; ".join(notes))
 
 
-SMALL = 1e-6
-
-
-def l_shape(scene: Scene, n: int, reduced: bool) -> Outcome:
+def l_shape(scene: Scene, n: int) -> Outcome:
     d = scene.data
     x = lines(2 * n, 1.0, -1.0)
-    plate = Plate(scene, x, x, reduced, inside=lambda x, y: (x < 0) | (y > 0))
+    plate = Plate(scene, x, x, inside=lambda x, y: (x < 0) | (y > 0))
     x, y = plate.points.T
     edge = (abs(x) == 1) | (abs(y) == 1) | ((x >= 0) & (y <= 0))
     plate.fix(np.flatnonzero(edge), (X, Y, Z), (X, Y, Z), (X, Y, Z))
@@ -137,48 +145,52 @@ def l_shape(scene: Scene, n: int, reduced: bool) -> Outcome:
     return Outcome({"volume": volume}, plate.free, note)
 
 
-def corner_plate(scene: Scene, n: int, reduced: bool) -> Outcome:
+def corner_plate(scene: Scene, n: int) -> Outcome:
     d = scene.data
     x = lines(n, d["side"] / 2)
-    plate = Plate(scene, x, x, reduced)
+    plate = Plate(scene, x, x)
     plate.mirror(plate.index[:, 0], X, "y")
     plate.mirror(plate.index[0], Y, "x")
     plate.fix([plate.index[-1, -1]], [Z])
     plate.force(plate.index[0, 0], [0.0, 0.0, d["force"] / 4])
     plate.mbs.Assemble()
     note = static(plate, linear=True)
-    return Outcome({"centre": plate.displacement(plate.index[0, 0])[Z], "edge": plate.displacement(plate.index[-1, 0])[Z]}, plate.free, note)
+    centre, edge = (plate.displacement(node)[Z] for node in plate.index[[0, -1], 0])
+    return Outcome({"centre": centre, "edge": edge}, plate.free, note)
 
 
-def paper_example(scene: Scene, n: int, reduced: bool) -> Outcome:
+def paper_example(scene: Scene, n: int) -> Outcome:
     """A quarter."""
     d = scene.data
     x = lines(n, d["side"] / 2)
-    plate = Plate(scene, x, x, reduced, density=d["density"])
+    plate = Plate(scene, x, x, density=d["density"])
     plate.fix([plate.index[0, 0]], (X, Y, Z))
     plate.mirror(plate.index[:, -1], X, "y")
     plate.mirror(plate.index[-1], Y, "x")
     plate.force(plate.index[-1, -1], [0.0, 0.0, d["force"] / 4])
     watched = {"centre": plate.index[-1, -1], "quarter": plate.index[n // 2, n // 2], "edge": plate.index[0, -1]}
-    series, note = simulate(plate, scene, STEPS[scene.name][n], list(watched.values()))
+    series, note = simulate(plate, scene, STEPS[scene.name][n], list(watched.values()), 1e-2)
     return Outcome({key: series[:, k, Z].tolist() for k, key in enumerate(watched)}, plate.free, note)
 
 
-def free_ruler(scene: Scene, n: int, reduced: bool) -> Outcome:
+def free_ruler(scene: Scene, n: int) -> Outcome:
     d = scene.data
-    plate = Plate(scene, lines(n, d["length"]), lines(1, d["width"]), reduced, density=d["density"])
-    plate.end_force([d["force_x"], 0.0, d["force_z"]], lambda t: max(0.0, min(t, d["over"] - t)) / d["peak"])
-    series, note = simulate(plate, scene, STEPS[scene.name][n], [*plate.index[:, 0], *plate.index[:, -1]])
-    ends = {"near": series[:, :2].mean(axis=1), "far": series[:, 2:].mean(axis=1)}
-    return Outcome({f"{end}_{key}": u[:, c].tolist() for end, u in ends.items() for key, c in (("x", X), ("z", Z))}, plate.free, note)
+    plate = half_strip(scene, n, d["density"])
+    plate.end_force([d["force_x"] / 2, 0.0, d["force_z"] / 2], lambda t: max(0.0, min(t, d["over"] - t)) / d["peak"])
+    series, note = simulate(plate, scene, STEPS[scene.name][n], [plate.index[0, 0], plate.index[0, -1]], 1e-4)
+    ends = {"near": series[:, 0], "far": series[:, 1]}
+    values = {f"{end}_{axis}": u[:, c].tolist() for end, u in ends.items() for axis, c in (("x", X), ("z", Z))}
+    return Outcome(values, plate.free, note)
 
 
-RUNS = {"end_shear": end_shear, "roll_up": roll_up, "hemisphere": hemisphere, "hinged_roof": hinged_roof, "l_shape": l_shape,
-        "corner_plate": corner_plate, "paper_2n": paper_example, "paper_20n": paper_example, "free_ruler": free_ruler}  # fmt: skip
+RUNS = {
+    "end_shear": end_shear, "roll_up": roll_up, "hemisphere": hemisphere, "hinged_roof": hinged_roof, "l_shape": l_shape,
+    "corner_plate": corner_plate, "paper_2n": paper_example, "paper_20n": paper_example, "free_ruler": free_ruler,
+}  # fmt: skip
 
 
 def run(scene: Scene, variant: str, size: float) -> Outcome:
-    return RUNS[scene.name](scene, int(size), variant == "reduced")
+    return RUNS[scene.name](scene, int(size))
 
 
 PROGRAM = Program("Exudyn", VARIANTS, prepare, version, run, environment="exudyn")

@@ -7,6 +7,7 @@ know. Here the compiler knows how many rows there are; they stay in registers.
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
+from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
 from skancf.compiled import INNER
@@ -25,13 +26,11 @@ def aligned(rows, columns):
     return memory[first : first + rows * columns].reshape(rows, columns)
 
 
-@intrinsic(prefer_literal=True)
-def add_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
-    """Adds the sum over k < n of A[a + k a_next + i a_row] B[b + k b_next + j] to C[c + i c_row + j].
-
-    For i < ``rows``, a number known to the compiler, and j < 16; n > 0. Arrays are contiguous, their indices flat. Sums of 4
-    to 12 rows fill the pipelines of current processors; 6 rows fit the registers of those with vectors of four, too.
-    """
+def _panel(add, typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
+    """Signature and code of :func:`add_panel` and :func:`set_panel`."""
+    for array in (A, B, C):
+        if array.layout != "C" or array.dtype != types.float64:
+            raise TypingError(f"{array} in a panel, which takes contiguous arrays of float64: copy it")
     signature = types.void(rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row)
 
     def generate(context, builder, signature, arguments):
@@ -57,7 +56,7 @@ def add_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
             vector(C, builder.add(builder.mul(c_row, constant(i)), constant(j)))
             for i in range(rows.literal_value) for j in range(0, WIDTH, 8)
         ]  # fmt: skip
-        before = [builder.load(place, align=8) for place in places]
+        before = [builder.load(place, align=8) if add else ir.Constant(VECTOR, [0.0] * 8) for place in places]
         entry, loop, end = builder.block, builder.append_basic_block(), builder.append_basic_block()
         builder.branch(loop)
         builder.position_at_end(loop)
@@ -85,3 +84,19 @@ def add_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
         return context.get_dummy_value()
 
     return signature, generate
+
+
+@intrinsic(prefer_literal=True)
+def add_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
+    """Adds the sum over k < n of A[a + k a_next + i a_row] B[b + k b_next + j] to C[c + i c_row + j].
+
+    For i < ``rows``, a number known to the compiler, and j < 16; n > 0. Arrays are contiguous, their indices flat. Sums of 4
+    to 12 rows fill the pipelines of current processors; 6 rows fit the registers of those with vectors of four, too.
+    """
+    return _panel(True, typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row)
+
+
+@intrinsic(prefer_literal=True)
+def set_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
+    """As :func:`add_panel`, but what was in C is forgotten."""
+    return _panel(False, typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row)

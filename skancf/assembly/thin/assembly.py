@@ -28,16 +28,16 @@ class ThinAssembly(CompiledAssembly):
         theory = cast(Kirchhoff, geometry.theory)
         points, weights = theory.quadrature
         table = jet_table(points)
-        kept = np.hstack([legendre(points, numbers) for numbers in KEPT]).T
-        identity = np.stack([np.eye(points.shape[1])] * 3)
+        kept = np.ascontiguousarray(np.hstack([legendre(points, numbers) for numbers in KEPT]).T)
+        projections = np.stack([np.stack([np.eye(points.shape[1])] * 3), theory.interpolation(points)])
         self._rule = kernels.Rule(
             table=np.ascontiguousarray(table.transpose(1, 0, 2).reshape(16, -1)),
             jets=np.ascontiguousarray(table.transpose(0, 2, 1).reshape(-1, 16)),
             slopes=np.ascontiguousarray(table[:2].transpose(2, 0, 1).reshape(-1, 16)),
-            projections=np.stack([identity, theory.interpolation(points)]),
-            kept=np.ascontiguousarray(kept),
+            projections=projections,
+            transposed=np.ascontiguousarray(projections.swapaxes(2, 3)),
+            kept=kept,
             fit=kept * weights,
-            weights=weights,
             pairs=self.sections.pairs,
         )
         parts = self.sections

@@ -5,7 +5,7 @@ import numpy as np
 from numba import njit
 
 from skancf.assembly.local import gather, scatter_force
-from skancf.assembly.thin.kernels import N_POINTS, jets
+from skancf.assembly.thin.kernels import N_POINTS, forces_of_jets, jets
 from skancf.compiled import INNER, OPTIONS
 
 
@@ -59,9 +59,9 @@ def bending_between(a, b, c, da, db, dc, J, bending, on_J):
 
 
 @njit(**INNER)
-def forces_between(rule, x, y, stress, f, force):
+def forces_between(rule, x, y, stress, f, turned, force):
     """Forces (16, 3) on the local vectors that do the work of stresses on the change of the strains from x to y, exactly;
-    ``f`` (3, 80) is scratch."""
+    ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
     for p in range(N_POINTS):
         a0, b0 = (x[0, p], x[1, p], x[2, p]), (x[0, 16 + p], x[1, 16 + p], x[2, 16 + p])
         a1, b1 = (y[0, p], y[1, p], y[2, p]), (y[0, 16 + p], y[1, 16 + p], y[2, 16 + p])
@@ -85,18 +85,19 @@ def forces_between(rule, x, y, stress, f, force):
             f[i, 32 + p] = m11 * f_c[i]
             f[i, 48 + p] = m22 * f_c[i]
             f[i, 64 + p] = m12 * f_c[i]
-    np.dot(rule.table, f.T, force)
+    forces_of_jets(rule, f, turned, force)
 
 
 @njit(**OPTIONS)
 def force_between(start, stop, order, q0, q1, stress, rule, maps, out):
     """Force of given stresses (n_elements, 6, 16), which have the weights, on the way from q0 to q1, added to out."""
-    local, force, x, y, f = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 80)), np.empty((3, 80)), np.empty((3, 80))
+    local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
+    x, y, f = np.empty((3, 80)), np.empty((3, 80)), np.empty((3, 80))
     for index in range(start, stop):
         e = order[index]
         gather(e, q0, maps, local)
         jets(rule, local, x)
         gather(e, q1, maps, local)
         jets(rule, local, y)
-        forces_between(rule, x, y, stress[e], f, force)
+        forces_between(rule, x, y, stress[e], f, turned, force)
         scatter_force(e, force, maps, out)

@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 
 from skancf.assembly.local import gather, scatter_force
+from skancf.assembly.panels import add_panel, set_panel
 from skancf.compiled import INNER, OPTIONS
 
 N_POINTS = 16
@@ -36,25 +37,26 @@ class Rule(NamedTuple):
 
     ``table`` (16, 80): jets of the local functions, jet by jet, ``jets`` its transpose, ``slopes`` (32, 16) the first two,
     point by point. ``projections`` (2, 3, 16, 16): from the membrane strains 11, 22, 12 at the points to those that the law
-    is applied to, ``(c, from, to)``: the identity, and the assumed ones. ``kept`` (16, 16): at the points, the polynomials
-    that the assumed strains are made of, ``fit``: the same times ``weights``, from strains at the points to coefficients.
-    ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
+    is applied to, ``(c, from, to)``: the identity, and the assumed ones; ``transposed`` the other way. ``kept`` (16, 16): at
+    the points, the polynomials that the assumed strains are made of, and ``fit``, from strains at the points to their
+    coefficients. ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
     """
 
     table: np.ndarray
     jets: np.ndarray
     slopes: np.ndarray
     projections: np.ndarray
+    transposed: np.ndarray
     kept: np.ndarray
     fit: np.ndarray
-    weights: np.ndarray
     pairs: np.ndarray
 
 
 @njit(**INNER)
 def jets(rule, local, x):
     """r_1, r_2, r_11, r_22, r_12 at the points: x (3, 80), jet by jet."""
-    np.dot(local.T, rule.table, x)
+    for at in range(0, 80, 16):
+        set_panel(3, 16, local, 0, 3, 1, rule.table, at, 80, x, at, 80)
 
 
 @njit(**INNER)
@@ -114,20 +116,17 @@ def add_change(x, y, n, gamma, eps):
 
 
 @njit(**INNER)
-def section(rule, projection, law, rest, eps, hat, stress):
+def section(rule, assumed, law, rest, eps, hat, extra, stress):
     """Stresses (6, 16), with the weights, that do work on the strains at the points.
 
     The law is applied to the assumed membrane strains with the curvatures, and to the scaled rest of the membrane strains;
-    ``hat`` (6, 16) is scratch.
+    ``hat`` (6, 16) and ``extra`` (3, 16) are scratch.
     """
-    hat[:3] = 0.0
     hat[3:] = eps[3:]
     for c in range(3):
-        for s in range(N_POINTS):
-            for p in range(N_POINTS):
-                hat[c, p] += projection[c, s, p] * eps[c, s]
+        set_panel(1, N_POINTS, eps, 16 * c, 1, 0, rule.projections, 768 * assumed + 256 * c, 16, hat, 16 * c, 16)
     stress[:] = 0.0
-    extra = np.zeros((3, N_POINTS))
+    extra[:] = 0.0
     for m in range(rule.pairs.shape[0]):
         k, l = rule.pairs[m]
         for p in range(N_POINTS):
@@ -145,16 +144,22 @@ def section(rule, projection, law, rest, eps, hat, stress):
     for c in range(3):
         for p in range(N_POINTS):
             hat[c, p] = stress[c, p] - extra[c, p]
-        for s in range(N_POINTS):
-            total = extra[c, s]
-            for p in range(N_POINTS):
-                total += projection[c, s, p] * hat[c, p]
-            stress[c, s] = total
+        stress[c] = extra[c]
+        add_panel(1, N_POINTS, hat, 16 * c, 1, 0, rule.transposed, 768 * assumed + 256 * c, 16, stress, 16 * c, 16)
 
 
 @njit(**INNER)
-def forces(rule, x, n, gamma, stress, f, force):
-    """Forces (16, 3) on the local vectors; ``f`` (3, 80) is scratch."""
+def forces_of_jets(rule, f, turned, force):
+    """Forces (16, 3) on the local vectors of those on the jets, f (3, 80); ``turned`` (3, 16) is scratch."""
+    set_panel(3, 80, f, 0, 1, 80, rule.jets, 0, 16, turned, 0, 16)
+    for a in range(16):
+        for i in range(3):
+            force[a, i] = turned[i, a]
+
+
+@njit(**INNER)
+def forces(rule, x, n, gamma, stress, f, turned, force):
+    """Forces (16, 3) on the local vectors; ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
     for i in range(3):
         for p in range(N_POINTS):
             m11, m22, m12 = stress[3, p], stress[4, p], 2.0 * stress[5, p]
@@ -165,7 +170,7 @@ def forces(rule, x, n, gamma, stress, f, force):
             f[i, 32 + p] = -m11 * n[i, p]
             f[i, 48 + p] = -m22 * n[i, p]
             f[i, 64 + p] = -m12 * n[i, p]
-    np.dot(rule.table, f.T, force)
+    forces_of_jets(rule, f, turned, force)
 
 
 @njit(**OPTIONS)
@@ -177,7 +182,7 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
     local, moved = np.empty((16, 3)), np.empty((16, 3))
     x, y = np.empty((3, 80)), np.empty((3, 80))
     n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    eps, hat = np.empty((6, 16)), np.empty((6, 16))
+    eps, hat, extra = np.empty((6, 16)), np.empty((6, 16)), np.empty((3, 16))
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
@@ -189,7 +194,7 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
             gather(e, change, maps, moved)
             jets(rule, moved, y)
             add_change(x, y, n, gamma, eps)
-        section(rule, rule.projections[elements.assumed[c]], elements.law[c], elements.rest[c], eps, hat, out[e])
+        section(rule, elements.assumed[c], elements.law[c], elements.rest[c], eps, hat, extra, out[e])
         if strain_out.shape[0]:
             strain_out[e] = eps
 
@@ -197,9 +202,10 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
 @njit(**OPTIONS)
 def residual(start, stop, order, q, rule, maps, elements, out):
     """Internal force, added to out (n_nodes, 4, 3)."""
-    local, force, x, f = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 80)), np.empty((3, 80))
+    local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
+    x, f = np.empty((3, 80)), np.empty((3, 80))
     n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    eps, hat, stress = np.empty((6, 16)), np.empty((6, 16)), np.empty((6, 16))
+    eps, hat, extra, stress = np.empty((6, 16)), np.empty((6, 16)), np.empty((3, 16)), np.empty((6, 16))
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
@@ -207,20 +213,21 @@ def residual(start, stop, order, q, rule, maps, elements, out):
         jets(rule, local, x)
         surface(x, n, duals, gamma)
         strains(x, n, elements.reference[c], eps)
-        section(rule, rule.projections[elements.assumed[c]], elements.law[c], elements.rest[c], eps, hat, stress)
-        forces(rule, x, n, gamma, stress, f, force)
+        section(rule, elements.assumed[c], elements.law[c], elements.rest[c], eps, hat, extra, stress)
+        forces(rule, x, n, gamma, stress, f, turned, force)
         scatter_force(e, force, maps, out)
 
 
 @njit(**OPTIONS)
 def force_of(start, stop, order, q, stress, rule, maps, out):
     """Force of given stresses (n_elements, 6, 16), which have the weights, added to out (n_nodes, 4, 3)."""
-    local, force, x, f = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 80)), np.empty((3, 80))
+    local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
+    x, f = np.empty((3, 80)), np.empty((3, 80))
     n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
     for index in range(start, stop):
         e = order[index]
         gather(e, q, maps, local)
         jets(rule, local, x)
         surface(x, n, duals, gamma)
-        forces(rule, x, n, gamma, stress[e], f, force)
+        forces(rule, x, n, gamma, stress[e], f, turned, force)
         scatter_force(e, force, maps, out)

@@ -28,7 +28,7 @@ VARIANTS = {
             "corner_plate": (2, 3, 4, 6, 8, 12, 16, 24, 32),
             "paper_2n": (4, 6, 8, 12, 16),
             "paper_20n": (4, 6, 8, 12, 16),
-            "free_ruler": (4, 6, 8, 12, 16, 24),
+            "free_ruler": (8, 12, 16, 24),
         },
         {"roll_up": "its elements have no rotations, and no condition puts a moment on their edge",
          "l_shape": "not one patch but three, joined by penalties: not tried"},

@@ -47,6 +47,7 @@ class Patch(Shell):
     """Over the unit square; ``place`` maps its points (k, 2) to (k, 3). The patch interpolates it. Control points (i, j)."""
 
     builder = Kratos.ResidualBasedBlockBuilderAndSolver
+    lumped = False
 
     def __init__(self, data: Any, place: Callable[[Any], Any], lines: tuple[Line, Line], **options: bool) -> None:
         self.lines = u, v = lines
@@ -150,7 +151,7 @@ def hemisphere(scene: Scene, n: int) -> Result:
     patch.fix([patch.index[n // 2, 0]], "Z")
     patch.load([a, b], [[half, 0, 0], [0, -half, 0]])
     patch.constrain()
-    patch.static(5, tolerance=1e-4)
+    patch.static(8, tolerance=1e-4)
     return {"outwards": float(patch.displacement(a)[0]), "inwards": -float(patch.displacement(b)[1])}, patch
 
 
@@ -185,9 +186,10 @@ def corner_plate(scene: Scene, n: int) -> Result:
     return {key: float(patch.displacement(k)[2]) for key, k in (("centre", 0), ("edge", patch.index[0, -1]))}, patch
 
 
+# What they add to the error is less than what the mesh leaves; the ruler does not converge with longer ones.
 TIME_STEPS = {
     "paper": {4: 0.01, 6: 0.005, 8: 0.005, 12: 0.0025, 16: 0.0025},
-    "free_ruler": {4: 1.25e-4, 6: 1.25e-4, 8: 1.25e-4, 12: 6.25e-5, 16: 6.25e-5, 24: 3.125e-5},
+    "free_ruler": {8: 6.25e-5, 12: 6.25e-5, 16: 6.25e-5, 24: 3.125e-5},
 }
 
 
@@ -213,7 +215,7 @@ def free_ruler(scene: Scene, n: int) -> Result:
     def pulse(t: float) -> float:
         return max(0.0, min(t / d["peak"], (d["over"] - t) / (d["over"] - d["peak"])))
 
-    return follow(scene, patch, points, TIME_STEPS["free_ruler"][n], pulse, 1e-2, -0.1)
+    return follow(scene, patch, points, TIME_STEPS["free_ruler"][n], pulse, 1e-3, -0.1)
 
 
 def follow(

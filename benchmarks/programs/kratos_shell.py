@@ -37,6 +37,9 @@ class Shell:
     """A mesh of elements of one kind; triangles halve the quadrilaterals. Nodes are counted from 0."""
 
     builder = Kratos.ResidualBasedEliminationBuilderAndSolver
+    # Bossak's scheme integrates no angular acceleration: with the rotary inertia of the consistent mass in the matrix but
+    # not in the residual, small steps do not converge.
+    lumped = True
 
     def __init__(
         self, data: Any, element: str, points: Any, quads: Any, moving: bool = False, pressing: bool = False
@@ -55,9 +58,7 @@ class Shell:
         properties = self.properties = part.GetProperties()[1]
         properties[Kratos.YOUNG_MODULUS], properties[Kratos.POISSON_RATIO] = data["young"], data["poisson"]
         properties[Kratos.THICKNESS], properties[Kratos.DENSITY] = data["thickness"], data.get("density", 1.0)
-        # Bossak's scheme integrates no angular acceleration: with the rotary inertia of the consistent mass in the matrix
-        # but not in the residual, small steps do not converge.
-        properties[Kratos.COMPUTE_LUMPED_MASS_MATRIX] = True
+        properties[Kratos.COMPUTE_LUMPED_MASS_MATRIX] = self.lumped
         properties[Kratos.CONSTITUTIVE_LAW] = Structural.LinearElasticPlaneStress2DLaw()
         for k, (x, y, z) in enumerate(points.tolist(), 1):
             part.CreateNewNode(k, x, y, z)

@@ -1,0 +1,275 @@
+"""CalculiX (ccx): quadratic bricks with reduced integration, one or two through the thickness, a process for each run."""
+
+import os
+import subprocess
+import tempfile
+from math import pi
+from pathlib import Path
+from typing import Any
+
+from benchmarks.programs.program import Outcome, Program, Variant
+from benchmarks.scenes import Scene
+
+# Time steps for each number of elements along the longer side.
+STEPS: dict[str, dict[float, int]] = {
+    "paper_2n": {2: 50, 4: 100, 6: 140, 8: 200},
+    "paper_20n": {2: 50, 4: 100, 6: 140, 8: 200},
+    "free_ruler": {4: 100, 6: 140, 8: 200, 12: 280, 16: 400, 24: 800, 32: 1600},
+}
+SIZES = {
+    "end_shear": (4, 6, 8, 10, 14, 20, 28), "roll_up": (4, 6, 8, 12, 16, 24), "hemisphere": (4, 6, 8, 12, 16, 24),
+    "hinged_roof": (2, 3, 4, 6, 8, 12), "l_shape": (4, 8, 12, 16, 24, 32, 48), "corner_plate": (2, 3, 4, 6, 8, 12, 16, 24, 32),
+}  # fmt: skip
+VARIANTS = {"solid": Variant("CalculiX, C3D20R", "thick", {**SIZES, **{name: tuple(steps) for name, steps in STEPS.items()}})}
+# Iterations before an increment is given up: the defaults (4, 8, 9, 16, 10, 4, -, 5) cut steps that would converge.
+PATIENCE = "*CONTROLS,PARAMETERS=TIME INCREMENTATION\n30,60,9,100,10,4,,30,,"
+CORNERS = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
+MIDDLES = [(1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2), (0, 0, 1), (2, 0, 1), (2, 2, 1),
+           (0, 2, 1)]  # fmt: skip
+
+
+def prepare() -> None:
+    import numpy  # noqa: F401
+
+
+def version() -> str:
+    told = subprocess.run(["ccx", "-v"], capture_output=True, text=True, check=False).stdout.split()
+    return f"CalculiX {told[-1]}"
+
+
+def run(scene: Scene, variant: str, size: float) -> Outcome:
+    return SOLVERS[scene.name](scene, int(size))
+
+
+class Bricks:
+    """An input deck: nx x ny x layers bricks on a lattice of twice as many steps, of which (i, j, k) is a node if at most one is odd."""
+
+    def __init__(self, points: Any, data: Any, keep: Any = None) -> None:
+        import numpy as np
+
+        shape = points.shape[:3]
+        nx, ny, nz = ((m - 1) // 2 for m in shape)
+        i, j, k = np.indices((nx, ny, nz))
+        if keep is not None:
+            i, j, k = i[keep], j[keep], k[keep]
+        i, j, k = (2 * index.ravel() for index in (i, j, k))
+        number = np.arange(1, points[..., 0].size + 1).reshape(shape)
+        cells = np.stack([number[i + a, j + b, k + c] for a, b, c in CORNERS + MIDDLES], 1)
+        used = np.unique(cells)
+        renumber = np.zeros(number.size + 1, dtype=int)
+        renumber[used] = np.arange(1, used.size + 1)
+        # 0 where the lattice has no node.
+        self.ids, self.count, self.held = renumber[number], used.size, 0
+        cells, where = renumber[cells], points.reshape(-1, 3)[used - 1]
+        rows = np.column_stack([np.arange(1, used.size + 1), where]).ravel().tolist()
+        lines = ["*NODE,NSET=NALL", ("%d,%.12g,%.12g,%.12g\n" * used.size % tuple(rows))[:-1], "*ELEMENT,TYPE=C3D20R,ELSET=EALL"]
+        form = ",".join(["%d"] * 16) + ",\n" + ",".join(["%d"] * 5) + "\n"
+        lines.append((form * len(cells) % tuple(np.column_stack([np.arange(1, len(cells) + 1), cells]).ravel().tolist()))[:-1])
+        lines += ["*MATERIAL,NAME=M", "*ELASTIC", f"{data['young']!r},{data['poisson']!r}"]
+        if "density" in data:
+            lines += ["*DENSITY", repr(data["density"])]
+        self.lines = [*lines, "*SOLID SECTION,ELSET=EALL,MATERIAL=M"]
+
+    def fix(self, ids: Any, *dofs: int) -> None:
+        ids = ids[ids > 0].tolist()
+        self.lines += ["*BOUNDARY", *(f"{node},{dof}" for node in ids for dof in dofs)]
+        self.held += len(ids) * len(dofs)
+
+    def end_load(self, dof: int, total: float) -> list[str]:
+        """Spread evenly over the face at the far end of the first direction: -1/12 at its corners, 1/3 between."""
+        face = self.ids[-1]
+        shares = {(j, k): (-1 / 12 if j % 2 == k % 2 == 0 else 1 / 3) for j in range(3) for k in range(3) if face[j, k]}
+        return [f"{face[at]},{dof},{total * share!r}" for at, share in shares.items()]
+
+    def step(self, kind: str, *lines: str, out: Any = None, what: str = "U", geometry: bool = True, every: int = 10**6) -> None:
+        head = "*STEP,NLGEOM,INC=100000" if geometry else "*STEP"
+        wanted = []
+        if out is not None:
+            wanted = ["*NSET,NSET=OUT", *map(str, out), f"*NODE PRINT,NSET=OUT,FREQUENCY={every}", what]
+        self.lines += [head, *([PATIENCE] if geometry else []), kind, *lines, *wanted, "*END STEP"]
+
+    def solve(self) -> tuple[list[tuple[float, list[list[float]]]], str]:
+        """What ``*NODE PRINT`` tells: for each output its time and its rows; and a note."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "job"
+            path.with_suffix(".inp").write_text("\n".join(self.lines) + "\n")
+            done = subprocess.run(
+                ["ccx", "job"], cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, "OMP_NUM_THREADS": "1"}
+            )
+            if done.returncode or "*ERROR" in done.stdout:
+                raise RuntimeError("ccx: " + " ".join(done.stdout.split("*ERROR")[-1].split())[:200])
+            steps = len(path.with_suffix(".sta").read_text().splitlines()) - 2 if path.with_suffix(".sta").exists() else 0
+            told = path.with_suffix(".dat").read_text()
+        blocks: list[tuple[float, list[list[float]]]] = []
+        for line in told.splitlines():
+            if "time" in line:
+                blocks.append((float(line.split()[-1]), []))
+            elif line.strip() and blocks:
+                blocks[-1][1].append([float(word) for word in line.split()])
+        return blocks, f"{steps} increments, {done.stdout.count(' iteration ')} iterations"
+
+    def outcome(self, values: dict[str, Any], note: str = "") -> Outcome:
+        return Outcome(values, 3 * self.count - self.held, note)
+
+
+def slab(nx: int, ny: int, lx: float, ly: float, thickness: float, layers: int = 1) -> Any:
+    import numpy as np
+
+    axes = (np.linspace(0, lx, 2 * nx + 1), np.linspace(0, ly, 2 * ny + 1), thickness * np.linspace(-0.5, 0.5, 2 * layers + 1))
+    return np.stack(np.meshgrid(*axes, indexing="ij"), -1)
+
+
+def strip(scene: Scene, n: int) -> Outcome:
+    """Without a Poisson effect nothing moves across the strip, and holding that keeps the one row of elements from twisting."""
+    d = scene.data
+    bricks = Bricks(slab(n, 1, d["length"], d["width"], d["thickness"]), d)
+    bricks.fix(bricks.ids[:-1], 2)
+    bricks.fix(bricks.ids[0], 1, 3)
+    if scene.name == "end_shear":
+        bricks.fix(bricks.ids[-1], 2)
+        load = bricks.end_load(3, d["force"])
+    else:
+        # The end stays plane; its moment turns the node that carries its rotations.
+        centre, turn = bricks.count + 1, bricks.count + 2
+        face = bricks.ids[-1][bricks.ids[-1] > 0].tolist()
+        x, y = d["length"], d["width"] / 2
+        bricks.lines += ["*NODE", f"{centre},{x},{y},0", f"{turn},{x},{y},0", "*NSET,NSET=END", *map(str, face)]
+        bricks.lines += [f"*RIGID BODY,NSET=END,REF NODE={centre},ROT NODE={turn}", "*BOUNDARY", f"{centre},2", f"{turn},1", f"{turn},3"]
+        load = [f"{turn},2,{-d['moment']!r}"]
+    first = 1.0 if scene.name == "end_shear" else float(os.environ.get("FIRST","0.05"))
+    bricks.step("*STATIC", f"{first},1.,1e-5,1.", "*CLOAD", *load, out=[bricks.ids[-1, 0, 1]])
+    blocks, note = bricks.solve()
+    _, u, _, w = blocks[-1][1][0]
+    return bricks.outcome({"u": -u, "w": w}, note)
+
+
+def hemisphere(scene: Scene, n: int) -> Outcome:
+    import numpy as np
+
+    d, m = scene.data, 2 * n + 1
+    polar, around, r = np.meshgrid(
+        np.linspace(d["hole"], pi / 2, m), np.linspace(0, pi / 2, m), d["radius"] + d["thickness"] * np.linspace(-0.5, 0.5, 3), indexing="ij"
+    )
+    bricks = Bricks(r[..., None] * np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], -1), d)
+    bricks.fix(bricks.ids[:, 0], 2)
+    bricks.fix(bricks.ids[:, -1], 1)
+    a, b = bricks.ids[-1, 0, 1], bricks.ids[-1, -1, 1]
+    bricks.fix(bricks.ids[-1, :1, 1], 3)
+    half = d["force"] / 2
+    bricks.step("*STATIC", os.environ.get("FIRST","0.1")+",1.,1e-5,1.", "*CLOAD", f"{a},1,{half!r}", f"{b},2,{-half!r}", out=[a, b])
+    blocks, note = bricks.solve()
+    rows = {int(row[0]): row[1:] for row in blocks[-1][1]}
+    return bricks.outcome({"outwards": rows[a][0], "inwards": -rows[b][1]}, note)
+
+
+def hinged_roof(scene: Scene, n: int) -> Outcome:
+    """The hinges hold the mean of the top and the bottom, which leaves the edge free to turn."""
+    import numpy as np
+
+    d, m = scene.data, 2 * n + 1
+    x, angle, r = np.meshgrid(
+        np.linspace(0, d["half_length"], m), np.linspace(-d["half_angle"], 0, m),
+        d["radius"] + d["thickness"] * np.linspace(-0.5, 0.5, 3), indexing="ij",
+    )  # fmt: skip
+    bricks = Bricks(np.stack([x, r * np.sin(angle), r * np.cos(angle)], -1), d)
+    low, top = bricks.ids[:, 0, 0], bricks.ids[:, 0, 2]
+    bricks.fix(bricks.ids[:, 0, 1], 1, 2, 3)
+    bricks.fix(bricks.ids[:, -1], 2)
+    bricks.fix(bricks.ids[-1, 1:], 1)
+    bricks.fix(bricks.ids[-1, 0, ::2], 1)
+    pairs = [(a, b, dof) for a, b in zip(low.tolist(), top.tolist(), strict=True) for dof in (1, 2, 3)][: -3]
+    pairs += [(low[-1], top[-1], 2), (low[-1], top[-1], 3)]
+    bricks.lines += [f"*EQUATION\n2\n{a},{dof},1.,{b},{dof},1." for a, b, dof in pairs]
+    bricks.held += len(pairs)
+    crown = bricks.ids[-1, -1, 1]
+    for k in range(len(scene.quantities)):
+        pressed = ("*BOUNDARY", f"{crown},3,3,{-d[f'deflection_{k}']!r}")
+        bricks.step("*STATIC", "1.,1.,1e-5,1.", *pressed, out=[crown], what="RF")
+    blocks, note = bricks.solve()
+    return bricks.outcome({f"force_{k}": -4 * block[1][0][3] for k, block in enumerate(blocks)}, note)
+
+
+def l_shape(scene: Scene, n: int) -> Outcome:
+    """The work of the load is twice the strain energy."""
+    import numpy as np
+
+    d = scene.data
+    points = slab(n, n, 2.0, 2.0, d["thickness"]) - np.array([1.0, 1.0, 0.0])
+    middle = points[1::2, 1::2, 1:2]
+    bricks = Bricks(points, d, keep=(middle[..., 0] < 0) | (middle[..., 1] > 0))
+    bricks.fix(edge(bricks.ids), 1, 2, 3)
+    bricks.step("*STATIC", "*DLOAD", f"EALL,P1,{d['pressure']!r}", "*EL PRINT,ELSET=EALL,TOTALS=ONLY", "ELSE", geometry=False)
+    blocks, _ = bricks.solve()
+    return bricks.outcome({"volume": 2 * blocks[-1][1][0][0] / d["pressure"]})
+
+
+def corner_plate(scene: Scene, n: int) -> Outcome:
+    d, half = scene.data, scene.data["side"] / 2
+    bricks = Bricks(slab(n, n, half, half, d["thickness"]), d)
+    ids = bricks.ids
+    bricks.fix(ids[0], 1)
+    bricks.fix(ids[:, 0], 2)
+    bricks.fix(ids[-1:, -1, 1], 3)
+    centre, edge_node = ids[0, 0, 1], ids[0, -1, 1]
+    bricks.step("*STATIC", "*CLOAD", f"{centre},3,{d['force'] / 4!r}", out=[centre, edge_node], geometry=False)
+    blocks, _ = bricks.solve()
+    rows = {int(row[0]): row[3] for row in blocks[-1][1]}
+    return bricks.outcome({"centre": rows[centre], "edge": rows[edge_node]})
+
+
+def edge(ids: Any) -> Any:
+    """The nodes on the boundary of the L, once each."""
+    import numpy as np
+
+    half = ids.shape[0] // 2
+    sides = [ids[0], ids[:, -1], ids[: half + 1, 0], ids[half, : half + 1], ids[half:, half], ids[-1, half:]]
+    return np.unique(np.concatenate([side.ravel() for side in sides]))
+
+
+def paper_example(scene: Scene, n: int) -> Outcome:
+    d, half = scene.data, scene.data["side"] / 2
+    bricks = Bricks(slab(n, n, half, half, d["thickness"]), d)
+    ids = bricks.ids
+    bricks.fix(ids[:1, 0, 1], 1, 2, 3)
+    bricks.fix(ids[-1], 1)
+    bricks.fix(ids[:, -1], 2)
+    if n % 2:
+        raise ValueError(f"{n} elements along half a side: an even number puts a node at a quarter")
+    points = {"centre": (ids[-1, -1, 1], 2), "quarter": (ids[n, n, 1], 2), "edge": (ids[-1, 0, 1], 2)}
+    return moving(scene, bricks, [f"{ids[-1, -1, 1]},3,{d['force'] / 4!r}"], STEPS[scene.name][n], points)
+
+
+def free_ruler(scene: Scene, n: int) -> Outcome:
+    """Nothing moves across it, as in the strips."""
+    d = scene.data
+    bricks = Bricks(slab(n, 1, d["length"], d["width"], d["thickness"]), d)
+    bricks.fix(bricks.ids, 2)
+    bricks.lines += ["*AMPLITUDE,NAME=PULSE", f"0.,0.,{d['peak']!r},1.,{d['over']!r},0.,1.,0."]
+    load = bricks.end_load(1, d["force_x"]) + bricks.end_load(3, d["force_z"])
+    near, far = bricks.ids[0, 0, 1], bricks.ids[-1, 0, 1]
+    points = {"near_x": (near, 0), "near_z": (near, 2), "far_x": (far, 0), "far_z": (far, 2)}
+    return moving(scene, bricks, load, STEPS["free_ruler"][n], points, ",AMPLITUDE=PULSE")
+
+
+def moving(scene: Scene, bricks: Bricks, load: list[str], steps: int, points: dict[str, tuple[Any, int]], option: str = "") -> Outcome:
+    """Equal steps of the alpha method, and the series between them."""
+    import numpy as np
+
+    end = scene.data["end"]
+    out = sorted({int(node) for node, _ in points.values()})
+    bricks.step("*DYNAMIC,DIRECT,ALPHA=-0.05", f"{end / steps!r},{end!r}", "*CLOAD" + option, *load, out=out, every=1)
+    blocks, note = bricks.solve()
+    times = [0.0, *(time for time, _ in blocks)]
+    series = {key: [0.0] for key in points}
+    for _, rows in blocks:
+        now = {int(row[0]): row[1:] for row in rows}
+        for key, (node, axis) in points.items():
+            series[key].append(now[int(node)][axis])
+    return bricks.outcome({key: np.interp(scene.times, times, row).tolist() for key, row in series.items()}, note)
+
+
+SOLVERS = {
+    "end_shear": strip, "roll_up": strip, "hemisphere": hemisphere, "hinged_roof": hinged_roof, "l_shape": l_shape,
+    "corner_plate": corner_plate, "paper_2n": paper_example, "paper_20n": paper_example, "free_ruler": free_ruler,
+}  # fmt: skip
+PROGRAM = Program("CalculiX", VARIANTS, prepare, version, run, environment="calculix")

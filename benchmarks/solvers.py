@@ -1,6 +1,6 @@
 """Direct solvers on tangents of a bent shell, on uniform meshes and on meshes graded to a corner: time, memory, residual.
 
-    python -m benchmarks.solvers [--largest 320000] [--threads 1 2]
+    python -m benchmarks.solvers [--largest 320000] [--threads 1 2] [--csv docs/decisions]
 
 Each measurement has a process of its own, because loading MKL changes the BLAS of the others. The shell is a quarter of a
 hemisphere with a hole, pulled and pushed far beyond its linear range; its state on a coarse mesh is taken to the finer ones
@@ -8,12 +8,14 @@ of the same tree. Writes results/solvers.json.
 """
 
 import argparse
+import csv
 import json
 import subprocess
 import sys
 import warnings
 from collections.abc import Callable
 from math import pi, radians
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -86,6 +88,9 @@ def best(work: Callable[[], Any]) -> float:
 def measure(backend: str, kind: str, size: int) -> dict[str, Any]:
     """One solver on one tangent, in this process."""
     system, matrix = tangent(kind, size)
+    small = shell().on(uniform(shell(), ROOT), "kirchhoff")
+    with DirectSolver(small.pattern, small.constraints, backend) as solver:  # loads what is measured
+        solver.factor(small.stiffness())
     before = peak_memory()
     begun = clock()
     solver = DirectSolver(system.pattern, system.constraints, backend)
@@ -107,6 +112,16 @@ def measure(backend: str, kind: str, size: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def table(rows: list[dict[str, Any]], path: Path) -> None:
+    """The table of decision 0012."""
+    columns = {"mesh": "mesh", "unknowns": "unknowns", "backend": "solver", "threads": "threads", "symbolic": "analysis s",
+               "factor": "factor s", "solve": "solve s", "of_first": "of the first", "memory_gb": "GB"}  # fmt: skip
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns.values())
+        writer.writerows([f"{v:.2g}" if isinstance(v := row[key], float) else v for key in columns] for row in rows)
+
+
 def unknowns(kind: str, size: int) -> int:
     return 12 * (size + 1) ** 2 if kind == "uniform" else size
 
@@ -115,6 +130,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--largest", type=int, default=320_000, help="unknowns")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--csv", type=Path, help="folder to write a table to")
     parser.add_argument("--one", nargs=3, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     warnings.simplefilter("ignore", sk.OutOfDepth)
@@ -145,6 +161,8 @@ def main() -> None:
                       flush=True)  # fmt: skip
                 machine.pop("threads")
                 write("solvers.json", {"machine": machine, "rows": rows})
+    if arguments.csv:
+        table(rows, arguments.csv / "solvers.csv")
 
 
 if __name__ == "__main__":

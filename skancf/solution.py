@@ -261,10 +261,11 @@ def require_same_mesh(system: System, start: Solution) -> None:
 def probe(system: System, at: Any) -> sp.csr_matrix:
     """Weights (n, 4 n_nodes) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
     vectors."""
-    geometry, rows = system.geometry, []
-    for place in np.atleast_2d(finite("at", at)):
-        element, local = geometry.locate(place)
-        weights = np.zeros((1, 16, 3))
-        weights[0, :, 0] = geometry.theory.position_table(local[:, None])[0, :, 0]
-        rows.append(sp.csr_matrix(geometry.nodal(weights, np.array([element]))[:, :, 0].reshape(1, -1)))
-    return sp.vstack(rows).tocsr()
+    places, geometry = finite("at", at), system.geometry
+    if places.ndim not in (1, 2) or places.shape[-1] != 2:
+        raise InputError(f"at of shape {places.shape}: give a point (x, y) of the parameter plane, or a list of them")
+    elements, local = geometry.locate_all(places.reshape(-1, 2).T)
+    table = geometry.theory.position_table(local.T)[0]
+    point, row, column, value = geometry.local_entries(elements)
+    shape = (len(elements), 4 * geometry.n_nodes)
+    return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)

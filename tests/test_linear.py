@@ -381,6 +381,24 @@ def test_poor_factors_are_replaced_by_careful_ones(backend, monkeypatch):
 
 
 @pytest.mark.skipif("rslab" not in available_backends(), reason="rslab is not installed")
+def test_rslab_analyses_a_pattern_once_and_not_longer_than_it_lives(monkeypatch):
+    analysed, analysis = [], rslab._analysis
+    monkeypatch.setattr(rslab, "_analysis", lambda pattern: analysed.append(1) or analysis(pattern))
+    pattern = pattern_of(4, 4, 3)
+    constraints, rhs, answers = some_constraints(pattern, 3), rng.standard_normal(pattern.shape[0]), []
+    matrix = random_matrix(pattern)
+    for _ in range(2):
+        with DirectSolver(pattern, constraints, "rslab") as direct:
+            direct.factor(matrix)
+            answers.append(direct.solve(rhs))
+    assert len(analysed) == 1 and (answers[0] == answers[1]).all()
+    known = len(rslab.ANALYSES)
+    del pattern, matrix, direct
+    gc.collect()
+    assert len(rslab.ANALYSES) == known - 1
+
+
+@pytest.mark.skipif("rslab" not in available_backends(), reason="rslab is not installed")
 def test_rslab_hands_over_what_it_cannot_pivot():
     """Without a diagonal no supernode has pivots of its own."""
     pattern = pattern_of(9, 9, 1)

@@ -177,12 +177,18 @@ class Geometry(Places):
         node = self.nodes[elements[index], maps.corners[triple]]
         return index, maps.rows[triple], node, maps.kinds[triple], maps.values[triple]
 
+    def local_entries(self, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """How the local vectors of elements (n,) come from the nodal ones: place in the list, local vector, nodal vector of
+        4 n_nodes, and weight of each contribution."""
+        index, row, node, kind, value = self._triples(elements)
+        return index, row, 4 * node.astype(int) + kind, value
+
     @cached_property
     def local_matrix(self) -> sp.csr_matrix:
         """From nodal vectors to the local vectors of all elements: (16 n_elements, 4 n_nodes)."""
-        index, row, node, kind, value = self._triples(np.arange(self.n_elements))
+        index, row, column, value = self.local_entries(np.arange(self.n_elements))
         shape = (16 * self.n_elements, 4 * self.n_nodes)
-        return sp.csr_matrix((value, (16 * index + row, 4 * node.astype(int) + kind)), shape=shape)
+        return sp.csr_matrix((value, (16 * index + row, column)), shape=shape)
 
     @cached_property
     def undeformed_local(self) -> np.ndarray:
@@ -217,7 +223,8 @@ class Geometry(Places):
         try:
             elements = np.asarray(self._finder(*points))
         except ValueError as error:
-            raise self._outside(points) from error
+            outside = next((k for k, point in enumerate(points.T) if self._found(point) < 0), 0)
+            raise self._outside(points[:, [outside]]) from error
         local = _inverse_bilinear(self.mesh.p[:, self.mesh.t[:, elements]], points)
         wrong = ((local < -1e-8) | (local > 1 + 1e-8)).any(axis=0)
         if wrong.any():

@@ -3,7 +3,6 @@
 The settings are those of the parameter ``iparm`` in the developer reference of oneMKL, counted from zero.
 """
 
-import ctypes
 import weakref
 from typing import ClassVar
 
@@ -116,29 +115,33 @@ class _Handle:
         for entry, value in {**SETTINGS, BLOCK: pattern.block, REPRODUCIBLE: mkl.n_threads()}.items():
             self.settings[entry] = value
         self.values = self.unused = np.zeros(1)
+        # In the order of MKL's arguments: zero, one, kind of matrix, phase, nodes, error.
+        self.numbers = np.array([0, 1, SYMMETRIC_INDEFINITE, 0, self.n_nodes, 0], np.int32)
+        self.zero, self.one, self.kind, self.phase, self.count, self.error = (
+            _address(self.numbers) + k * self.numbers.itemsize for k in range(self.numbers.size)
+        )
+        arrays = (self.internal, self.indptr, self.indices, self.unused, self.settings)
+        self.at_internal, self.at_indptr, self.at_indices, self.at_unused, self.at_settings = [_address(a) for a in arrays]
 
     def run(self, phase: int, b: np.ndarray | None = None, x: np.ndarray | None = None) -> None:
         """One call; raises for every error that MKL reports."""
-        error = ctypes.c_int32(0)
+        self.numbers[[3, 5]] = phase, 0
         self.pardiso(
-            _address(self.internal), _int(1), _int(1), _int(SYMMETRIC_INDEFINITE), _int(phase), _int(self.n_nodes),
-            _address(self.values), _address(self.indptr), _address(self.indices), _address(self.unused), _int(1),
-            _address(self.settings), _int(0), _address(self.unused if b is None else b),
-            _address(self.unused if x is None else x), ctypes.byref(error),
+            self.at_internal, self.one, self.one, self.kind, self.phase, self.count, _address(self.values), self.at_indptr,
+            self.at_indices, self.at_unused, self.one, self.at_settings, self.zero,
+            self.at_unused if b is None else _address(b), self.at_unused if x is None else _address(x), self.error,
         )  # fmt: skip
-        if error.value == -2:
+        error = int(self.numbers[5])
+        if error == -2:
             raise NotEnoughMemory(f"{self.n_nodes * self.settings[BLOCK]} unknowns: MKL got no memory; {WAY_OUT}")
-        if error.value:
-            text = f"Pardiso, phase {phase}: {ERRORS.get(error.value, 'internal error')} ({error.value})"
-            raise (SingularMatrix if error.value in (-4, -7) else SkancfError)(text)
+        if error:
+            text = f"Pardiso, phase {phase}: {ERRORS.get(error, 'internal error')} ({error})"
+            raise (SingularMatrix if error in (-4, -7) else SkancfError)(text)
 
     def release(self) -> None:
         self.run(RELEASE)
 
 
-def _int(value: int) -> "ctypes._CArgObject":
-    return ctypes.byref(ctypes.c_int32(value))
-
-
-def _address(array: np.ndarray) -> ctypes.c_void_p:
-    return array.ctypes.data_as(ctypes.c_void_p)
+def _address(array: np.ndarray) -> int:
+    address: int = array.__array_interface__["data"][0]
+    return address

@@ -7,6 +7,7 @@ unit diagonal. Where it does not, SuperLU takes over, which may exchange any two
 import importlib
 from functools import cache
 from typing import Any, ClassVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import scipy.sparse as sp
@@ -18,6 +19,8 @@ from skancf.threads import n_threads
 
 # Stands for a pivot that is zero, relative to the unit diagonal.
 SMALLEST_PIVOT = 1e-13
+# What is known of the patterns that are still in use. An analysis takes as long as one to three factorisations.
+ANALYSES: WeakKeyDictionary[BlockPattern, Any] = WeakKeyDictionary()
 
 
 @cache
@@ -27,6 +30,15 @@ def _module() -> Any:
         return importlib.import_module("rslab")
     except ImportError:
         return None
+
+
+def _analysis(pattern: BlockPattern) -> Any:
+    """Order of the unknowns and layout of the factors."""
+    indptr, indices = kernels.upper_pattern(pattern.indptr, pattern.indices, pattern.block)
+    # Compressed rows of the upper triangle are compressed columns of the lower one, which is what rslab takes.
+    lower = sp.csc_matrix((np.ones(indices.size), indices, indptr), shape=pattern.shape)
+    lower.has_canonical_format = True
+    return _module().analyze(lower, path="ldlt", threads=n_threads(), scaling="identity")
 
 
 class Rslab:
@@ -46,14 +58,13 @@ class Rslab:
         return f"{cls.name} {_module().__version__}"
 
     def symbolic(self, pattern: BlockPattern) -> None:
-        """Order the unknowns and lay out the factors."""
+        """Order the unknowns and lay out the factors, once for all solvers of a pattern."""
         self._pattern = pattern
-        indptr, indices = kernels.upper_pattern(pattern.indptr, pattern.indices, pattern.block)
-        self._entries = np.ones(indices.size)
-        # Compressed rows of the upper triangle are compressed columns of the lower one, which is what rslab takes.
-        lower = sp.csc_matrix((self._entries, indices, indptr), shape=pattern.shape)
-        lower.has_canonical_format = True
-        self._symbolic = _module().analyze(lower, path="ldlt", threads=n_threads(), scaling="identity")
+        if pattern not in ANALYSES:
+            ANALYSES[pattern] = _analysis(pattern)
+        self._symbolic = ANALYSES[pattern]
+        off = pattern.n_blocks - pattern.n_nodes
+        self._entries = np.empty(off * pattern.block**2 + pattern.n_nodes * pattern.block * (pattern.block + 1) // 2)
         self._values = np.empty(0)
         self._factors: Any = None
         self._careful: SuperLU | None = None
@@ -61,7 +72,8 @@ class Rslab:
     @property
     def memory(self) -> int:
         """Bytes of the factors and of the way there."""
-        return int(self._symbolic.memory_plan("float64")["peak_bytes"])
+        plan = self._symbolic.memory_plan("float64", threads=n_threads())
+        return int(plan["peak_bytes"]) + self._entries.nbytes
 
     def factor(self, values: np.ndarray, careful: bool = False) -> None:
         """Factor; with SuperLU if ``careful``."""
@@ -72,9 +84,9 @@ class Rslab:
             return
         kernels.upper_entries(self._pattern.indptr, values, self._entries)
         try:
-            self._factors = self._symbolic.factor(self._entries)
+            self._factors = self._symbolic.factor(self._entries, threads=n_threads())
         except RuntimeError:
-            self._factors = self._symbolic.factor(self._entries, preconditioner=SMALLEST_PIVOT)
+            self._factors = self._symbolic.factor(self._entries, threads=n_threads(), preconditioner=SMALLEST_PIVOT)
 
     def solve(self, b: np.ndarray) -> np.ndarray:
         """A^-1 b, shape (n,)."""

@@ -9,13 +9,14 @@ BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
 
-.PHONY: help demo test lint types docs bench check kernels clean
+.PHONY: help demo test lint types docs bench guard check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
 	@echo "make test    run the tests"
 	@echo "make docs    build the documentation into docs/_build/html"
 	@echo "make bench   time the kernels"
+	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s)"
 	@echo "make check   lint and types"
 	@echo "make kernels forget the compiled kernels (after an edit of one)"
 	@echo "make clean   remove the virtual environment, caches and $(OUT)/"
@@ -52,6 +53,9 @@ docs: $(DOCS)
 
 bench: $(READY)
 	$(BIN)/python benchmarks/kernel.py
+
+guard: $(READY)
+	$(BIN)/python benchmarks/guard.py check
 
 kernels:
 	find skancf -name '*.nb[ic]' -delete

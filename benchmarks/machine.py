@@ -5,6 +5,7 @@ import json
 import os
 import platform
 import resource
+import time
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,11 @@ def facts() -> dict[str, Any]:
 def peak_memory() -> float:
     """Largest resident memory of this process so far (GB)."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1e9 if platform.system() == "Darwin" else 1e6)
+
+
+def clock() -> float:
+    """Seconds: of the processor where this process has one thread, which other work on the machine does not slow down."""
+    return time.process_time() if n_threads() == 1 else time.perf_counter()
 
 
 def with_threads(n: int) -> dict[str, str]:

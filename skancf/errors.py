@@ -34,6 +34,10 @@ class SingularMatrix(SkancfError):
     """A matrix that has no factors."""
 
 
+class NotEnoughMemory(SkancfError, MemoryError):
+    """A run that would not fit into memory, found before the memory was asked for."""
+
+
 def finite(name: str, value: Any) -> np.ndarray:
     """``value`` as a float array; :class:`InputError` where it is not finite."""
     try:

@@ -17,6 +17,7 @@ from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import InputError, OutOfDepth, SingularMatrix
 from skancf.theories.kirchhoff import legendre, local_frame
 from skancf.theories.kirchhoff_point import dual
+from skancf.vectors import cross
 
 BILINEAR = square_quadrature(2)
 """Points where the moments are taken, and their weights."""
@@ -84,7 +85,7 @@ def shear_energy(system: System, Q: np.ndarray, weights: np.ndarray, points: np.
     """
     geometry = system.geometry
     jets = geometry.theory.jets(geometry.undeformed_local, points)
-    areas = np.linalg.norm(np.cross(jets[0], jets[1], axis=0), axis=0) * weights
+    areas = np.linalg.norm(cross(jets[0], jets[1]), axis=0) * weights
     compliance = np.linalg.inv(system.problem.section.shear_stiffness())
     return float(0.5 * np.einsum("eip,ij,ejp,ep->", Q, compliance, Q, areas))
 

@@ -13,7 +13,7 @@ import skancf
 PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
-    "version", "errors", "atomic", "history", "progress", "compiled", "threads", "elements", "surfaces", "meshes",
+    "version", "errors", "atomic", "history", "progress", "compiled", "threads", "vectors", "elements", "surfaces", "meshes",
     "materials", "theories", "linear", "assembly", "supports", "loads", "thinness", "problem", "solution", "statics",
     "dynamics", "adaptive", "output",
 ]  # fmt: skip
@@ -94,9 +94,25 @@ def test_files_of_a_room_have_no_cycle():
     assert files_import_cycle({"a": {"b"}, "b": {"c"}, "c": {"a"}}) == ["a", "b", "c", "a"]
 
 
-def test_import_loads_no_viewer_and_no_file_formats():
-    code = "import sys, skancf; print(*{name.split('.')[0] for name in sys.modules})"
-    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    loaded = set(shown.stdout.split())
+def loaded_after(code: str) -> set[str]:
+    """Modules of a fresh process that ran some code."""
+    shown = subprocess.run(
+        [sys.executable, "-c", f"{code}\nimport sys; print(*sys.modules)"], capture_output=True, text=True, check=True
+    )
+    return set(shown.stdout.split())
+
+
+def test_import_loads_nothing_heavy():
+    loaded = loaded_after("import skancf")
     assert {"skancf", "skfem", "numba"} <= loaded
-    assert not loaded & {"pyvista", "vtkmodules", "vtk", "matplotlib", "meshio"}
+    heavy = {"pyvista", "vtk", "vtkmodules", "matplotlib", "meshio", "scipy.signal", "scipy.stats", "scipy.interpolate",
+             "scipy.optimize", "scipy.spatial", "scipy.special", "scipy.ndimage", "skancf.output"}  # fmt: skip
+    assert not loaded & heavy
+    assert loaded_after("import skancf; skancf.output") & heavy == {"skancf.output"}
+
+
+def test_output_is_a_name_of_the_package_before_it_is_loaded():
+    shown = "import skancf as sk; assert 'output' in dir(sk); assert sk.output.sample; from skancf import *; output.sample"
+    assert "skancf.output" in loaded_after(shown)
+    with pytest.raises(AttributeError, match="no attribute 'outputs'"):
+        _ = skancf.outputs

@@ -1,13 +1,14 @@
 """Block matrices, constraints, and one contract for all direct solvers."""
 
 import gc
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from skancf.errors import InputError, SingularMatrix, SkancfError
+from skancf.errors import InputError, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.linear import (
     BACKENDS,
     BlockMatrix,
@@ -15,7 +16,9 @@ from skancf.linear import (
     Constraints,
     DirectSolver,
     available_backends,
+    dissection,
     kernels,
+    memory,
     mkl,
     rslab,
     solver,
@@ -493,6 +496,53 @@ def test_misuse_is_refused(backend):
     direct.close()
     with pytest.raises(InputError, match="coordinates"):
         DirectSolver(pattern, Constraints(np.zeros((9, 3), bool)), backend)
+
+
+# --------------------------------------------------------------------------------------------------------- memory
+
+
+def test_counted_fill_against_that_of_superlu():
+    pattern = pattern_of(6, 7, 3)
+    single = replace(pattern, block=1)
+    for order in (np.arange(pattern.n_nodes), nested_dissection(pattern, leaf=5), rng.permutation(pattern.n_nodes)):
+        below = fill(single, order) - pattern.n_nodes
+        assert dissection.fill(pattern, order) == 9 * below + 6 * pattern.n_nodes
+
+
+def test_what_will_not_fit_is_refused_first(backend, monkeypatch):
+    kind = next(kind for kind in BACKENDS if kind.name == backend)
+    pattern = pattern_of(20, 20, 12)
+    constraints = Constraints(np.zeros((pattern.n_nodes, 12), bool))
+    needed = DirectSolver(pattern, constraints, backend).memory
+    least = 2 * pattern.n_blocks * 144 * 8 + 8 * dissection.fill(pattern, nested_dissection(pattern))
+    assert 0.8 * least < needed < 4 * least
+    monkeypatch.setattr(kind, "factor", lambda *_: pytest.fail("factored"))
+    monkeypatch.setattr(memory, "available", lambda: needed - 1)
+    with pytest.raises(NotEnoughMemory, match=rf"5292 unknowns: .* by {backend} needs 0\.\d+ GB, and .*coarser mesh"):
+        DirectSolver(pattern, constraints, backend)
+    for enough in (needed, None):
+        monkeypatch.setattr(memory, "available", lambda enough=enough: enough)
+        DirectSolver(pattern, constraints, backend)
+
+
+def test_memory_of_containers_and_of_the_machine(tmp_path, monkeypatch):
+    proc, groups = tmp_path / "proc", tmp_path / "cgroup"
+    monkeypatch.setattr(memory, "PROC", proc)
+    monkeypatch.setattr(memory, "CGROUP", groups)
+    (proc / "self").mkdir(parents=True)
+    (groups / "job/step").mkdir(parents=True)
+    (proc / "meminfo").write_text("MemTotal: 900 kB\nMemAvailable: 700 kB\n")
+    assert memory.available() == 700 * 1024
+    (proc / "self/cgroup").write_text("0::/job/step\n")
+    (groups / "job/step/memory.max").write_text("max\n")
+    assert memory.available() == 700 * 1024
+    for name, text in (("max", "500000"), ("current", "300000"), ("stat", "anon 5\ninactive_file 1000\n")):
+        (groups / f"job/memory.{name}").write_text(text)
+    assert memory.available() == 201_000  # the limit of the whole job counts for each of its steps
+    (proc / "meminfo").unlink()
+    monkeypatch.setattr(memory.os, "sysconf_names", {})
+    (groups / "job/memory.max").write_text("max\n")
+    assert memory.available() is None
 
 
 # -------------------------------------------------------------------------------------------- choosing a solver

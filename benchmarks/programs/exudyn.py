@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.programs.exudyn_plates import Plate, X, Y, Z, static
+from benchmarks.programs.exudyn_plates import Plate, X, Y, Z, simulate, static
 from benchmarks.programs.program import Outcome, Program, Variant
 from benchmarks.scenes import Scene
 
@@ -16,7 +16,16 @@ UNIFORM = {
     "hemisphere": (8, 12, 16, 24, 32, 48),
     "hinged_roof": (2, 3, 4, 6, 8, 12, 16),
     "l_shape": (4, 8, 16, 32, 64, 128),
-    "corner_plate": (1, 2, 3, 4, 6, 8, 12, 16, 24, 32),
+    "corner_plate": (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48),
+    "paper_2n": (2, 4, 6, 8, 12, 16, 24, 32),
+    "paper_20n": (2, 4, 6, 8, 12, 16, 24, 32),
+    "free_ruler": (4, 6, 8, 12, 16, 24, 32),
+}
+# Time steps between two of the scene's times: their error is about that of the mesh.
+STEPS = {
+    "paper_2n": {2: 1, 4: 2, 6: 3, 8: 4, 12: 6, 16: 8, 24: 16, 32: 24},
+    "paper_20n": {2: 1, 4: 2, 6: 3, 8: 4, 12: 6, 16: 8, 24: 16, 32: 24},
+    "free_ruler": {4: 10, 6: 10, 8: 20, 12: 40, 16: 60, 24: 100, 32: 150},
 }
 VARIANTS = {
     "reduced": Variant("Exudyn, thin", "thin", UNIFORM),
@@ -141,8 +150,31 @@ def corner_plate(scene: Scene, n: int, reduced: bool) -> Outcome:
     return Outcome({"centre": plate.displacement(plate.index[0, 0])[Z], "edge": plate.displacement(plate.index[-1, 0])[Z]}, plate.free, note)
 
 
+def paper_example(scene: Scene, n: int, reduced: bool) -> Outcome:
+    """A quarter."""
+    d = scene.data
+    x = lines(n, d["side"] / 2)
+    plate = Plate(scene, x, x, reduced, density=d["density"])
+    plate.fix([plate.index[0, 0]], (X, Y, Z))
+    plate.mirror(plate.index[:, -1], X, "y")
+    plate.mirror(plate.index[-1], Y, "x")
+    plate.force(plate.index[-1, -1], [0.0, 0.0, d["force"] / 4])
+    watched = {"centre": plate.index[-1, -1], "quarter": plate.index[n // 2, n // 2], "edge": plate.index[0, -1]}
+    series, note = simulate(plate, scene, STEPS[scene.name][n], list(watched.values()))
+    return Outcome({key: series[:, k, Z].tolist() for k, key in enumerate(watched)}, plate.free, note)
+
+
+def free_ruler(scene: Scene, n: int, reduced: bool) -> Outcome:
+    d = scene.data
+    plate = Plate(scene, lines(n, d["length"]), lines(1, d["width"]), reduced, density=d["density"])
+    plate.end_force([d["force_x"], 0.0, d["force_z"]], lambda t: max(0.0, min(t, d["over"] - t)) / d["peak"])
+    series, note = simulate(plate, scene, STEPS[scene.name][n], [*plate.index[:, 0], *plate.index[:, -1]])
+    ends = {"near": series[:, :2].mean(axis=1), "far": series[:, 2:].mean(axis=1)}
+    return Outcome({f"{end}_{key}": u[:, c].tolist() for end, u in ends.items() for key, c in (("x", X), ("z", Z))}, plate.free, note)
+
+
 RUNS = {"end_shear": end_shear, "roll_up": roll_up, "hemisphere": hemisphere, "hinged_roof": hinged_roof, "l_shape": l_shape,
-        "corner_plate": corner_plate}  # fmt: skip
+        "corner_plate": corner_plate, "paper_2n": paper_example, "paper_20n": paper_example, "free_ruler": free_ruler}  # fmt: skip
 
 
 def run(scene: Scene, variant: str, size: float) -> Outcome:

@@ -180,3 +180,32 @@ def static(plate: Plate, steps: int = 1, rtol: float = 1e-3, linear: bool = Fals
     plate.mbs.SolveStatic(s, updateInitialValues=True)
     done = plate.mbs.sys["staticSolver"]
     return f"{done.it.currentStepIndex - 1} steps, {done.it.newtonStepsCount} iterations"
+
+
+def simulate(plate: Plate, scene: Scene, every: int, watched: Sequence[int], rtol: float = 1e-2) -> tuple[Any, str]:
+    """Displacements (times, nodes, 3) at the scene's times with ``every`` equal steps from one to the next, and a note.
+
+    One matrix is factorised, for the first step, and used as long as the iterations with it converge.
+    """
+    import exudyn as exu
+    from exudyn.itemInterface import SensorNode
+
+    how = {"storeInternal": True, "outputVariableType": exu.OutputVariableType.Displacement, "writeToFile": False}
+    sensors = [plate.mbs.AddSensor(SensorNode(nodeNumber=plate.nodes[node], **how)) for node in watched]
+    plate.mbs.Assemble()
+    s = settings()
+    s.solution.sensors.writePeriod = scene.times[-1] / len(scene.times)
+    solver = s.timeIntegration
+    solver.endTime = scene.times[-1]
+    solver.numberOfSteps = every * len(scene.times)
+    solver.newton.relativeTolerance = rtol
+    solver.newton.adaptInitialResidual = False
+    solver.newton.useModifiedNewton = True
+    solver.generalizedAlpha.spectralRadius = 0.9
+    plate.mbs.SolveDynamic(s)
+    series = np.stack([plate.mbs.GetSensorStoredData(sensor) for sensor in sensors], axis=1)
+    if series.shape[0] != len(scene.times) + 1 or not np.allclose(series[1:, 0, 0], scene.times):
+        raise RuntimeError(f"{len(series) - 1} stored times, {len(scene.times)} asked for")
+    it = plate.mbs.sys["dynamicSolver"].it
+    note = f"{it.currentStepIndex - 1} steps, {it.newtonStepsCount} iterations, {it.newtonJacobiCount} matrices"
+    return series[1:, :, 1:], note

@@ -19,15 +19,12 @@ class Variant:
         For each scene that it runs, the finenesses in the order of growing cost; what a size means is up to the program.
     cannot : mapping
         For each scene that it does not run, the reason.
-    quick : int
-        How many of the sizes belong to the quick comparison.
     """
 
     label: str
     theory: str
     sizes: Mapping[str, Sequence[float]]
     cannot: Mapping[str, str] = field(default_factory=dict)
-    quick: int = 3
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ class Quantity:
             raise ValueError(f"{self.text}: {len(got)} values, the reference has {len(wanted)}")
         if not all(isfinite(v) for v in got):
             return float("inf")
-        return _rms([a - b for a, b in zip(got, wanted, strict=True)]) / (self.scale or _rms(wanted))
+        return root_mean_square([a - b for a, b in zip(got, wanted, strict=True)]) / (self.scale or root_mean_square(wanted))
 
 
 @dataclass(frozen=True)
@@ -60,5 +60,5 @@ def _series(value: Value) -> list[float]:
     return [float(v) for v in value] if isinstance(value, Sequence) else [float(value)]
 
 
-def _rms(values: Sequence[float]) -> float:
+def root_mean_square(values: Sequence[float]) -> float:
     return sqrt(sum(v * v for v in values) / len(values))

@@ -136,7 +136,7 @@ def point_supports(system: System) -> Iterator[tuple[Any, int]]:
     lines = [geometry.points_and_facets(s.where)[1] for s in placed if isinstance(s, Pin | Clamp | SimpleSupport)]
     held = geometry.ends(np.concatenate([np.empty(0, int), *lines]))
     for support in placed:
-        for node in single_points(geometry, support.where):
+        for node in single_points(geometry, edges(geometry, support.where)):
             if isinstance(support, Clamp | NoRotation) or geometry.ties.node_of[node] not in held:
                 yield support, node
 

@@ -7,6 +7,7 @@ know. Here the compiler knows how many rows there are; they stay in registers.
 import numpy as np
 from llvmlite import ir
 from numba import njit, types
+from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
 from skancf.compiled import INNER
@@ -27,6 +28,9 @@ def aligned(rows, columns):
 
 def _panel(add, typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
     """Signature and code of :func:`add_panel` and :func:`set_panel`."""
+    for array in (A, B, C):
+        if array.layout != "C" or array.dtype != types.float64:
+            raise TypingError(f"{array} in a panel, which takes contiguous arrays of float64: copy it")
     signature = types.void(rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row)
 
     def generate(context, builder, signature, arguments):

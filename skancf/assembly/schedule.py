@@ -33,7 +33,7 @@ class Schedule:
 
     def run(self, kernel: Callable[..., None], *arguments: Any) -> None:
         """``kernel(start, stop, order, *arguments)`` over all elements."""
-        threads = n_threads()
+        threads = n_threads() if len(self.order) >= 2 * SMALLEST_CHUNK else 1
         for phase in self.phases:
             if threads == 1 or len(phase) == 1:
                 for start, stop in phase:

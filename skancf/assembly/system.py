@@ -18,6 +18,7 @@ from skancf.errors import InputError
 from skancf.history import check_cover
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.materials import Section
+from skancf.vectors import cross, sum_of_cross
 
 ASSEMBLIES: dict[str, type] = {"full": FullAssembly, "kirchhoff": ThinAssembly}
 
@@ -322,7 +323,7 @@ class System:
         :math:`\sum_i (M v)_i` over positions, and :math:`\sum_i q_i \times (M v)_i` over positions and slopes.
         """
         of_vectors, nodal = (self.mass @ v).reshape(-1, 4, 3), self._nodal(q)
-        return np.stack([of_vectors[:, 0].sum(axis=0), np.cross(nodal, of_vectors).sum(axis=(0, 1))])
+        return np.stack([of_vectors[:, 0].sum(axis=0), sum_of_cross(nodal, of_vectors)])
 
     def gathered_mass(self, shape: np.ndarray, shapes: np.ndarray) -> BlockMatrix:
         """The mass matrix of elements whose local vectors have the matrices ``shapes[shape]``, (n_elements, 16, 16)."""
@@ -339,7 +340,7 @@ class System:
         """
         geometry, points = self.geometry, self.geometry.theory.quadrature[0]
         jets = [geometry.theory.jets(geometry.local(nodal), points)[:2] for nodal in (self._nodal(q), geometry.undeformed)]
-        now, before = (np.cross(pair[0], pair[1], axis=0) for pair in jets)
+        now, before = (cross(pair[0], pair[1]) for pair in jets)
         whole = ((now**2).sum(axis=0) > FOLDED**2 * (before**2).sum(axis=0)).all(axis=1)
         whole[whole] = (_angles(now[:, whole]) - _angles(before[:, whole]) < TURNED).all(axis=(1, 2))
         wrong = np.flatnonzero(~whole)

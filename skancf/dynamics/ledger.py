@@ -18,6 +18,7 @@ from skancf.assembly.system import System
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.errors import InputError, finite
+from skancf.vectors import sum_of_cross
 
 
 @dataclass(frozen=True)
@@ -195,7 +196,7 @@ class Book:
             work=float((middle.loads + middle.supports) @ u) + heat(system, start, end),
             dissipation=-float((middle.viscous + middle.material) @ u),
             linear_impulse=dt * total.reshape(-1, 4, 3)[:, 0].sum(axis=0),
-            angular_impulse=dt * np.cross(q.reshape(-1, 4, 3), total.reshape(-1, 4, 3)).sum(axis=(0, 1)),
+            angular_impulse=dt * sum_of_cross(q, total),
         )  # fmt: skip
         self._write(system, end)
 
@@ -219,7 +220,7 @@ class Book:
         change = system.mass @ (after.v - before.v)
         self._add(
             work=float(change @ (0.5 * (before.v + after.v))), linear_impulse=change.reshape(-1, 4, 3)[:, 0].sum(axis=0),
-            angular_impulse=np.cross(after.q.reshape(-1, 4, 3), change.reshape(-1, 4, 3)).sum(axis=(0, 1)),
+            angular_impulse=sum_of_cross(after.q, change),
         )  # fmt: skip
         self.before = forces_at_rest(system, after)
         self._write(system, after)

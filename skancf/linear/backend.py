@@ -30,6 +30,10 @@ class Backend(Protocol):
     def symbolic(self, pattern: BlockPattern) -> None:
         """Keep all that depends on the pattern alone."""
 
+    @property
+    def memory(self) -> int:
+        """Bytes that :meth:`factor` and :meth:`solve` will take besides those in use now, known after ``symbolic``."""
+
     def factor(self, values: np.ndarray, careful: bool = False) -> None:
         """Factor the matrix with these (n_blocks, block, block) values; they stay unchanged until the next call.
 

@@ -10,8 +10,8 @@ import numpy as np
 from skancf.linear import kernels
 from skancf.linear.pattern import BlockPattern
 
-# Below this many nodes a part is nearly full, and cutting it further saves nothing.
-LEAF = 50
+# Below this many nodes cutting further saves nothing. Parts of 50 have a tenth more fill, on graded meshes a seventh.
+LEAF = 8
 # A cut between two mesh lines is preferred to the exact median when it leaves each half at least this share.
 SMALLEST_SHARE = 0.3
 
@@ -54,6 +54,15 @@ def nested_dissection(pattern: BlockPattern, leaf: int = LEAF) -> np.ndarray:
         end -= separator.size
         waiting += [(upper, end), (lower, end - upper.size)]
     return order
+
+
+def fill(pattern: BlockPattern, order: np.ndarray) -> int:
+    """Entries of the triangular factor, diagonal included, when nodes are eliminated in an ``order``."""
+    place = np.empty(pattern.n_nodes, np.int64)
+    place[order] = np.arange(pattern.n_nodes)
+    below = kernels.column_counts(*pattern.neighbours(), order, place)
+    block = pattern.block
+    return int(block**2 * below.sum() + pattern.n_nodes * block * (block + 1) // 2)
 
 
 def _halves(nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

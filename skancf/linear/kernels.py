@@ -104,3 +104,26 @@ def upper_entries(indptr: np.ndarray, values: np.ndarray, out: np.ndarray) -> No
                 for c in range(a if slot == indptr[i] else 0, block):
                     out[place] = values[slot, a, c]
                     place += 1
+
+
+@numba.njit(cache=True, nogil=True)
+def column_counts(indptr: np.ndarray, indices: np.ndarray, order: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Entries below the diagonal in each column of the factor, nodes in ``order``, of which ``place`` is the inverse.
+
+    Row k of the factor has an entry in every column on the way up the elimination tree from an entry of row k. Reference:
+    J. Liu, The role of elimination trees in sparse factorization, SIAM J. Matrix Anal. Appl. 11 (1990) 134-172.
+    """
+    parent = np.full(order.size, -1, np.int64)
+    seen = np.full(order.size, -1, np.int64)
+    counts = np.zeros(order.size, np.int64)
+    for k in range(order.size):
+        seen[k] = k
+        for entry in range(indptr[order[k]], indptr[order[k] + 1]):
+            column = place[indices[entry]]
+            while column < k and seen[column] != k:
+                if parent[column] < 0:
+                    parent[column] = k
+                counts[column] += 1
+                seen[column] = k
+                column = parent[column]
+    return counts

@@ -9,8 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from skancf.errors import SingularMatrix, SkancfError
+from skancf.errors import NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.linear import mkl
+from skancf.linear.memory import WAY_OUT
 from skancf.linear.pattern import BlockPattern
 
 SYMMETRIC_INDEFINITE = -2
@@ -25,6 +26,8 @@ SETTINGS = {
     34: 1,  # indices count from zero
 }
 PIVOTING, BLOCK, PERTURBED, NEGATIVE = 20, 36, 13, 22
+# What the analysis finds, in kB.
+FACTORS = 16
 # A number of threads here makes sums the same from run to run, wherever arrays lie in memory; without it the last bits
 # differ. It costs nothing that could be measured. Another number has other bits.
 REPRODUCIBLE = 33
@@ -62,6 +65,12 @@ class Pardiso:
         self._handle = _Handle(pattern)
         self._finalizer = weakref.finalize(self, self._handle.release)
         self._handle.run(ANALYSE)
+        self._needed = int(self._handle.settings[FACTORS])
+
+    @property
+    def memory(self) -> int:
+        """Bytes of the factors."""
+        return 1024 * self._needed
 
     def factor(self, values: np.ndarray, careful: bool = False) -> None:
         """Factor with 1 x 1 pivots; with those of Bunch and Kaufman if ``careful`` or if a pivot was too small."""
@@ -118,7 +127,7 @@ class _Handle:
             _address(self.unused if x is None else x), ctypes.byref(error),
         )  # fmt: skip
         if error.value == -2:
-            raise MemoryError("Pardiso: not enough memory for the factors; use a coarser mesh")
+            raise NotEnoughMemory(f"{self.n_nodes * self.settings[BLOCK]} unknowns: MKL got no memory; {WAY_OUT}")
         if error.value:
             text = f"Pardiso, phase {phase}: {ERRORS.get(error.value, 'internal error')} ({error.value})"
             raise (SingularMatrix if error.value in (-4, -7) else SkancfError)(text)

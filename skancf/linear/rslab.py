@@ -58,6 +58,11 @@ class Rslab:
         self._factors: Any = None
         self._careful: SuperLU | None = None
 
+    @property
+    def memory(self) -> int:
+        """Bytes of the factors and of the way there."""
+        return int(self._symbolic.memory_plan("float64")["peak_bytes"])
+
     def factor(self, values: np.ndarray, careful: bool = False) -> None:
         """Factor; with SuperLU if ``careful``."""
         self._values = values

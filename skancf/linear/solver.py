@@ -3,6 +3,7 @@
 import numpy as np
 
 from skancf.errors import InputError, SingularMatrix, SkancfError
+from skancf.linear import memory
 from skancf.linear.backend import Backend
 from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
@@ -46,6 +47,8 @@ class DirectSolver:
     ------
     InputError
         For a solver that does not exist or is not available.
+    NotEnoughMemory
+        Before any is taken.
 
     Notes
     -----
@@ -56,6 +59,7 @@ class DirectSolver:
         self._backend = _choose(backend)()
         self._system = ScaledSystem(pattern, constraints)
         self._backend.symbolic(pattern)
+        memory.require(self.memory, pattern.shape[0], f"a matrix and its factors by {self._backend.name}")
         self._probe = np.random.default_rng(0).standard_normal(self._system.scale.size)
         self._factored = self._closed = False
 
@@ -68,6 +72,11 @@ class DirectSolver:
     def description(self) -> str:
         """Its name with all that its last bits depend on."""
         return self._backend.description()
+
+    @property
+    def memory(self) -> int:
+        """Bytes that the first factorisation will take: factors, the scaled matrix, and the one to be assembled."""
+        return self._backend.memory + 2 * self._system.values.nbytes
 
     @property
     def negative_pivots(self) -> int:

@@ -8,11 +8,13 @@ from scipy.sparse.linalg import SuperLU as Factors
 from scipy.sparse.linalg import splu
 
 from skancf.errors import SingularMatrix
-from skancf.linear.dissection import nested_dissection
+from skancf.linear.dissection import fill, nested_dissection
 from skancf.linear.pattern import BlockPattern
 
 # Relative to the unit diagonal; far above rounding, far below the eigenvalues whose signs are wanted.
 SIGN_SHIFT = 1e-9
+# Per entry of a factor, measured: two factors, row numbers, and what their arrays grow beyond them.
+BYTES = 24
 
 
 class SuperLU:
@@ -36,12 +38,18 @@ class SuperLU:
         order = nested_dissection(pattern)
         unknowns = (order[:, None] * pattern.block + np.arange(pattern.block)).ravel()
         self._order = unknowns
+        self._fill = fill(pattern, order)
         sources = pattern.sources(order)
         self._sources = sources.data
         # Symmetric, so that its compressed rows are its compressed columns.
         self._matrix = sp.csc_matrix((np.zeros(sources.nnz), sources.indices, sources.indptr), shape=pattern.shape)
         self._matrix.has_canonical_format = True
         self._factors: Factors | None = None
+
+    @property
+    def memory(self) -> int:
+        """Bytes of the factors and of the way there."""
+        return int(BYTES * self._fill)
 
     def factor(self, values: np.ndarray, careful: bool = False) -> None:
         """Factor without leaving the diagonal where it is not zero; ``careful`` pivots of a tenth of the column.

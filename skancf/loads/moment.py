@@ -11,7 +11,8 @@ from skancf.assembly.protocols import Assembly
 from skancf.errors import vector
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
-from skancf.theories.kirchhoff_point import R1, R2, cross, dual, unit_normal
+from skancf.theories.kirchhoff_point import R1, R2, dual, unit_normal
+from skancf.vectors import cross
 
 
 @dataclass(frozen=True)

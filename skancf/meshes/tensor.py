@@ -41,12 +41,13 @@ def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] 
     """
     x_bounds, y_bounds = bounds_of(surface)
     x, y = node_row("x", x, x_bounds), node_row("y", y, y_bounds)
-    # The middle of a facet that lies on a side has exactly the coordinate of its two ends.
     places = [(0, x[0]), (0, x[-1]), (1, y[0]), (1, y[-1])]
     closed = closed_directions(surface)
-    mesh = skfem.MeshQuad.init_tensor(x, y).with_boundaries(
+    mesh = skfem.MeshQuad.init_tensor(x, y)
+    ends = mesh.p[:, mesh.facets]
+    mesh = mesh.with_boundaries(
         {
-            name: lambda middle, direction=direction, at=at: middle[direction] == at
+            name: np.flatnonzero((ends[direction] == at).all(axis=0))
             for name, (direction, at) in zip(surface.sides, places, strict=True)
             if not closed[direction]
         }

@@ -57,7 +57,11 @@ def condition(kinds: dict[int, Any], direction: np.ndarray) -> np.ndarray:
     return a.ravel()
 
 
-def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
+Edges = dict[int, list[np.ndarray]]
+"""For each mesh node of a place the directions, in the parameter plane, of its boundary edges there."""
+
+
+def edges(geometry: Geometry, where: Any) -> Edges:
     """For each mesh node of a place the directions, in the parameter plane, of its boundary edges there.
 
     Hanging nodes are left out: they follow the ends of the larger edge, which belongs to the place as a whole.
@@ -81,11 +85,11 @@ def edges(geometry: Geometry, where: Any) -> dict[int, list[np.ndarray]]:
     return {**out, **{int(n): [] for n in np.flatnonzero(np.isin(node_of, alone))}}
 
 
-def held_along(geometry: Geometry, where: Any, directions: np.ndarray) -> list[Row]:
+def held_along(place: Edges, directions: np.ndarray) -> list[Row]:
     """Positions held in some directions of space, with the slopes along the edges of the place."""
     rows = []
     known: dict[bytes, np.ndarray] = {}  # nodes along a straight edge are alike
-    for node, tangents in edges(geometry, where).items():
+    for node, tangents in place.items():
         key = b"".join(t.tobytes() for t in tangents)
         if key not in known:
             kinds = [{R: 1.0}, *[{R_X: t[0], R_Y: t[1]} for t in tangents]]
@@ -94,9 +98,9 @@ def held_along(geometry: Geometry, where: Any, directions: np.ndarray) -> list[R
     return rows
 
 
-def single_points(geometry: Geometry, where: Any) -> list[int]:
+def single_points(geometry: Geometry, place: Edges) -> list[int]:
     """A mesh node for each node of a place that is on none of its edges."""
-    alone = [node for node, tangents in edges(geometry, where).items() if not tangents]
+    alone = [node for node, tangents in place.items() if not tangents]
     return alone if not alone else [alone[k] for k in np.unique(geometry.ties.node_of[alone], return_index=True)[1]]
 
 
@@ -117,10 +121,10 @@ def across(along: np.ndarray) -> int:
     return R_X if abs(along[1]) > abs(along[0]) else R_Y
 
 
-def no_tilt_along(geometry: Geometry, where: Any) -> list[Row]:
+def no_tilt_along(geometry: Geometry, place: Edges) -> list[Row]:
     """The normal does not tilt along the edge."""
     rows = []
-    for node, tangents in edges(geometry, where).items():
+    for node, tangents in place.items():
         for along in tangents:
             if geometry.theory.twist:
                 rows.append(Row(node, condition({R_X: along[0], R_Y: along[1]}, geometry.normal_at(node))))
@@ -129,7 +133,7 @@ def no_tilt_along(geometry: Geometry, where: Any) -> list[Row]:
     return rows
 
 
-def no_turn_about(geometry: Geometry, where: Any) -> list[Row]:
+def no_turn_about(geometry: Geometry, place: Edges) -> list[Row]:
     """The normal does not turn about the edge; at single points not at all.
 
     On the thin element the slope across the edge stays in the tangent plane, n . r_,x = 0 all along it: the stretch of the
@@ -137,14 +141,14 @@ def no_turn_about(geometry: Geometry, where: Any) -> list[Row]:
     n . r_,y = 0.
     """
     rows, thin = [], geometry.theory.twist
-    for node, tangents in edges(geometry, where).items():
+    for node, tangents in place.items():
         if tangents and not thin:
             rows += _director_held(node)
         for along in tangents if thin else ():
             n, kind = geometry.normal_at(node), across(along)
             rows.append(Row(node, condition({kind: 1.0}, n)))
             rows.append(Row(node, condition({FOURTH: 1.0, kind: geometry.normal_slopes_at(node)[kind - 1 ^ 1]}, n)))
-    for node in single_points(geometry, where):
+    for node in single_points(geometry, place):
         if thin:
             n, own = geometry.normal_at(node), slopes_or_tangents(geometry, node)[1]
             rows += [Row(node, condition({kind: 1.0}, n), own=own) for kind in (R_X, R_Y)]
@@ -157,14 +161,14 @@ def _director_held(node: int) -> list[Row]:
     return [Row(node, condition({FOURTH: 1.0}, axis)) for axis in np.eye(3)]
 
 
-def no_drilling(geometry: Geometry, where: Any) -> list[Row]:
+def no_drilling(geometry: Geometry, place: Edges) -> list[Row]:
     r"""The surface does not turn about its normal at the single points of a place; its strain there is free.
 
     With orthonormal tangents t1 and t2 of the undeformed surface, and derivatives along them,
     :math:`t_2 \cdot r_{,1} - t_1 \cdot r_{,2} = 0`: where the normal is held, the stretch is symmetric then.
     """
     rows = []
-    for node in single_points(geometry, where):
+    for node in single_points(geometry, place):
         slopes, own = slopes_or_tangents(geometry, node)
         t1 = slopes[0] / np.linalg.norm(slopes[0])
         t2 = np.cross(geometry.normal_at(node), t1)

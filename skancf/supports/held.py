@@ -43,7 +43,7 @@ class Pin(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        return held_along(geometry, self.where, np.eye(3))
+        return held_along(edges(geometry, self.where), np.eye(3))
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,8 @@ class Clamp(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        rows = held_along(geometry, self.where, np.eye(3)) + no_turn_about(geometry, self.where)
-        return rows + no_drilling(geometry, self.where)
+        place = edges(geometry, self.where)
+        return held_along(place, np.eye(3)) + no_turn_about(geometry, place) + no_drilling(geometry, place)
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class NoRotation(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        return no_turn_about(geometry, self.where)
+        return no_turn_about(geometry, edges(geometry, self.where))
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,9 @@ class SimpleSupport(Support):
         checked_kind(self.kind)
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        rows = held_along(geometry, self.where, np.eye(3))
-        return rows + no_tilt_along(geometry, self.where) if self.kind == "hard" else rows
+        place = edges(geometry, self.where)
+        rows = held_along(place, np.eye(3))
+        return rows + no_tilt_along(geometry, place) if self.kind == "hard" else rows
 
 
 @dataclass(frozen=True)
@@ -120,8 +121,9 @@ class Roller(Support):
         unit_vector("direction", self.direction, "a roller needs a direction in which it holds")
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        rows = held_along(geometry, self.where, unit_vector("direction", self.direction)[None])
-        return rows + no_tilt_along(geometry, self.where) if self.kind == "hard" else rows
+        place = edges(geometry, self.where)
+        rows = held_along(place, unit_vector("direction", self.direction)[None])
+        return rows + no_tilt_along(geometry, place) if self.kind == "hard" else rows
 
 
 @dataclass(frozen=True)
@@ -190,9 +192,9 @@ class Prescribed(Support):
         finite("displacement", [u for u in self.displacement if u is not None])
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        rows = []
+        rows, place = [], edges(geometry, self.where)
         for axis, u in zip(np.eye(3), self.displacement, strict=True):
             if u is not None:
-                held = held_along(geometry, self.where, axis[None])
+                held = held_along(place, axis[None])
                 rows += [row._replace(value=u) if np.any(row.a[:3]) else row for row in held]
         return rows

@@ -6,6 +6,7 @@ import numpy as np
 
 from skancf.errors import InputError
 from skancf.surfaces.protocol import Surface, parameters
+from skancf.vectors import cross
 
 # Sine of the angle between X_x and X_y, and the area of a parameter cell over the square of the extent. Derivatives by
 # differences have errors of 1e-12; a strip of aspect ratio 1e6 has an area of 1e-6.
@@ -28,7 +29,7 @@ def normal(surface: Surface, x: Any, y: Any) -> np.ndarray:
         Where there is neither, such as on a fold; the point is named.
     """
     x, y = parameters(x, y)
-    n = np.cross(*surface.derivatives(x, y), axis=0)
+    n = cross(*surface.derivatives(x, y))
     flat = _length(n) <= POLE * _largest_area(surface)
     if flat.any():
         n[:, flat] = _limit(surface, x[flat], y[flat])
@@ -49,7 +50,7 @@ def check_regular(surface: Surface, x: Any, y: Any) -> None:
     """
     x, y = parameters(x, y)
     x_slope, y_slope = surface.derivatives(x, y)
-    area, x_length, y_length = _length(np.cross(x_slope, y_slope, axis=0)), _length(x_slope), _length(y_slope)
+    area, x_length, y_length = _length(cross(x_slope, y_slope)), _length(x_slope), _length(y_slope)
     wrong = ~(area > NO_ANGLE * x_length * y_length)
     dx, dy = (np.ptp(t) if t.size else 0.0 for t in (x, y))
     # A row of points has no extent across.
@@ -68,7 +69,7 @@ def _limit(surface: Surface, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     inner = np.maximum(np.abs(dx) / (x_high - x_low), np.abs(dy) / (y_high - y_low)) < 0.5 - POLE
     x_slope, y_slope = surface.derivatives(x, y)
     xx, xy, yy = surface.second_derivatives(x, y)
-    n = np.cross(xx * dx + xy * dy, y_slope, axis=0) + np.cross(x_slope, xy * dx + yy * dy, axis=0)
+    n = cross(xx * dx + xy * dy, y_slope) + cross(x_slope, xy * dx + yy * dy)
     wrong = inner | ~(_length(n) > POLE * _largest_area(surface))
     if wrong.any():
         raise _irregular(surface, x[wrong][0], y[wrong][0])
@@ -80,7 +81,7 @@ def _largest_area(surface: Surface) -> float:
     if not hasattr(surface, "bounds"):
         return 0.0
     x, y = np.meshgrid(*(low + (high - low) * np.array([0.2, 0.5, 0.7]) for low, high in surface.bounds))
-    return float(_length(np.cross(*surface.derivatives(x, y), axis=0)).max())
+    return float(_length(cross(*surface.derivatives(x, y))).max())
 
 
 def _length(v: np.ndarray) -> np.ndarray:

@@ -20,6 +20,7 @@ from skancf.elements.reference import ancf_functions, of_points
 from skancf.errors import InputError
 from skancf.materials import Section
 from skancf.surfaces import Surface, normal
+from skancf.vectors import cross
 
 R1, R2, D1, D2, D = range(5)
 TERMS = np.array([
@@ -248,12 +249,12 @@ def covariant_to_local(jet: np.ndarray, first: np.ndarray, z: np.ndarray) -> tup
 
 def local_frame(jet: np.ndarray, first: np.ndarray) -> np.ndarray:
     """Rows e1, e2, e3, shape (3, 3, ...): e3 the undeformed normal on the side of the director, e1 nearest to first."""
-    n = np.cross(jet[0], jet[1], axis=0)
+    n = cross(jet[0], jet[1])
     n = n * np.sign((n * jet[D]).sum(axis=0))
     n = n / np.sqrt((n * n).sum(axis=0))
     e1 = first - n * (n * first).sum(axis=0)
     e1 = e1 / np.sqrt((e1 * e1).sum(axis=0))
-    return np.stack([e1, np.cross(n, e1, axis=0), n])
+    return np.stack([e1, cross(n, e1), n])
 
 
 def voigt_rows(A: np.ndarray, z: float) -> np.ndarray:

@@ -24,7 +24,8 @@ from numpy.polynomial.legendre import legvander
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import hermite_functions, of_points
 from skancf.surfaces import Surface
-from skancf.theories.kirchhoff_point import SECOND, cross, dot, dual, gradient, strain, unit_normal
+from skancf.theories.kirchhoff_point import SECOND, dot, dual, gradient, strain, unit_normal
+from skancf.vectors import cross
 
 REST, REST_FROM = 0.8, 0.9
 """g and x0 of :func:`rest_factors`, by measurement: buckling against locking."""

@@ -24,6 +24,8 @@ All are scalar products of vectors that turn with the surface, so a rigid rotati
 
 import numpy as np
 
+from skancf.vectors import cross
+
 R1, R2, R11, R22, R12 = range(5)
 N_STRAINS = 6
 FIRST, SECOND = (R1, R2), (R11, R22, R12)
@@ -34,11 +36,6 @@ DOUBLED = (1.0, 1.0, 2.0)
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Inner product over the first axis."""
     return np.asarray((a * b).sum(axis=0))
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Vector product over the first axis; `numpy.cross` takes longer to see that it has three components."""
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def unit_normal(jet: np.ndarray) -> np.ndarray:

@@ -108,10 +108,9 @@ def _rule(theory: Full, sections: Sections) -> kernels.Rule:
     return kernels.Rule(
         position=position,
         director=director,
-        position_twice=np.tile(position, 2),
-        director_twice=np.tile(director, 2),
-        position_columns=np.ascontiguousarray(position.reshape(12, -1).T),
+        position_columns=np.ascontiguousarray(inside[[R1, R2]].swapaxes(1, 2).reshape(-1, 16)),
         director_columns=np.ascontiguousarray(director.reshape(4, -1).T),
+        jets=np.ascontiguousarray(inside[[R1, R2, D1, D2]].transpose(2, 0, 1)),
         sample_position=np.ascontiguousarray(sampled[[R1, R2], :12].transpose(0, 2, 1)),
         sample_director=np.ascontiguousarray(sampled[[D1, D2, D], 12:].transpose(0, 2, 1)),
         interpolation=interpolation,

@@ -40,7 +40,8 @@ class Rule(NamedTuple):
     """What elements share.
 
     ``position`` (12, 2, n_points): r_1 and r_2 of the functions of r, ``director`` (4, 2, n_points): d_1 and d_2; both
-    also with their points repeated, ``position_twice`` (12, 2, 32), and as columns, ``position_columns`` (32, 12).
+    also as columns, ``position_columns`` (32, 16), of which the last four are zero, and ``director_columns`` (32, 4).
+    ``jets`` (n_points, 4, 16): r_1, r_2, d_1, d_2 of all functions.
     ``sample_position`` (2, n_samples, 12), ``sample_director`` (3, n_samples, 4): d_1, d_2, d at the sampling points.
     ``interpolation`` (5, n_samples, n_points), and whether it is the identity, ``plain``. ``sample_rows`` (n_rows, 2):
     strain (0 to 4) and sampling point of each sampled strain. ``pairs`` (n_pairs, 2): k <= l of the entries of the law
@@ -49,10 +50,9 @@ class Rule(NamedTuple):
 
     position: np.ndarray
     director: np.ndarray
-    position_twice: np.ndarray
-    director_twice: np.ndarray
     position_columns: np.ndarray
     director_columns: np.ndarray
+    jets: np.ndarray
     sample_position: np.ndarray
     sample_director: np.ndarray
     interpolation: np.ndarray

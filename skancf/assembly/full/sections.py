@@ -9,6 +9,7 @@ from skancf.assembly.classes import classes, rounding_of
 from skancf.assembly.geometry import Geometry
 from skancf.materials import Section
 from skancf.theories.full import N_IN_PLANE, R1, R2, TERMS, Full, local_frame, section_stiffness
+from skancf.vectors import cross
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ def build_sections(geometry: Geometry, section: Section) -> Sections:
         law=np.ascontiguousarray(np.moveaxis(full[:, :, k, l], 1, 2)),
         sampled=_sampled_law(theory, full),
         moments=np.moveaxis(moments * weights, 0, 1),
-        areas=np.sqrt((np.cross(jets[0], jets[1], axis=0) ** 2).sum(axis=0)) * weights,
+        areas=np.sqrt((cross(jets[0], jets[1]) ** 2).sum(axis=0)) * weights,
     )
 
 

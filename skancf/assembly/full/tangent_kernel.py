@@ -5,6 +5,7 @@ from numba import njit
 
 from skancf.assembly.full.kernels import N_POINTS, collect, in_plane_jets, sample_jets, vectors
 from skancf.assembly.local import gather, scatter_tangent
+from skancf.assembly.panels import add_panel, aligned, set_panel
 from skancf.compiled import INNER, OPTIONS
 from skancf.theories.full import N_IN_PLANE
 from skancf.theories.full_point import in_plane_force, in_plane_stiffness
@@ -102,21 +103,21 @@ def unpack(rule, law, square):
 
 
 @njit(**INNER)
-def weight_rows(H, half, rule, W):
-    """W (96, 32) = table^T H: derivatives with respect to local vectors on one side and two of the jets on the other.
+def add_in_plane(rule, H, W, of_d, Y):
+    """Adds table^T H table, with the tables of the functions of r on the right, to Y (96, 16), rows component and function.
 
-    Rows: component, local function; columns: jet and point. ``half`` is 0 for the jets r_1, r_2 and 1 for d_1, d_2.
+    What the functions of d on the right make is of_d (24, 16), rows component and function of d. W (32, 96) is scratch: H
+    table, rows jet and point.
     """
-    shift = 2 * N_POINTS * half
-    for c in range(6):
-        for a in range(12):
-            for k in range(2 * N_POINTS):
-                W[16 * c + a, k] = (rule.position_twice[a, 0, k] * H[0, c, shift + k]
-                                    + rule.position_twice[a, 1, k] * H[1, c, shift + k])  # fmt: skip
-        for a in range(4):
-            for k in range(2 * N_POINTS):
-                W[16 * c + 12 + a, k] = (rule.director_twice[a, 0, k] * H[2, c, shift + k]
-                                         + rule.director_twice[a, 1, k] * H[3, c, shift + k])  # fmt: skip
+    for half in range(2):
+        for k in range(2 * N_POINTS):
+            set_panel(6, 4, H, 2 * N_POINTS * half + k, 384, 64, rule.jets, 64 * (k % N_POINTS), 16, W, 96 * k, 16)
+        if half == 0:
+            for row in range(0, 96, 6):
+                add_panel(6, 2 * N_POINTS, W, row, 96, 1, rule.position_columns, 0, 16, Y, 16 * row, 16)
+        else:
+            for c in range(6):
+                set_panel(4, 2 * N_POINTS, rule.director_columns, 0, 4, 1, W, 16 * c, 96, of_d, 64 * c, 16)
 
 
 @njit(**INNER)
@@ -124,7 +125,11 @@ def sampled_stiffness(e, rule, elements, B, MB):
     """MB = law of the sampled strains times their gradient B (n_rows, 48)."""
     c = elements.shape[e]
     if not rule.plain:
-        np.dot(elements.sampled[c], B, MB)
+        n_rows = B.shape[0]
+        for row in range(0, n_rows, 4):
+            at = (c * n_rows + row) * n_rows
+            for i in range(0, 48, 16):
+                set_panel(4, n_rows, elements.sampled, at, 1, n_rows, B, i, 48, MB, 48 * row + i, 48)
         return
     MB[:] = 0.0
     for m in range(rule.pairs.shape[0]):
@@ -145,11 +150,9 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
     local, x, sx = np.empty((16, 3)), np.empty((4, 3, N_POINTS)), np.empty((n_samples, 5, 3))
     square = np.zeros((N_IN_PLANE, N_IN_PLANE, N_POINTS))
-    H, W = np.empty((4, 6, 4 * N_POINTS)), np.empty((96, 2 * N_POINTS))
-    of_r, of_d = np.empty((96, 12)), np.empty((96, 4))
-    K, G, sampled = np.empty((48, 48)), np.empty((16, 16)), np.empty(n_rows)
-    B, MB = np.empty((n_rows, 48)), np.empty((n_rows, 48))
-    X, XB = np.empty((n_rows, 48)), np.empty((48, 48))
+    H, W, of_d = np.empty((4, 6, 4 * N_POINTS)), aligned(2 * N_POINTS, 96), aligned(24, 16)
+    K, Y, G, sampled = np.empty((48, 48)), aligned(96, 16), np.empty((16, 16)), np.empty(n_rows)
+    B, MB, X = aligned(n_rows, 48), aligned(n_rows, 48), aligned(n_rows, 48)
     for index in range(start, stop):
         e = order[index]
         law = elements.law[elements.shape[e]]
@@ -159,30 +162,30 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
         unpack(rule, law, square)
         for p in range(N_POINTS):
             in_plane_stiffness(square, p, vectors(x, p), in_plane_stress(stress[e], p), H)
-        weight_rows(H, 0, rule, W)
-        np.dot(W, rule.position_columns, of_r)
-        weight_rows(H, 1, rule, W)
-        np.dot(W, rule.director_columns, of_d)
         collect(rule, stress[e], sampled)
         sampled_gradient(rule, sx, B)
         sampled_stiffness(e, rule, elements, B, MB)
-        np.dot(B.T, MB, K)
+        for c in range(6):
+            i, j = COMPONENTS[c]
+            for a in range(0, 16, 8):
+                set_panel(8, n_rows, B, 16 * i + a, 48, 1, MB, 16 * j, 48, Y, 256 * c + 16 * a, 16)
         if rule.coupled:
             coupling(rule, law, x, X)
-            np.dot(X.T, B, XB)
-            for a in range(48):
-                for b in range(48):
-                    K[a, b] += XB[a, b] + XB[b, a]
+            for c in range(6):
+                i, j = COMPONENTS[c]
+                for a in range(0, 16, 8):
+                    add_panel(8, n_rows, X, 16 * i + a, 48, 1, B, 16 * j, 48, Y, 256 * c + 16 * a, 16)
+                    add_panel(8, n_rows, B, 16 * i + a, 48, 1, X, 16 * j, 48, Y, 256 * c + 16 * a, 16)
+        add_in_plane(rule, H, W, of_d, Y)
         sampled_geometric(rule, sampled, G)
         for c in range(6):
             i, j = 16 * COMPONENTS[c, 0], 16 * COMPONENTS[c, 1]
             for a in range(16):
-                row = K[i + a]
-                for b in range(12):
-                    row[j + b] += of_r[16 * c + a, b]
+                for b in range(16):
+                    K[i + a, j + b] = Y[16 * c + a, b]
                 for b in range(4):
-                    row[j + 12 + b] += of_d[16 * c + a, b]
+                    K[i + a, j + 12 + b] += of_d[4 * c + b, a]
                 if c < 3:
                     for b in range(16):
-                        row[j + b] += G[a, b]
+                        K[i + a, j + b] += G[a, b]
         scatter_tangent(e, maps, slots, K, out)

@@ -59,7 +59,8 @@ def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
     jets = geometry.theory.jets(geometry.undeformed_local[representative], points)
     turn, area = covariant_to_local(jets, geometry.tangents(points, representative), geometry.side[representative])
     areas = area * weights
-    law = np.einsum("ikep,ij,jlep,ep->eklp", turn, section.abd(), turn, areas, optimize=True)
+    turns = turn.transpose(2, 3, 0, 1)
+    law = (turns.swapaxes(2, 3) @ section.abd() @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
     scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
     k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > 1e-13 * np.outer(scale, scale)))
     return ThinSections(

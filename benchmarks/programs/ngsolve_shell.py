@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-
 SOLVER = "pardiso"
 
 
@@ -184,7 +183,7 @@ class Shell:
         return float(np.abs(vector.FV().NumPy()[: self.space.components[0].ndof]).max())
 
     def move(self, end: float, steps: int, factor: Callable[[float], float], seen: Any, times: Sequence[float],
-             bossak: float = -0.05, rtol: float = 1e-5) -> dict[str, list[float]]:  # fmt: skip
+             bossak: float = -0.05, rtol: float = 1e-4) -> dict[str, list[float]]:  # fmt: skip
         """Newmark's method with Bossak's damping, equal steps; displacements of points over the times."""
         import ngsolve as ng
 
@@ -236,8 +235,8 @@ class Shell:
     def follow(self, targets: Sequence[float], go: Callable[[float, float], int], first: float, rtol: float = 1e-4) -> Any:
         """Yields at each of the targets; steps grow where iterations are few and are halved where they fail.
 
-        Iterations converge quadratically: what is left after a change of ``rtol`` is less than its square. Between targets the
-        change may be larger.
+        Iterations converge quadratically: what is left after a change of ``rtol`` is less than its square. Between targets
+        the change may be larger.
         """
         level, step, last = 0.0, first, self.z.vec.CreateVector()
         for target in targets:

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-
 SOLVER = "pardiso"
 
 
@@ -36,7 +35,7 @@ class Shell:
     """
 
     def __init__(self, mesh: Any, order: int, data: Any, flat: bool, fixed: Sequence[str] = ("", "", ""), clamped: str = "",
-                 mirrors: str = "", inertia: float = 0.0, mixed: bool = True):  # fmt: skip
+                 mirrors: str = "", density: float = 0.0):  # fmt: skip
         import ngsolve as ng
 
         self.mesh, self.flat = mesh, flat
@@ -46,10 +45,9 @@ class Shell:
         turned = "|".join(s for s in (clamped, mirrors) if s)
         rotations = ng.NormalFacetSurface(mesh, order=order - 1, dirichlet_bbnd=turned)
         forces = ng.HCurlCurl(mesh, order=order - 1, discontinuous=True)
-        self.mixed = mixed
         self.space = displacement * moments * rotations * forces
-        u, m, alpha, *force = self.space.TrialFunction()
-        m, alpha = m.Trace(), alpha.Trace()
+        u, m, alpha, n = self.space.TrialFunction()
+        m, alpha, n = m.Trace(), alpha.Trace(), n.Trace()
         self.z = ng.GridFunction(self.space)
         self.u = self.z.components[0]
 
@@ -78,23 +76,25 @@ class Shell:
         upright = ng.Normalize(self.mean - (along * self.mean) * along)
         angle = ng.acos(ng.Cross(now, along) * upright) - ng.acos(conormal * ng.Normalize(first))
 
-        if mixed:
-            n = force[0].Trace()
-            membrane = 2 * ng.InnerProduct(n, strain) - (1 + nu) / (young * t) * (ng.InnerProduct(n, n) - nu / (1 + nu) * ng.Trace(n) ** 2)
-        else:
-            strain = ng.Interpolate(strain, forces)
-            membrane = t * young / (1 - nu**2) * ((1 - nu) * ng.InnerProduct(strain, strain) + nu * ng.Trace(strain) ** 2)
+        # Forces as unknowns of each element instead of interpolated strains: as accurate, and a third of the iterations.
+        stretching = (1 + nu) / (young * t) * (ng.InnerProduct(n, n) - nu / (1 + nu) * ng.Trace(n) ** 2)
+        membrane = 2 * ng.InnerProduct(n, strain) - stretching
         bending = 12 * (1 + nu) / (young * t**3) * (ng.InnerProduct(m, m) - nu / (1 + nu) * ng.Trace(m) ** 2)
         self.form = ng.BilinearForm(self.space, symmetric=True, condense=True)
         edges = ng.ds(element_boundary=True)
         bent = ng.InnerProduct(curvature, m) - 0.5 * bending
-        for density, measure in (
+        for energy, measure in (
             (0.5 * membrane, ng.ds), (bent, ng.ds),
             (stretch / edge_stretch * (angle + alpha * conormal) * m[conormal, conormal], edges),
         ):  # fmt: skip
-            ng.ngsglobals.symbolic_integrator_uses_diff = not flat and density is bent
-            self.form += ng.Variation(density * measure).Compile()
+            ng.ngsglobals.symbolic_integrator_uses_diff = not flat and energy is bent
+            self.form += ng.Variation(energy * measure).Compile()
         ng.ngsglobals.symbolic_integrator_uses_diff = False
+        self.inertia, self.expected = ng.Parameter(0.0), ng.GridFunction(displacement)
+        self.density = density * t
+        if density:
+            off = u - self.expected
+            self.form += ng.Variation(0.5 * self.inertia * self.density * ng.InnerProduct(off, off) * ng.ds)
         self.load = self.z.vec.CreateVector()
         self.load[:] = 0
         self.conormal = conormal
@@ -182,6 +182,41 @@ class Shell:
         """Of the coordinates of the displacement."""
         return float(np.abs(vector.FV().NumPy()[: self.space.components[0].ndof]).max())
 
+    def move(self, end: float, steps: int, factor: Callable[[float], float], seen: Any, times: Sequence[float],
+             bossak: float = -0.05, rtol: float = 1e-4) -> dict[str, list[float]]:  # fmt: skip
+        """Newmark's method with Bossak's damping, equal steps; displacements of points over the times."""
+        import ngsolve as ng
+
+        dt, beta, gamma = end / steps, 0.25 * (1 - bossak) ** 2, 0.5 - bossak
+        space = self.space.components[0]
+        self.inertia.Set((1 - bossak) / (beta * dt**2))
+        w, v = space.TnT()
+        mass = ng.BilinearForm(space, symmetric=True)
+        mass += self.density * ng.InnerProduct(w, v) * ng.ds
+        free = ng.BitArray([self.space.FreeDofs()[k] and not self.held[k] for k in range(space.ndof)])
+        accelerations, velocities, old = (self.u.vec.CreateVector() for _ in range(3))
+        loads = self.u.vec.CreateVector()
+        loads.FV().NumPy()[:] = factor(0.0) * self.load.FV().NumPy()[: space.ndof]
+        accelerations.data = mass.Assemble().mat.Inverse(free, "sparsecholesky") * loads
+        u, a, v, before, expected = (
+            x.FV().NumPy() for x in (self.u.vec, accelerations, velocities, old, self.expected.vec)
+        )
+        v[:] = 0
+        watched = [self.at(point, axis) for point, axis in seen.values()]
+        path = np.zeros((steps + 1, 2, len(watched)))
+        for k in range(steps):
+            before[:] = u
+            path[k] = u[watched], v[watched]
+            ballistic = u + dt * v + dt**2 * (0.5 - beta) * a
+            expected[:] = ballistic - beta * dt**2 * bossak / (1 - bossak) * a
+            self.equilibrium(factor((k + 1) * dt), {}, rtol)
+            self.steps += 1
+            new = (u - ballistic) / (beta * dt**2)
+            v += dt * ((1 - gamma) * a + gamma * new)
+            a[:] = new
+        path[steps] = u[watched], v[watched]
+        return dict(zip(seen, hermite(path, dt, np.asarray(times)).T.tolist(), strict=True))
+
     def reaction(self, dof: int) -> float:
         """The force that holds a coordinate."""
         residual = self.z.vec.CreateVector()
@@ -200,8 +235,8 @@ class Shell:
     def follow(self, targets: Sequence[float], go: Callable[[float, float], int], first: float, rtol: float = 1e-4) -> Any:
         """Yields at each of the targets; steps grow where iterations are few and are halved where they fail.
 
-        Iterations converge quadratically: what is left after a change of ``rtol`` is less than its square. Between targets the
-        change may be larger.
+        Iterations converge quadratically: what is left after a change of ``rtol`` is less than its square. Between targets
+        the change may be larger.
         """
         level, step, last = 0.0, first, self.z.vec.CreateVector()
         for target in targets:
@@ -220,3 +255,11 @@ class Shell:
                 step *= 1.4 if count <= 4 else 1.0 if count <= 6 else 0.7
                 level = reach
             yield target
+
+
+def hermite(path: Any, dt: float, times: Any) -> Any:
+    """Cubic interpolation of positions and velocities ``path[:, 0]``, ``path[:, 1]`` in equal steps."""
+    k = np.minimum((times / dt).astype(int), len(path) - 2)
+    s = (times / dt - k)[:, None]
+    (x0, v0), (x1, v1) = np.moveaxis(path[k], 1, 0), np.moveaxis(path[k + 1], 1, 0)
+    return x0 * (1 + 2 * s) * (1 - s) ** 2 + x1 * s**2 * (3 - 2 * s) + dt * (v0 * s * (1 - s) ** 2 - v1 * s**2 * (1 - s))

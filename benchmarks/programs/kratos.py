@@ -23,7 +23,7 @@ VARIANTS = {
         "Kratos, thin, NURBS", "thin",
         {
             "end_shear": (4, 6, 8, 12, 16, 24, 32),
-            "hemisphere": (8, 12, 16),
+            "hemisphere": (6, 8, 12),
             "hinged_roof": (3, 4, 6, 8, 12, 16, 24),
             "corner_plate": (2, 3, 4, 6, 8, 12, 16, 24, 32),
             "paper_2n": (4, 6, 8, 12, 16),

@@ -28,7 +28,7 @@ STEPS = {
 }
 # With full integration the same takes three to four times as long and is no more accurate.
 VARIANTS = {
-    "thin": Variant("Exudyn, thin", "thin", UNIFORM),
+    "thin": Variant("Exudyn, thin", "small", UNIFORM),
 }
 
 

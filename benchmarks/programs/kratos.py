@@ -18,7 +18,7 @@ THIN: dict[str, Sequence[float]] = {
 }
 NO_LIMIT = "a shell with shear has no limit under a force at a point: the finer the mesh, the deeper its node sinks"
 VARIANTS = {
-    "thin": Variant("Kratos, thin", "thin", THIN),
+    "thin": Variant("Kratos, thin", "small", THIN),
     "nurbs": Variant(
         "Kratos, thin, NURBS", "thin",
         {

@@ -14,7 +14,7 @@ class Variant:
     label : str
         As it stands in charts and tables.
     theory : str
-        ``"thin"`` or ``"thick"``: with which reference values it is compared.
+        ``"thin"``, ``"small"`` or ``"thick"``: with which reference values it is compared; see :class:`Quantity`.
     sizes : mapping
         For each scene that it runs, the finenesses in the order of growing cost; what a size means is up to the program.
     cannot : mapping

@@ -22,10 +22,10 @@ def thin_end() -> tuple[float, float]:
     return LENGTH - radius * sin(angle), radius * (1 - cos(angle))
 
 
-SOURCE = ("Closed form. Thick: the circle that small strains give. Thin: for the energy of the theory, whose curvature per "
+SOURCE = ("Closed form. Small and thick: the circle that small strains give. Thin: for the energy of the theory, whose curvature per "
           "undeformed length shortens the mid-surface. Data from Sze, Liu and Lo (2004), example 3.2.")  # fmt: skip
 U, W = thin_end()
-EXACT = {"thin": 1e-12, "thick": 1e-12}
+EXACT = {"thin": 1e-12, "small": 1e-12, "thick": 1e-12}
 
 SCENE = Scene(
     name="roll_up",
@@ -34,7 +34,7 @@ SCENE = Scene(
     "spread evenly over its other edge and closes the strip to a circle that rises to z > 0. Static.",
     data={"length": LENGTH, "width": 1.0, "thickness": THICKNESS, "young": YOUNG, "poisson": 0.0, "moment": MOMENT},
     quantities={
-        "u": Quantity("end moves back, -u", "m", {"thin": U, "thick": LENGTH}, EXACT, SOURCE, LENGTH),
-        "w": Quantity("end moves up, w", "m", {"thin": W, "thick": 0.0}, EXACT, SOURCE, LENGTH),
+        "u": Quantity("end moves back, -u", "m", {"thin": U, "small": LENGTH, "thick": LENGTH}, EXACT, SOURCE, LENGTH),
+        "w": Quantity("end moves up, w", "m", {"thin": W, "small": 0.0, "thick": 0.0}, EXACT, SOURCE, LENGTH),
     },
 )

@@ -13,15 +13,15 @@ def read(name: str) -> dict[str, Any]:
     return dict(json.loads(file.read_text(encoding="utf-8")))
 
 
-def references(name: str, quantity: str) -> dict[str, Any]:
-    """What :class:`Quantity` takes: ``reference`` and ``uncertainty`` by theory."""
+def references(name: str, quantity: str, small: float | None = None, doubt: float = 0.0) -> dict[str, Any]:
+    """What :class:`Quantity` takes: ``reference`` and ``uncertainty`` by theory, with that of small strains if there is one."""
     found = read(name)
     theories = [theory for theory in ("thin", "thick") if theory in found]
-    doubt = found["uncertainty"]
-    return {
-        "reference": {theory: _frozen(found[theory][quantity]) for theory in theories},
-        "uncertainty": {theory: doubt[theory] if isinstance(doubt, dict) else doubt for theory in theories},
-    }
+    reference = {theory: _frozen(found[theory][quantity]) for theory in theories}
+    uncertainty = dict.fromkeys(theories, found["uncertainty"])
+    if small is not None:
+        reference["small"], uncertainty["small"] = small, doubt
+    return {"reference": reference, "uncertainty": uncertainty}
 
 
 def _frozen(value: Any) -> Any:

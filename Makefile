@@ -5,17 +5,19 @@ PYTHON ?= python3
 VENV   ?= .venv
 SIZE   ?= full
 OUT    ?= out
+SET    ?= all
 BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
 
-.PHONY: help demo test lint types docs bench guard check kernels clean
+.PHONY: help demo test lint types docs peers bench guard check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
 	@echo "make test    run the tests"
 	@echo "make docs    build the documentation into docs/_build/html"
-	@echo "make bench   time the kernels"
+	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
+	@echo "make bench   speed against accuracy, beside those that are installed, and what each part costs (an hour; SET=quick: 5 minutes)"
 	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s)"
 	@echo "make check   lint and types"
 	@echo "make kernels forget the compiled kernels (after an edit of one)"
@@ -51,8 +53,11 @@ docs: $(DOCS)
 	SKANCF_DEMO_SIZE=$(SIZE) $(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
 	@echo "== docs/_build/html/index.html"
 
+peers: $(READY)
+	$(BIN)/python -m benchmarks.setup_peers
+
 bench: $(READY)
-	$(BIN)/python benchmarks/kernel.py
+	$(BIN)/python -m benchmarks.bench $(SET)
 
 guard: $(READY)
 	$(BIN)/python benchmarks/guard.py check

@@ -21,8 +21,8 @@ INTRODUCTION = """\
 Speed against accuracy
 ======================
 
-One chart decides: error against time. Each scene below is stated once (``benchmarks/scenes``), with reference values that are
-converged values of the same theory, and solved by skancf and by other programs with the settings that serve them best, on
+One chart decides: error against time. Each scene below is stated once (``benchmarks/scenes``), with reference values that
+are converged values of the same theory, and solved by skancf and by other programs with the settings that serve them best, on
 the same machine, taking turns. ``make peers`` installs the others, ``make bench`` measures all of it (``make bench
 SET=quick`` a part of it in five minutes), and this page is made of what it stored.
 
@@ -109,8 +109,8 @@ def grown(folder: Path) -> str:
         return ""
     charts.growth(stored, folder / "growth.png")
     text = title("Growth", "-")
-    text += ("Seconds of each part of a Newton iteration against the number of unknowns, theory ``kirchhoff``, with the exponents "
-             "of straight lines fitted to them on logarithmic axes. " + machine(stored) + "\n\n")  # fmt: skip
+    text += ("Seconds of each part of a Newton iteration against the number of unknowns, theory ``kirchhoff``, with the "
+             "exponents of straight lines fitted to them on logarithmic axes. " + machine(stored) + "\n\n")  # fmt: skip
     return text + ".. image:: growth.png\n   :alt: seconds of each part of an iteration against unknowns\n\n"
 
 

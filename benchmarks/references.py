@@ -147,8 +147,8 @@ def motion(name: str, mesh: int, rtol: float) -> dict[str, list[float]]:
 
 
 def moving(name: str, mesh: int, rtol: float) -> Found:
-    """A run, and the sum of what its mesh and its steps leave, from runs on a mesh coarser by 1.5 and with steps' errors larger
-    by 3: both are of order two, so that they change 1.25 and 2 times as much."""
+    """A run, and the sum of what its mesh and its steps leave, from runs on a mesh coarser by 1.5 and with steps' errors
+    larger by 3: both are of order two, so that they change 1.25 and 2 times as much."""
     scene, best = SCENES[name], motion(name, mesh, rtol)
     others = motion(name, round(mesh / 1.5), 3 * rtol), motion(name, mesh, 3 * rtol)
     stepped, meshed = distance(scene, best, others[1]) / 2, distance(scene, others[1], others[0]) / 1.25

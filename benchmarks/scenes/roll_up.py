@@ -22,8 +22,8 @@ def thin_end() -> tuple[float, float]:
     return LENGTH - radius * sin(angle), radius * (1 - cos(angle))
 
 
-SOURCE = ("Closed form. Small and thick: the circle that small strains give. Thin: for the energy of the theory, whose curvature per "
-          "undeformed length shortens the mid-surface. Data from Sze, Liu and Lo (2004), example 3.2.")  # fmt: skip
+SOURCE = ("Closed form. Small and thick: the circle that small strains give. Thin: for the energy of the theory, whose "
+          "curvature per undeformed length shortens the mid-surface. Data from Sze, Liu and Lo (2004), example 3.2.")  # fmt: skip
 U, W = thin_end()
 EXACT = {"thin": 1e-12, "small": 1e-12, "thick": 1e-12}
 

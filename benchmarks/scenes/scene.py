@@ -12,9 +12,9 @@ class Quantity:
     """A number, or a series over the scene's times, that every program is asked for.
 
     ``reference`` and ``uncertainty`` (relative to the scale) by theory: ``"thin"`` (curvature per undeformed length and
-    Green strain of the mid-surface), ``"small"`` (thin, strains so small that measures do not differ) or ``"thick"``; a theory
-    that is not named is compared with the thin one. ``scale`` is what errors are relative to; if None, the root mean square of the
-    reference.
+    Green strain of the mid-surface), ``"small"`` (thin, strains so small that measures do not differ) or ``"thick"``; a
+    theory that is not named is compared with the thin one. ``scale`` is what errors are relative to; if None, the root mean
+    square of the reference.
     """
 
     text: str

@@ -63,7 +63,7 @@ class Shell:
         along = 1 / edge_stretch * edge
         curvature = (u.Operator("hesseboundary").trans * now).Reshape((3, 3))
         if not flat:
-            curvature = curvature + (stretch - normal * now) * ng.Grad(normal)
+            curvature = curvature + (1 - normal * now) * ng.Grad(normal)
         strain = 0.5 * (gradient.trans * gradient - plane)
 
         # The normal of an edge is measured from the mean of both sides at the last step.

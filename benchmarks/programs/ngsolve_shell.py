@@ -31,7 +31,7 @@ class Shell:
     """Displacement u, moments m (eliminated element by element) and rotations of the edges.
 
     ``fixed``: for x, y and z the sides that do not move, ``clamped`` those that do not turn, ``mirrors`` those that lie in
-    a plane of symmetry. Edge weights J / |F t| make the curvature that of the undeformed length on edges, too.
+    a plane of symmetry. Edge weights J / |F t| measure curvature per undeformed length on edges, too, as elements do.
     """
 
     def __init__(self, mesh: Any, order: int, data: Any, flat: bool, fixed: Sequence[str] = ("", "", ""), clamped: str = "",
@@ -63,7 +63,7 @@ class Shell:
         along = 1 / edge_stretch * edge
         curvature = (u.Operator("hesseboundary").trans * now).Reshape((3, 3))
         if not flat:
-            curvature = curvature + (stretch - normal * now) * ng.Grad(normal)
+            curvature = curvature + (1 - normal * now) * ng.Grad(normal)
         strain = 0.5 * (gradient.trans * gradient - plane)
 
         # The normal of an edge is measured from the mean of both sides at the last step.

@@ -74,19 +74,21 @@ def summary(scenes: list[Compared], file: Path) -> None:
     finish(figure, file)
 
 
-def growth(stored: dict[str, Any], file: Path) -> None:
-    """Seconds and memory of each part of an iteration against unknowns, with the fitted exponents."""
+def growth(stored: dict[str, Any], kind: str, file: Path) -> None:
+    """Seconds (``kind`` is "seconds") or memory ("memory_gb") of each part of an iteration against unknowns, with exponents."""
     runs = {run["threads"]: run for run in stored["runs"]}
     size = (5.2 * len(runs), 4.8)
     figure, axes = plt.subplots(1, len(runs), figsize=size, sharey=True, squeeze=False, layout="constrained")
     for axis, (threads, run) in zip(axes[0], sorted(runs.items()), strict=True):
-        for part, exponent in run["exponents"].items():
-            points = [(row["unknowns"], row["seconds"][part]) for row in run["rows"] if row["seconds"].get(part)]
-            axis.loglog(*zip(*points, strict=True), "o-", ms=3.5, lw=1.3, label=f"{part}, N^{exponent:.2f}")
+        for part, fit in run["exponents"][kind].items():
+            points = [(row["unknowns"], row[kind][part]) for row in run["rows"] if row[kind].get(part, 0.0) > 0]
+            label = f"{part}, N^{fit['exponent']:.2f}" if fit else part
+            if points:
+                axis.loglog(*zip(*points, strict=True), "o-", ms=3.5, lw=1.3, label=label)
         axis.set(xlabel="unknowns", title=f"{threads} thread" + "s" * (threads > 1))
         axis.grid(color="#eeeeee")
         axis.legend(frameon=False, fontsize=7)
-    axes[0, 0].set_ylabel("seconds")
+    axes[0, 0].set_ylabel(kind.replace("_gb", " (GB)"))
     finish(figure, file)
 
 

@@ -13,7 +13,7 @@ from skancf.atomic import replacing
 from skancf.linear import mkl
 from skancf.threads import n_threads
 
-RESULTS = Path(__file__).parent / "results"
+RESULTS = Path(os.environ.get("SKANCF_RESULTS") or Path(__file__).parent / "results")
 PACKAGES = ("skancf", "numpy", "scipy", "numba", "scikit-fem", "mkl", "rslab")
 
 
@@ -48,7 +48,7 @@ def with_threads(n: int) -> dict[str, str]:
 
 def write(name: str, content: dict[str, Any]) -> Path:
     """``results/name`` as JSON; an older file stays until the new one is whole."""
-    RESULTS.mkdir(exist_ok=True)
+    RESULTS.mkdir(parents=True, exist_ok=True)
     with replacing(RESULTS / name) as part:
         part.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     return RESULTS / name

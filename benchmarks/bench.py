@@ -2,8 +2,8 @@
 
     python -m benchmarks.bench [all | quick]
 
-``all`` takes about an hour and stores its results in ``benchmarks/results``, where they are kept with the code; the page goes
-to ``docs/results``. ``quick`` takes five minutes and keeps its results, and its page, in ``out/bench``.
+``all`` takes about an hour and stores its results in ``benchmarks/results``, where they are kept with the code; the page
+goes to ``docs/results``. ``quick`` takes five minutes and keeps its results, and its page, in ``out/bench``.
 """
 
 import argparse
@@ -40,7 +40,8 @@ def main() -> int:
     if chosen == "quick":
         environment["SKANCF_RESULTS"] = str(OUT)
     for number, (name, module) in enumerate(STEPS[chosen], 1):
-        print(f"\n== {name} ({number} of {len(STEPS[chosen])}, {(time.perf_counter() - began) / 60:.0f} minutes so far)", flush=True)
+        minutes = (time.perf_counter() - began) / 60
+        print(f"\n== {name} ({number} of {len(STEPS[chosen])}, {minutes:.0f} minutes so far)", flush=True)
         if subprocess.run([sys.executable, "-m", *module], cwd=ROOT, env=environment, check=False).returncode:
             failed.append(name)
     print(f"\n{(time.perf_counter() - began) / 60:.0f} minutes" + (f"; failed: {', '.join(failed)}" if failed else ""))

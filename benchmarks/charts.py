@@ -75,7 +75,7 @@ def summary(scenes: list[Compared], file: Path) -> None:
 
 
 def growth(stored: dict[str, Any], kind: str, file: Path) -> None:
-    """Seconds (``kind`` is "seconds") or memory ("memory_gb") of each part of an iteration against unknowns, with exponents."""
+    """Seconds (``kind`` "seconds") or memory ("memory_gb") of each part of an iteration against unknowns, with exponents."""
     runs = {run["threads"]: run for run in stored["runs"]}
     size = (5.2 * len(runs), 4.8)
     figure, axes = plt.subplots(1, len(runs), figsize=size, sharey=True, squeeze=False, layout="constrained")

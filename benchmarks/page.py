@@ -4,14 +4,12 @@
 """
 
 import argparse
-import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-from benchmarks import charts
+from benchmarks import charts, parts
 from benchmarks.analysis import TARGETS, Compared, compared
-from benchmarks.machine import RESULTS
+from benchmarks.rst import machine, number, table, title
 
 OUT = Path(__file__).resolve().parent.parent / "docs" / "results"
 
@@ -22,8 +20,8 @@ Speed against accuracy
 ======================
 
 One chart decides: error against time. Each scene below is stated once (``benchmarks/scenes``), with reference values that
-are converged values of the same theory, and solved by skancf and by other programs with the settings that serve them best, on
-the same machine, taking turns. ``make peers`` installs the others, ``make bench`` measures all of it (``make bench
+are converged values of the same theory, and solved by skancf and by other programs with the settings that serve them best,
+on the same machine, taking turns. ``make peers`` installs the others, ``make bench`` measures all of it (``make bench
 SET=quick`` a part of it in five minutes), and this page is made of what it stored.
 
 Time is wall time on one thread, from the statement of the model to the numbers: mesh, assembly, solution. Starting a program
@@ -32,32 +30,6 @@ a ladder of meshes from which on no run is worse; an error that is small by chan
 does not count.
 
 """
-
-
-def title(text: str, mark: str) -> str:
-    return f"\n{text}\n{mark * len(text)}\n\n"
-
-
-def table(header: list[str], rows: list[list[str]], caption: str = "") -> str:
-    """A list-table."""
-    lines = [f".. list-table:: {caption}".rstrip(), "   :header-rows: 1", "   :class: numbers", ""]
-    for row in [header, *rows]:
-        lines += [f"   {'*' if k == 0 else ' '} - {cell}" for k, cell in enumerate(row)]
-    return "\n".join(lines) + "\n\n"
-
-
-def number(seconds: float | None) -> str:
-    return "" if seconds is None else f"{seconds:.3g}"
-
-
-def machine(stored: dict[str, Any]) -> str:
-    """What the numbers depend on, as text."""
-    facts = stored["machine"]
-    programs = [f"{name}: {version}" for name, version in stored.get("versions", {}).items()]
-    packages = ", ".join(f"{name} {version}" for name, version in facts["versions"].items() if version)
-    text = (f"{facts['processor']}, {facts['cores']} cores, {facts['memory_gb']} GB, {facts['system']}, "
-            f"Python {facts['python']}; {packages}.")  # fmt: skip
-    return text + (f" Programs: {'; '.join(programs)}." if programs else "")
 
 
 def overview(scenes: list[Compared]) -> str:
@@ -102,26 +74,6 @@ def section(found: Compared, folder: Path) -> str:
     return text + ("Not run, or failed:\n\n" + "".join(f"- {note}\n" for note in notes) + "\n" if notes else "")
 
 
-def grown(folder: Path) -> str:
-    """What an iteration costs from a thousand to a million unknowns."""
-    stored = load("growth.json")
-    if not stored:
-        return ""
-    charts.growth(stored, folder / "growth.png")
-    text = title("Growth", "-")
-    text += ("Seconds of each part of a Newton iteration against the number of unknowns, theory ``kirchhoff``, with the "
-             "exponents of straight lines fitted to them on logarithmic axes. " + machine(stored) + "\n\n")  # fmt: skip
-    return text + ".. image:: growth.png\n   :alt: seconds of each part of an iteration against unknowns\n\n"
-
-
-def load(name: str) -> dict[str, Any]:
-    file = RESULTS / name
-    return dict(json.loads(file.read_text(encoding="utf-8"))) if file.exists() else {}
-
-
-PARTS: tuple[Callable[[Path], str], ...] = (grown,)
-
-
 def page(folder: Path) -> Iterator[str]:
     scenes = list(compared())
     yield INTRODUCTION
@@ -132,7 +84,7 @@ def page(folder: Path) -> Iterator[str]:
         yield ".. image:: summary.png\n   :alt: time of the fastest peer over ours, by scene and accuracy\n\n"
         yield overview(scenes)
     yield from (section(found, folder) for found in scenes)
-    yield from (part(folder) for part in PARTS)
+    yield from (part(folder) for part in parts.PARTS)
 
 
 def main(out: Path = OUT) -> None:

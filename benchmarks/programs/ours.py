@@ -133,8 +133,8 @@ def adaptive(built: Any, rtol: float) -> Outcome:
 
 
 def graded(built: Any, n: int) -> Any:
-    """Small at the peaks: as many elements as the uniform mesh, or, at the corner of an opening, a uniform mesh whose elements
-    there are quartered again and again."""
+    """Small at the peaks: as many elements as the uniform mesh, or, at the corner of an opening, a uniform mesh whose
+    elements there are quartered again and again."""
     import skancf as sk
 
     if built.openings:

@@ -23,7 +23,7 @@ def thin_end() -> tuple[float, float]:
 
 
 SOURCE = ("Closed form. Small and thick: the circle that small strains give. Thin: for the energy of the theory, whose "
-          "curvature per undeformed length shortens the mid-surface. Data from Sze, Liu and Lo (2004), example 3.2.")  # fmt: skip
+          "curvature per undeformed length shortens the mid-surface. Data from Sze, Liu and Lo (2004), 3.2.")  # fmt: skip
 U, W = thin_end()
 EXACT = {"thin": 1e-12, "small": 1e-12, "thick": 1e-12}
 

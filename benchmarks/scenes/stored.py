@@ -14,7 +14,7 @@ def read(name: str) -> dict[str, Any]:
 
 
 def references(name: str, quantity: str, small: float | None = None, doubt: float = 0.0) -> dict[str, Any]:
-    """What :class:`Quantity` takes: ``reference`` and ``uncertainty`` by theory, that of small strains too if there is one."""
+    """What :class:`Quantity` takes: ``reference`` and ``uncertainty`` by theory, that of small strains too, if any."""
     found = read(name)
     theories = [theory for theory in ("thin", "thick") if theory in found]
     reference = {theory: _frozen(found[theory][quantity]) for theory in theories}

@@ -1,0 +1,85 @@
+"""The parts of the results page that are about skancf alone: kernels, linear solvers, growth, start-up."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from benchmarks import charts
+from benchmarks.machine import RESULTS
+from benchmarks.rst import machine, table, title
+
+
+def load(name: str) -> dict[str, Any]:
+    """A stored result; empty where there is none."""
+    file = RESULTS / name
+    return dict(json.loads(file.read_text(encoding="utf-8"))) if file.exists() else {}
+
+
+def kernels(folder: Path) -> str:
+    """What an element costs."""
+    stored = load("kernels.json")
+    if not stored:
+        return ""
+    names = ("residual", "stresses", "tangent")
+    rows = [
+        [row["theory"], str(row["elements"]), *(f"{row[name]:.2f}" for name in names), f"{row['kiloflops']:.0f}",
+         f"{row['share']:.0%}"]
+        for row in stored["rows"]
+    ]  # fmt: skip
+    text = (f"Microseconds per element on {stored['threads']} thread(s), gather and scatter included; the arithmetic of the "
+            f"tangent's matrix products, and its share of the {stored['peak_gigaflops']:.0f} GFlop/s that a large matrix "
+            f"product reaches on one core. {machine(stored)}\n\n")  # fmt: skip
+    header = ["theory", "elements", *(f"{name} (us)" for name in names), "kFlop", "of the peak"]
+    return title("Kernels", "-") + text + table(header, rows)
+
+
+def solvers(folder: Path) -> str:
+    """The linear solvers beside each other."""
+    stored = load("solvers.json")
+    if not stored:
+        return ""
+    rows = [
+        [row["mesh"], str(row["unknowns"]), str(row["threads"]), row["backend"],
+         *(f"{1e3 * row[part]:.3g}" for part in ("symbolic", "factor", "solve")), f"{row['memory_gb']:.2g}",
+         f"{row['of_first']:.2f}"]
+        for row in stored["rows"]
+    ]  # fmt: skip
+    text = (f"On tangents of a shell in a bent state, each solver in a process of its own, after the others. "
+            f"{machine(stored)}\n\n")  # fmt: skip
+    header = ["mesh", "unknowns", "threads", "solver", "symbolic (ms)", "factor (ms)", "solve (ms)", "GB", "of MKL's factor"]
+    return title("Linear solvers", "-") + text + table(header, rows)
+
+
+def growth(folder: Path) -> str:
+    """What the parts of an iteration cost from a thousand to a million unknowns."""
+    stored = load("growth.json")
+    if not stored:
+        return ""
+    text = title("Growth", "-")
+    text += ("Seconds and memory of each part of a Newton iteration against the number of unknowns, theory ``kirchhoff``, "
+             f"with the exponents of straight lines fitted to them on logarithmic axes. {machine(stored)}\n\n")  # fmt: skip
+    rows = []
+    for kind, name in (("seconds", "time"), ("memory_gb", "memory")):
+        charts.growth(stored, kind, folder / f"growth_{kind}.png")
+        text += f".. image:: growth_{kind}.png\n   :alt: {name} of each part of an iteration against unknowns\n\n"
+        for part, limit in stored["limits"].items():
+            fits = [run["exponents"][kind][part] for run in stored["runs"]]
+            cells = [f"{fit['exponent']:.2f} ({fit['from']} to {fit['to']})" if fit else "too small" for fit in fits]
+            rows.append([part, name, *cells, f"{limit:.2f}" if kind == "seconds" else ""])
+    threads = [f"{run['threads']} thread(s)" for run in stored["runs"]]
+    return text + table(["part", "of", *threads, "aimed at"], rows, "Exponents, and the unknowns they are fitted to")
+
+
+def startup(folder: Path) -> str:
+    """Import and first solves."""
+    stored = load("startup.json")
+    if not stored:
+        return ""
+    names = ("import", "first solve", "later solve", "first solve, cold")
+    rows = [[theory, *(f"{stored[theory][name]:.3f}" for name in names)] for theory in ("kirchhoff", "full")]
+    text = "Seconds of fresh processes, medians; a cold first solve compiles the kernels, once on a machine.\n\n"
+    return title("Start-up", "-") + text + table(["theory", *(f"{name} (s)" for name in names)], rows)
+
+
+PARTS: tuple[Callable[[Path], str], ...] = (kernels, solvers, growth, startup)

@@ -43,12 +43,16 @@ def unpack(rule, law, square):
 
 
 @njit(**INNER)
-def second_by_second(rule, square, rows, S):
-    """N_k D_kl N_l at each point: S (16, 256)."""
+def second_by_second(rule, square, gamma, scratch, S):
+    """N_k D_kl N_l at each point, of N_k less gamma times the first derivatives: S (16, 256); scratch (6, 16)."""
     for p in range(N_POINTS):
-        set_panel(3, 3, square, 336 + p, 16, 96, rule.jets, 16 * (32 + p), 256, rows, 0, 16)
+        for k in range(3):
+            for a in range(16):
+                scratch[k, a] = (rule.jets[32 + 16 * k + p, a] - gamma[k, 0, p] * rule.jets[p, a]
+                                 - gamma[k, 1, p] * rule.jets[16 + p, a])  # fmt: skip
+        set_panel(3, 3, square, 336 + p, 16, 96, scratch, 0, 16, scratch, 48, 16)
         for a in range(0, 16, 8):
-            set_panel(8, 3, rule.jets, 16 * (32 + p) + a, 256, 1, rows, 0, 16, S, 256 * p + 16 * a, 16)
+            set_panel(8, 3, scratch, a, 16, 1, scratch, 48, 16, S, 256 * p + 16 * a, 16)
 
 
 @njit(**INNER)
@@ -80,8 +84,8 @@ def membrane_forces(x, square, z):
 
 
 @njit(**INNER)
-def coefficients(x, n, duals, gamma, square, stress, z, E, scratch):
-    """E (2, 5, 9, 16): of N_J in A^g, by g and J."""
+def coefficients(x, n, duals, gamma, square, stress, shared, z, E, scratch):
+    """E (2, 5, 9, 16): of N_J in A^g, by g and J. S has the second derivatives alone if ``shared`` is 1, all if it is 0."""
     cross, on, H, bending = scratch[:6], scratch[6:8], scratch[8:12], scratch[12]
     for p in range(N_POINTS):
         m11, m22, m12 = stress[3, p], stress[4, p], 2.0 * stress[5, p]
@@ -95,8 +99,8 @@ def coefficients(x, n, duals, gamma, square, stress, z, E, scratch):
     for g in range(2):
         for k in range(3):
             for p in range(N_POINTS):
-                cross[3 * g + k, p] = -(square[3 + k, 3, p] * gamma[0, g, p] + square[3 + k, 4, p] * gamma[1, g, p]
-                                        + square[3 + k, 5, p] * gamma[2, g, p])  # fmt: skip
+                cross[3 * g + k, p] = -shared * (square[3 + k, 3, p] * gamma[0, g, p] + square[3 + k, 4, p] * gamma[1, g, p]
+                                                 + square[3 + k, 5, p] * gamma[2, g, p])  # fmt: skip
     for g in range(2):
         for d in range(2):
             for p in range(N_POINTS):
@@ -162,7 +166,8 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
     z, of_first, E, scratch = np.empty((2, 9, 16)), np.empty((2, 9, 16)), np.empty((2, 5, 9, 16)), np.empty((13, 16))
     S, A, Y, K = aligned(16, 256), aligned(2 * HALF, 144), aligned(144, 16), aligned(48, 48)
     M, T, G, Z, C = aligned(48, 48), aligned(48, 48), aligned(16, 48), aligned(16, 48), np.zeros((16, 16))
-    square, rows, slopes, normals = np.empty((6, 6, 16)), aligned(3, 16), aligned(32, 16), np.empty((6, 16))
+    square, rows, slopes, normals = np.empty((6, 6, 16)), aligned(6, 16), aligned(32, 16), np.empty((6, 16))
+    nothing = np.zeros((3, 2, 16))
     slopes[:] = rule.slopes
     coupled = False
     for m in range(rule.pairs.shape[0]):
@@ -173,9 +178,9 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
         c = elements.shape[e]
         if c != last:
             unpack(rule, elements.law[c], square)
-            second_by_second(rule, square, rows, S)
             assumed = elements.assumed[c] == 1
             if assumed:
+                second_by_second(rule, square, nothing, rows, S)
                 kept_law(rule, square, elements.rest[c], C)
             last = c
         prefetch_blocks(e, slots, out)
@@ -183,7 +188,10 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
         jets(rule, local, x)
         surface(x, n, duals, gamma)
         membrane_forces(x, square, z)
-        coefficients(x, n, duals, gamma, square, stress[e], z, E, scratch)
+        coefficients(x, n, duals, gamma, square, stress[e], 1.0 if assumed else 0.0, z, E, scratch)
+        if not assumed:
+            # At a pole gamma has no bound, and the parts of the second derivatives would cancel.
+            second_by_second(rule, square, gamma, rows, S)
         for k in range(6):
             factor = 0.5 if FIRST[k] == SECOND[k] else 1.0
             for p in range(N_POINTS):

@@ -16,14 +16,13 @@ import subprocess
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from pathlib import Path
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
 import skancf as sk
-from benchmarks.machine import clock, facts, with_threads, write
+from benchmarks.machine import clock, facts, forget_peak, peak_memory, resident_memory, with_threads, write
 from skancf.adaptive.estimate import goal_estimate
 from skancf.adaptive.grow import Growth
 from skancf.adaptive.transfer import transfer
@@ -49,20 +48,6 @@ def plate() -> sk.Problem:
     )  # fmt: skip
 
 
-def status(name: str) -> float:
-    """An entry of /proc/self/status in kB; NaN on other systems."""
-    try:
-        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
-    except OSError:
-        return float("nan")
-    return float(next(line.split()[1] for line in lines if line.startswith(name)))
-
-
-def forget_peak() -> None:
-    with suppress(OSError):
-        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
-
-
 class Meter:
     """Seconds and memory of the parts by their names."""
 
@@ -72,14 +57,14 @@ class Meter:
 
     def take(self, name: str, work: Callable[[], Any], runs: int = RUNS) -> Any:
         forget_peak()
-        before = status("VmRSS")
+        before = resident_memory()
         times: list[float] = []
         while len(times) < runs and sum(times) < PATIENCE:
             begun = clock()
             out = work()
             times.append(clock() - begun)
             if len(times) == 1:
-                self.gigabytes[name] = (status("VmHWM") - before) / 1e6
+                self.gigabytes[name] = peak_memory() - before
         self.seconds[name] = min(times)
         return out
 

@@ -4,8 +4,8 @@ import importlib.metadata
 import json
 import os
 import platform
-import resource
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -31,8 +31,19 @@ def facts() -> dict[str, Any]:
 
 
 def peak_memory() -> float:
-    """Largest resident memory of this process so far (GB)."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1e9 if platform.system() == "Darwin" else 1e6)
+    """Largest resident memory of this process since :func:`forget_peak` (GB); NaN where there is no /proc."""
+    return _status("VmHWM")
+
+
+def resident_memory() -> float:
+    """Resident memory of this process (GB); NaN where there is no /proc."""
+    return _status("VmRSS")
+
+
+def forget_peak() -> None:
+    """Let :func:`peak_memory` begin anew, where the system allows it."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
 
 
 def clock() -> float:
@@ -60,6 +71,14 @@ def _processor() -> str:
     except OSError:
         return platform.processor()
     return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), platform.processor())
+
+
+def _status(name: str) -> float:
+    try:
+        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return float("nan")
+    return float(next(line.split()[1] for line in lines if line.startswith(name))) / 1e6
 
 
 def _version(name: str) -> str | None:

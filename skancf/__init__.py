@@ -51,7 +51,7 @@ from skancf.dynamics import (
     spectrum,
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
-from skancf.errors import DidNotConverge, InputError, NoLimit, SingularMatrix, SkancfError
+from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Path, Pulse, Ramp, Table
 from skancf.loads import (
     DiskForce,
@@ -180,6 +180,7 @@ __all__ = [
     "NewtonCount",
     "NoLimit",
     "NoRotation",
+    "NotEnoughMemory",
     "Orthotropic",
     "OutOfDepth",
     "Parallelogram",

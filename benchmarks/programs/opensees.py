@@ -18,22 +18,22 @@ LEVELS: dict[str, dict[str, dict[float, float]]] = {
         "end_shear": {8: 100, 12: 200, 16: 400, 24: 800, 32: 1600},
         "roll_up": {8: 200, 12: 400, 16: 800, 24: 1600, 32: 3200},
         "hinged_roof": {4: 1.0, 6: 0.5, 8: 0.25, 12: 0.1},
-        "paper_2n": {4: 35, 6: 50, 8: 70, 12: 100, 16: 140, 20: 200},
-        "paper_20n": {4: 35, 6: 50, 8: 70, 12: 100, 16: 140, 20: 200},
+        "paper_2n": {4: 25, 6: 35, 8: 50, 12: 70, 16: 100, 20: 140},
+        "paper_20n": {4: 25, 6: 35, 8: 50, 12: 70, 16: 100, 20: 140},
         "free_ruler": {6: 200, 8: 400, 12: 800, 16: 1600},
     },
     "thick": {
         "hinged_roof": {4: 5.0, 6: 5.0, 8: 5.0, 12: 5.0, 16: 5.0, 24: 5.0},
         "paper_2n": {4: 35, 6: 50, 8: 70, 12: 100, 16: 140, 20: 200},
         "paper_20n": {4: 35, 6: 50, 8: 70, 12: 100, 16: 140, 20: 200},
-        "free_ruler": {8: 60, 12: 80, 16: 100, 24: 140, 32: 200, 48: 280},
+        "free_ruler": {8: 70, 12: 110, 16: 150, 24: 250, 32: 350, 48: 560},
     },
 }
 LINEAR = {"l_shape": (8, 16, 24, 32, 48, 64, 96, 128), "corner_plate": (4, 6, 8, 12, 16, 24, 32, 48)}
 
 VARIANTS = {
     "thin": Variant(
-        "OpenSees, DKGQ", "thin", {**{name: tuple(levels) for name, levels in LEVELS["thin"].items()}, **LINEAR},
+        "OpenSees, DKGQ", "small", {**{name: tuple(levels) for name, levels in LEVELS["thin"].items()}, **LINEAR},
         {"hemisphere": "ShellNLDKGQ stops at 47 % of the load on 8 x 8 elements, with 800 load steps and more"},
     ),
     "thick": Variant(

@@ -18,6 +18,7 @@ OUT = ROOT / "out" / "bench"
 STEPS = {
     "all": (
         ("start-up", ["benchmarks.startup"]),
+        ("guard", ["benchmarks.guard", "measure"]),
         ("kernels", ["benchmarks.kernel"]),
         ("linear solvers", ["benchmarks.solvers"]),
         ("growth", ["benchmarks.growth"]),

@@ -40,9 +40,9 @@ class Limits(NamedTuple):
 
 # Seconds for starting a program.
 START = 60.0
-FULL, QUICK = Limits(45.0, 3, 3.0), Limits(2.0, 1, 0.0)
+FULL, QUICK = Limits(20.0, 3, 0.5), Limits(2.0, 1, 0.0)
 # Scenes in which the peers need longer to reach the accuracy that is asked for.
-PATIENCE = {"hemisphere": 3.0, "paper_2n": 2.0}
+PATIENCE = {"hemisphere": 4.0, "paper_2n": 2.0, "paper_20n": 2.0}
 
 
 class Contender(NamedTuple):

@@ -1,6 +1,6 @@
 """Microseconds per element for residual and tangent, scatter included, and memory per element.
 
-    python benchmarks/kernel.py [--threads 1] [--largest 100000]
+    python -m benchmarks.kernel [--threads 1] [--largest 100000]
 
 The best of several runs is printed, of one thread in processor time: other work on the machine only ever adds to it. The
 last column is the share of the peak that the tangent reaches: the arithmetic of its matrix products, as coded and counted in
@@ -16,6 +16,7 @@ import sys
 import time
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -91,6 +92,7 @@ def main() -> None:
     os.environ["SKANCF_THREADS"] = str(arguments.threads)
     start = time.perf_counter()
     import skancf as sk
+    from benchmarks.machine import facts, write
 
     print(f"import {time.perf_counter() - start:.2f} s, {arguments.threads} thread(s)")
     clock = time.thread_time if arguments.threads == 1 else time.perf_counter
@@ -98,6 +100,7 @@ def main() -> None:
     print(f"matrix product of numpy on one core: {peak:.0f} GFlop/s")
     plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.05, sk.Isotropic(0.2e6, 0.3, 2000.0))
     theories = {"full, plain": sk.Full(assumed=False), "full": sk.Full(), "kirchhoff": sk.Kirchhoff()}
+    rows: list[dict[str, Any]] = []
     print(f"{'theory':<13}{'elements':>9}{'residual us':>13}{'stress us':>11}{'tangent us':>12}"
           f"{'set-up us':>11}{'matrix kB':>11}{'other kB':>10}{'kFlop':>7}{'of peak':>9}")  # fmt: skip
     for name, theory in theories.items():
@@ -128,9 +131,15 @@ def main() -> None:
             other = 1e3 * megabytes(*parts) / count
             work = 2e-3 * sum(rows * terms * columns for rows, terms, columns in products(name))
             share = work / figures[2] / (arguments.threads * peak)
+            rows.append({
+                "theory": name, "elements": count, "residual": figures[0], "stresses": figures[1], "tangent": figures[2],
+                "kiloflops": work, "share": share,
+            })  # fmt: skip
             print(f"{name:<13}{count:>9}{figures[0]:>13.2f}{figures[1]:>11.2f}{figures[2]:>12.2f}"
                   f"{1e6 * setup / count:>11.1f}{matrix_kb:>11.2f}{other:>10.2f}{work:>7.0f}{share:>9.0%}",
                   flush=True)  # fmt: skip
+    found = {"machine": facts(), "threads": arguments.threads, "peak_gigaflops": peak, "rows": rows}
+    print(write("kernels.json", found))
 
 
 if __name__ == "__main__":

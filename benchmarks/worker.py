@@ -1,6 +1,6 @@
 """Runs one variant of a program on one scene, in the program's own environment, and prints a line of JSON for each run.
 
-    python -m benchmarks.worker PROGRAM VARIANT SCENE SIZE [SIZE ...] [--runs 3]
+    python -m benchmarks.worker PROGRAM VARIANT SCENE SIZE [SIZE ...] [--runs 2]
 
 What is timed is from the statement of the model to the numbers: mesh, assembly, solution. The start of the interpreter and
 imports are not, nor is a first small run that loads what is loaded once. Programs that are started as a process of their
@@ -20,7 +20,7 @@ from benchmarks.programs.program import Program
 from benchmarks.scenes import SCENES, Scene
 
 # A run shorter than this is repeated.
-SHORT = 2.0
+SHORT = 1.0
 
 
 def program(name: str) -> Program:
@@ -53,7 +53,7 @@ def main() -> None:
     parser.add_argument("variant")
     parser.add_argument("scene", choices=SCENES)
     parser.add_argument("sizes", type=float, nargs="+")
-    parser.add_argument("--runs", type=int, default=3, help="of every size that takes less than two seconds")
+    parser.add_argument("--runs", type=int, default=2, help="of every size that takes less than a second")
     arguments = parser.parse_args()
     peer, scene = program(arguments.program), SCENES[arguments.scene]
     peer.prepare()

@@ -18,22 +18,25 @@ UNIFORM: dict[str, Sequence[float]] = {
     "hinged_roof": (2, 3, 4, 6, 8, 12, 16),
     "l_shape": (4, 8, 12, 16, 24, 32, 48, 64, 128),
     "corner_plate": (1, 2, 3, 4, 6, 8, 12, 16, 24, 32),
-    "paper_2n": (2, 3, 4, 6, 8, 10, 12, 16),
-    "paper_20n": (2, 3, 4, 6, 8, 10, 12, 16),
-    "free_ruler": (2, 3, 4, 6, 8, 12),
+    "paper_2n": (2, 3, 4, 6, 8, 10, 12, 16, 20),
+    "paper_20n": (2, 3, 4, 6, 8, 10, 12, 16, 20),
+    "free_ruler": (3, 4, 5, 6, 8, 12),
 }
 # Steps for each size, whose errors are about those of the mesh: an asked accuracy, or a length (s).
 STEPS: dict[str, dict[float, dict[str, float]]] = {
     "paper_2n": {
-        2: {"rtol": 1e-3}, 3: {"rtol": 3e-4}, 4: {"rtol": 3e-4}, 6: {"rtol": 1e-4}, 8: {"rtol": 1e-4}, 10: {"rtol": 5e-5},
-        12: {"rtol": 5e-5}, 16: {"rtol": 2e-5},
+        2: {"rtol": 1e-3}, 3: {"rtol": 7e-4}, 4: {"rtol": 4e-4}, 6: {"rtol": 2e-4}, 8: {"rtol": 1e-4}, 10: {"rtol": 7e-5},
+        12: {"rtol": 4e-5}, 16: {"rtol": 2e-5}, 20: {"rtol": 1e-5},
     },
     "paper_20n": {
-        2: {"rtol": 7e-3}, 3: {"rtol": 2e-3}, 4: {"rtol": 2e-3}, 6: {"rtol": 7e-4}, 8: {"rtol": 7e-4}, 10: {"rtol": 3e-4},
-        12: {"rtol": 3e-4}, 16: {"rtol": 1e-4},
+        2: {"rtol": 7e-3}, 3: {"rtol": 5e-3}, 4: {"rtol": 3e-3}, 6: {"rtol": 1.5e-3}, 8: {"rtol": 7e-4}, 10: {"rtol": 5e-4},
+        12: {"rtol": 3e-4}, 16: {"rtol": 1.5e-4}, 20: {"rtol": 7e-5},
     },
-    "free_ruler": {2: {"dt": 4e-4}, 3: {"dt": 2e-4}, 4: {"dt": 1e-4}, 6: {"dt": 5e-5}, 8: {"dt": 3e-5}, 12: {"dt": 1.5e-5}},
+    "free_ruler": {3: {"dt": 1.5e-4}, 4: {"dt": 1e-4}, 5: {"dt": 7e-5}, 6: {"dt": 5e-5}, 8: {"dt": 3e-5}, 12: {"dt": 1.5e-5}},
 }  # fmt: skip
+# Stronger damping of what steps do not resolve lets the steps be longer; and no iteration more accurate than the steps.
+DAMPED: dict[str, float] = {"paper_2n": 0.6, "paper_20n": 0.6, "free_ruler": 0.8}
+NEWTON = 1e-3
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5)
 NO_ADAPTIVE_TIME = "meshes that follow a motion do not pay where the plate bends as a whole"
 NO_GOAL = "one number is asked of an adaptive run; here several states are"
@@ -120,7 +123,10 @@ def pressed(scene: Scene, built: Any, system: Any, mixed: bool) -> Outcome:
 def moving(scene: Scene, built: Any, system: Any, steps: dict[str, float]) -> Outcome:
     import skancf as sk
 
-    motion = sk.simulate(system, scene.data["end"], **steps, outputs=(0.0, *scene.times), progress=False).unwrap()
+    motion = sk.simulate(
+        system, scene.data["end"], **steps, rho_inf=DAMPED[scene.name], newton_rtol=NEWTON, outputs=(0.0, *scene.times),
+        progress=False,
+    ).unwrap()
     values = {key: series[1:] for key, series in built.values(motion).items()}
     return Outcome(values, free(system), f"{len(motion.steps)} steps")
 

@@ -40,7 +40,7 @@ class Limits(NamedTuple):
 
 # Seconds for starting a program.
 START = 60.0
-FULL, QUICK = Limits(20.0, 3, 0.5), Limits(2.0, 1, 0.0)
+FULL, QUICK = Limits(20.0, 3, 0.5), Limits(1.5, 1, 0.0)
 # Scenes in which the peers need longer to reach the accuracy that is asked for.
 PATIENCE = {"hemisphere": 4.0, "paper_2n": 2.0, "paper_20n": 2.0}
 

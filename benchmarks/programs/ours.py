@@ -32,7 +32,9 @@ STEPS: dict[str, dict[float, dict[str, float]]] = {
         2: {"rtol": 7e-3}, 3: {"rtol": 5e-3}, 4: {"rtol": 3e-3}, 6: {"rtol": 1.5e-3}, 8: {"rtol": 7e-4}, 10: {"rtol": 5e-4},
         12: {"rtol": 3e-4}, 16: {"rtol": 1.5e-4}, 20: {"rtol": 7e-5},
     },
-    "free_ruler": {3: {"dt": 1.5e-4}, 4: {"dt": 1e-4}, 5: {"dt": 7e-5}, 6: {"dt": 5e-5}, 8: {"dt": 3e-5}, 12: {"dt": 1.5e-5}},
+    "free_ruler": {
+        3: {"dt": 1.5e-4}, 4: {"dt": 1e-4}, 5: {"dt": 7e-5}, 6: {"dt": 5e-5}, 8: {"dt": 3e-5}, 12: {"dt": 1.5e-5},
+    },
 }  # fmt: skip
 # Stronger damping of what steps do not resolve lets the steps be longer; and no iteration more accurate than the steps.
 DAMPED: dict[str, float] = {"paper_2n": 0.6, "paper_20n": 0.6, "free_ruler": 0.8}

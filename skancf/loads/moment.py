@@ -115,13 +115,16 @@ class MomentOnNormals(Acting):
         self.geometry, self.elements, self.moments, self.history = assembly.geometry, elements, moments, history
         # (m, 2, 16, n): r_1 and r_2 of the local functions at each facet's points.
         self.slopes = np.stack([self.geometry.theory.slope_table(p) for p in points])
+        self._seen: tuple[float | None, np.ndarray, tuple[np.ndarray, ...]] | None = None
 
     def _surface(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, ...]:
-        vectors = self.geometry.local(q, self.elements)
-        jet = np.einsum("mgan,mai->gimn", self.slopes, vectors)
-        n, duals = unit_normal(jet), dual(jet)
-        m = amplitude(self.history, time) * self.moments
-        return n, duals, m, np.einsum("imn,gimn->gmn", cross(m, n), duals)
+        """Normals, dual vectors, moments and c; of the last state they are kept, since force and stiffness ask in turn."""
+        if self._seen is None or self._seen[0] != time or not np.array_equal(self._seen[1], q):
+            jet = np.einsum("mgan,mai->gimn", self.slopes, self.geometry.local(q, self.elements))
+            n, duals = unit_normal(jet), dual(jet)
+            m = amplitude(self.history, time) * self.moments
+            self._seen = time, q.copy(), (n, duals, m, np.einsum("imn,gimn->gmn", cross(m, n), duals))
+        return self._seen[2]
 
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         n, _, _, c = self._surface(q, time)

@@ -18,7 +18,7 @@ OUT = ROOT / "out" / "bench"
 STEPS = {
     "all": (
         ("start-up", ["benchmarks.startup"]),
-        ("guard", ["benchmarks.guard", "measure"]),
+        ("guard", ["benchmarks.guard", "check"]),
         ("kernels", ["benchmarks.kernel"]),
         ("linear solvers", ["benchmarks.solvers"]),
         ("growth", ["benchmarks.growth"]),

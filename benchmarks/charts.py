@@ -30,10 +30,10 @@ def scene(compared: Compared, file: Path) -> None:
     """Error against time and against degrees of freedom."""
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.6), sharey=True, layout="constrained")
     for curve in compared.curves:
-        if curve.errors:
-            errors = np.maximum(curve.errors, FLOOR)
-            axes[0].loglog(curve.seconds, errors, **style(curve, compared.curves))
-            axes[1].loglog(curve.dofs, errors, **style(curve, compared.curves))
+        if curve.done:
+            errors, seconds, dofs = (np.array(a)[curve.done] for a in (curve.errors, curve.seconds, curve.dofs))
+            axes[0].loglog(seconds, np.maximum(errors, FLOOR), **style(curve, compared.curves))
+            axes[1].loglog(dofs, np.maximum(errors, FLOOR), **style(curve, compared.curves))
     doubt = compared.scene.uncertainty("thin")
     for axis in axes:
         axis.axhspan(FLOOR / 10, doubt, color="#f0f0f0", zorder=0)
@@ -42,7 +42,7 @@ def scene(compared: Compared, file: Path) -> None:
         axis.grid(color="#eeeeee", which="major")
         axis.set_ylim(max(FLOOR, 0.3 * min((min(c.errors, default=1) for c in compared.curves), default=1)), 1)
     axes[0].set(xlabel="seconds, one thread", ylabel="relative error", title=compared.scene.title)
-    axes[1].set(xlabel="degrees of freedom", title="grey: what the reference is worth")
+    axes[1].set(xlabel="degrees of freedom", title="grey: what the thin reference is worth")
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right center", frameon=False, fontsize=8)
     finish(figure, file)

@@ -10,24 +10,19 @@ up. Programs that are not installed (``make peers``), and scenes that a program 
 import argparse
 import json
 import os
-import subprocess
 import sys
-import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks.machine import RESULTS, facts, with_threads, write
+from benchmarks.ladder import ladder
+from benchmarks.machine import RESULTS, facts, write
 from benchmarks.programs.program import Program
 from benchmarks.scenes import SCENES, Scene
+from benchmarks.setup_peers import ready
 from benchmarks.worker import program
 
-ROOT = Path(__file__).resolve().parent.parent
 PROGRAMS = ("ours", "exudyn", "kratos", "opensees", "calculix", "ngsolve")
-# Of programs that do not listen to the usual ones.
-ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "CCX_NPROC_EQUATION_SOLVER": "1", "NGS_NUM_THREADS": "1"}
 
 
 class Limits(NamedTuple):
@@ -38,11 +33,12 @@ class Limits(NamedTuple):
     repeated: float
 
 
-# Seconds for starting a program.
-START = 60.0
 FULL, QUICK = Limits(20.0, 3, 0.5), Limits(1.5, 1, 0.0)
 # Scenes in which the peers need longer to reach the accuracy that is asked for.
 PATIENCE = {"hemisphere": 4.0, "paper_2n": 2.0, "paper_20n": 2.0}
+
+
+NO_LIMIT = "a theory with shear has no limit under a force at a point, and this plate is not so thin that it hardly matters"
 
 
 class Contender(NamedTuple):
@@ -60,12 +56,13 @@ class Contender(NamedTuple):
         """The interpreter of its environment; None where there is none."""
         if self.program.environment is None:
             return Path(sys.executable)
-        python = ROOT / "benchmarks" / "peers" / self.program.environment / ".venv" / "bin" / "python"
-        return python if python.exists() else None
+        return ready(self.program.environment)
 
     def reason(self, scene: Scene) -> str | None:
         """Why it does not run a scene."""
         variant = self.program.variants[self.variant]
+        if variant.theory in scene.limitless:
+            return NO_LIMIT
         if scene.name not in variant.sizes:
             return variant.cannot.get(scene.name, "not set up")
         return None if self.python() else "not installed on this machine: make peers"
@@ -76,46 +73,6 @@ def contenders(names: list[str]) -> list[Contender]:
     return [Contender(name, peer, variant) for name, peer in found for variant in peer.variants]
 
 
-def ladder(contender: Contender, scene: Scene, sizes: list[float], limit: float) -> Iterator[dict[str, Any]]:
-    """What the worker says of each run, until the limit."""
-    command = [str(contender.python()), "-m", "benchmarks.worker", contender.module, contender.variant, scene.name]
-    environment = {**with_threads(1), **ONE_THREAD}
-    with process([*command, *(f"{size:g}" for size in sizes)], environment) as worker:
-        assert worker.stdout is not None
-        # Its first line says that it has started: start and imports are not compared.
-        alarm = threading.Timer(START, end, [worker])
-        alarm.start()
-        for line in worker.stdout:
-            if not line.startswith("@"):
-                continue
-            found = json.loads(line[1:])
-            if "version" in found:
-                alarm.cancel()
-                alarm = threading.Timer(limit, end, [worker])
-                alarm.start()
-            yield found
-        alarm.cancel()
-
-
-@contextmanager
-def process(command: list[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
-    """A worker that is ended with the processes that it has started."""
-    worker = subprocess.Popen(
-        command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-        start_new_session=True,
-    )  # fmt: skip
-    try:
-        yield worker
-    finally:
-        end(worker)
-        worker.wait()
-
-
-def end(worker: "subprocess.Popen[str]") -> None:
-    with suppress(ProcessLookupError):
-        os.killpg(worker.pid, 9)
-
-
 class Runs:
     """What came out on one scene, by contender and size."""
 
@@ -123,15 +80,23 @@ class Runs:
         self.scene = scene
         self.rows: dict[tuple[str, str, float], dict[str, Any]] = {}
         self.versions: dict[str, str] = {}
+        self.ends: dict[str, tuple[str, str]] = {}
+        """By label: the module, and why a ladder was not finished in the first round, in which all of it is run."""
 
     def add(self, contender: Contender, line: dict[str, Any]) -> None:
         if "version" in line:
             self.versions[contender.program.name] = line["version"]
             return
+        if "end" in line:
+            if line["end"]:
+                self.ends.setdefault(contender.label, (contender.module, line["end"]))
+            return
         key = (contender.module, contender.variant, line["size"])
         theory = contender.program.variants[contender.variant].theory
-        head = {"program": contender.program.name, "module": contender.module, "variant": contender.variant,
-                "label": contender.label, "theory": theory, "size": line["size"]}  # fmt: skip
+        head = {
+            "program": contender.program.name, "module": contender.module, "variant": contender.variant,
+            "label": contender.label, "theory": theory, "size": line["size"], "on": time.strftime("%Y-%m-%d"),
+        }  # fmt: skip
         row = self.rows.setdefault(key, {**head, "wall": [], "cpu": []})
         if "failed" in line:
             row["failed"] = line["failed"]
@@ -158,7 +123,9 @@ def compare(scene: Scene, entered: list[Contender], limits: Limits) -> Runs:
             if not sizes:
                 continue
             began = time.perf_counter()
-            for line in ladder(contender, scene, sizes, limits.ladder * PATIENCE.get(scene.name, 1.0)):
+            arguments = [contender.module, contender.variant, scene.name]
+            limit = limits.ladder * PATIENCE.get(scene.name, 1.0)
+            for line in ladder(contender.python() or Path(), arguments, sizes, limit):
                 runs.add(contender, line)
             print(f"  {number + 1}/{limits.rounds}  {contender.label:<34}{time.perf_counter() - began:7.1f} s  "
                   f"{best(runs, contender)}", flush=True)  # fmt: skip
@@ -170,7 +137,9 @@ def best(runs: Runs, contender: Contender) -> str:
     own = [r for r in runs.rows.values() if (r["module"], r["variant"]) == contender[::2]]
     done = [r for r in own if "error" in r]
     failed = f", {len(own) - len(done)} failed" if len(own) > len(done) else ""
-    return (f"least error {min(r['error'] for r in done):.1e}" if done else "no result") + failed
+    ended = runs.ends.get(contender.label, ("", ""))[1]
+    found = f"least error {min(r['error'] for r in done):.1e}" if done else "no result"
+    return found + failed + (ended and f", {ended}")
 
 
 def stored(runs: Runs, entered: list[Contender], limits: Limits, old: dict[str, Any]) -> dict[str, Any]:
@@ -178,11 +147,15 @@ def stored(runs: Runs, entered: list[Contender], limits: Limits, old: dict[str, 
     scene, ran = runs.scene, {contender.module for contender in entered}
     kept = [row for row in old.get("rows", ()) if row["module"] not in ran]
     cannot = [{"module": c.module, "label": c.label, "reason": c.reason(scene)} for c in entered if c.reason(scene)]
+    ends = [{"module": module, "label": label, "reason": end} for label, (module, end) in runs.ends.items()]
+    machine = facts()
+    machine.pop("threads")  # of this process; the workers have one
     return {
-        "scene": scene.name, "machine": facts(), "threads": 1, "rounds": limits.rounds,
+        "scene": scene.name, "machine": machine, "threads": 1, "rounds": limits.rounds, "seconds": limits.ladder,
         "versions": {**old.get("versions", {}), **runs.versions},
         "rows": sorted([*kept, *runs.rows.values()], key=lambda row: (row["label"], PROGRAMS.index(row["module"]))),
         "cannot": [*(c for c in old.get("cannot", ()) if c["module"] not in ran), *cannot],
+        "unfinished": [*(c for c in old.get("unfinished", ()) if c["module"] not in ran), *ends],
     }  # fmt: skip
 
 
@@ -192,6 +165,8 @@ def main() -> None:
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--programs", nargs="+", choices=PROGRAMS, default=list(PROGRAMS))
     arguments = parser.parse_args()
+    if arguments.quick and "SKANCF_RESULTS" not in os.environ:
+        parser.error("--quick would take the place of the kept results: say make bench SET=quick, or set SKANCF_RESULTS")
     limits, entered, began = QUICK if arguments.quick else FULL, contenders(arguments.programs), time.perf_counter()
     for number, name in enumerate(arguments.scenes, 1):
         minutes = (time.perf_counter() - began) / 60

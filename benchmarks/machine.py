@@ -52,9 +52,10 @@ def clock() -> float:
 
 
 def with_threads(n: int) -> dict[str, str]:
-    """The environment of a process in which every library may use ``n`` threads."""
+    """The environment of a process in which every library may use ``n`` threads, and all instructions of the processor."""
     names = ("SKANCF_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
-    return {**os.environ, **{name: str(n) for name in names}}
+    kept = {name: value for name, value in os.environ.items() if name not in ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE")}
+    return {**kept, **{name: str(n) for name in names}}
 
 
 def write(name: str, content: dict[str, Any]) -> Path:

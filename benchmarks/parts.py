@@ -45,9 +45,10 @@ def solvers(folder: Path) -> str:
          f"{row['of_first']:.2f}"]
         for row in stored["rows"]
     ]  # fmt: skip
-    text = (f"On tangents of a shell in a bent state, each solver in a process of its own, after the others. "
+    text = (f"On tangents of a shell in a bent state, each solver in a process of its own; the "
+            f"ratio is of factor and solve, to the first. "
             f"{machine(stored)}\n\n")  # fmt: skip
-    header = ["mesh", "unknowns", "threads", "solver", "symbolic (ms)", "factor (ms)", "solve (ms)", "GB", "of MKL's factor"]
+    header = ["mesh", "unknowns", "threads", "solver", "symbolic (ms)", "factor (ms)", "solve (ms)", "GB", "ratio"]
     return title("Linear solvers", "-") + text + table(header, rows)
 
 
@@ -66,9 +67,11 @@ def growth(folder: Path) -> str:
         for part, limit in stored["limits"].items():
             fits = [run["exponents"][kind][part] for run in stored["runs"]]
             cells = [f"{fit['exponent']:.2f} ({fit['from']} to {fit['to']})" if fit else "too small" for fit in fits]
-            rows.append([part, name, *cells, f"{limit:.2f}" if kind == "seconds" else ""])
+            over = any(fit and fit["exponent"] > limit for fit in fits)
+            aim = [f"{limit:.2f}", "no" if over else "yes"] if kind == "seconds" else ["", ""]
+            rows.append([part, name, *cells, *aim])
     threads = [f"{run['threads']} thread(s)" for run in stored["runs"]]
-    return text + table(["part", "of", *threads, "aimed at"], rows, "Exponents, and the unknowns they are fitted to")
+    return text + table(["part", "of", *threads, "aimed at", "reached"], rows, "Exponents, and the sizes they are fitted to")
 
 
 def startup(folder: Path) -> str:
@@ -76,9 +79,9 @@ def startup(folder: Path) -> str:
     stored = load("startup.json")
     if not stored:
         return ""
-    names = ("import", "first solve", "later solve", "first solve, cold")
+    names = [n for n in ("import", "first solve", "later solve", "first solve, cold") if n in stored["kirchhoff"]]
     rows = [[theory, *(f"{stored[theory][name]:.3f}" for name in names)] for theory in ("kirchhoff", "full")]
-    text = "Seconds of fresh processes, medians; a cold first solve compiles the kernels, once on a machine.\n\n"
+    text = "CPU seconds of fresh processes, medians; a cold first solve compiles the kernels, once on a machine.\n\n"
     return title("Start-up", "-") + text + table(["theory", *(f"{name} (s)" for name in names)], rows)
 
 

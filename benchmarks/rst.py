@@ -27,3 +27,8 @@ def machine(stored: dict[str, Any]) -> str:
     text = (f"{facts['processor']}, {facts['cores']} cores, {facts['memory_gb']} GB, {facts['system']}, "
             f"Python {facts['python']}; {packages}.")  # fmt: skip
     return text + (f" Programs: {'; '.join(programs)}." if programs else "")
+
+
+def literal(text: str) -> str:
+    """What a program said, on one line and as it is."""
+    return "``" + " ".join(text.replace("`", "'").split()) + "``" if text.strip() else ""

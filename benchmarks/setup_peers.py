@@ -1,4 +1,5 @@
-"""Installs the programs that skancf is compared with, each in an environment of its own below ``benchmarks/peers``.
+"""Installs the programs that skancf is compared with, each in an environment of its own below ``benchmarks/peers``;
+those of ``packages.txt`` into the system.
 
     python -m benchmarks.setup_peers [NAME ...]
 
@@ -14,6 +15,14 @@ import venv
 from pathlib import Path
 
 PEERS = Path(__file__).resolve().parent / "peers"
+READY = "ready"
+"""File in an environment whose program is installed."""
+
+
+def ready(name: str) -> Path | None:
+    """The interpreter of a program's environment; None where the program is not installed."""
+    environment = PEERS / name / ".venv"
+    return environment / "bin" / "python" if (environment / READY).exists() else None
 
 
 def listed(file: Path) -> list[str]:
@@ -24,15 +33,17 @@ def listed(file: Path) -> list[str]:
 def install(folder: Path) -> str:
     """What became of it, in a line."""
     environment = folder / ".venv"
+    (environment / READY).unlink(missing_ok=True)
     venv.create(environment, with_pip=True, clear=not (environment / "bin" / "python").exists())
     pip = [str(environment / "bin" / "python"), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     subprocess.run([*pip, "numpy", *listed(folder / "requirements.txt")], check=True, stdout=subprocess.DEVNULL)
     packages = listed(folder / "packages.txt")
     if packages:
         if shutil.which("apt-get") is None:
-            return f"needs the Debian packages {packages}, and there is no apt-get: install them by hand"
+            raise SystemExit(f"it needs the Debian packages {packages}, and there is no apt-get: install them by hand")
         subprocess.run(["apt-get", "update", "-qq"], check=False, stdout=subprocess.DEVNULL)
         subprocess.run(["apt-get", "install", "-qq", "-y", *packages], check=True, stdout=subprocess.DEVNULL)
+    (environment / READY).touch()
     return "ready"
 
 
@@ -45,9 +56,9 @@ def main() -> int:
         print(f"{name}: ...", end=" ", flush=True)
         try:
             print(install(PEERS / name), flush=True)
-        except subprocess.CalledProcessError as error:
+        except (subprocess.CalledProcessError, SystemExit) as error:
             failed += 1
-            print(f"not installed: {' '.join(map(str, error.cmd[:4]))} ... ended with {error.returncode}", flush=True)
+            print(f"not installed: {error}"[:200], flush=True)
     return failed
 
 

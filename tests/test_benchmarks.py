@@ -3,14 +3,16 @@
 import json
 import subprocess
 import sys
+import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from benchmarks import analysis, compare, page
+from benchmarks import analysis, compare, page, setup_peers
+from benchmarks.ladder import ladder
 from benchmarks.programs import ours
 from benchmarks.scenes import SCENES, Quantity, Scene
-from benchmarks.setup_peers import PEERS
 
 ROOT = Path(__file__).resolve().parent.parent
 # Sizes at which our thin elements have errors of this order: that scenes, references and models belong together.
@@ -66,19 +68,28 @@ def test_an_error_that_is_small_by_chance_is_not_reached() -> None:
     assert curve((), ()).time_to(1.0) is None
 
 
+def test_a_size_that_failed_is_no_accurate_one_and_the_last_needs_another_that_confirms_it() -> None:
+    failed = curve((1e-3, float("inf"), 1e-3), (1.0, float("inf"), 3.0))
+    assert failed.time_to(1e-2) == 3.0 and not failed.confirmed(1e-2) and failed.done == [0, 2]
+    assert curve((1e-3, 1e-3), (1.0, 2.0)).confirmed(1e-2)
+
+
 def test_references_that_are_not_known_well_enough_are_marked() -> None:
     scene = scene_with({"thin": 1.0}, {"thin": 1e-4})
-    found = analysis.Compared(scene, (curve((1e-5,), (1.0,)),), (), {})
-    assert found.known(1e-3) and not found.known(1e-4)
+    thin = replace(curve((1e-5,), (1.0,)), uncertainty=scene.uncertainty("thin"))
+    assert thin.known(1e-3) and not thin.known(1e-4)
+    assert not scene.own("thick") and not replace(thin, uncertainty=scene.uncertainty("thick")).known(0.5)
 
 
 @pytest.mark.parametrize("module", compare.PROGRAMS)
 def test_each_program_runs_each_scene_or_says_why_not(module: str) -> None:
     program = compare.program(module)
-    assert program.environment is None or (PEERS / program.environment).is_dir()
+    assert program.environment is None or (setup_peers.PEERS / program.environment).is_dir()
     for variant in program.variants.values():
         for name in SCENES:
-            assert (name in variant.sizes) != bool(variant.cannot.get(name)), (variant.label, name)
+            able = name in variant.sizes and variant.theory not in SCENES[name].limitless
+            why = variant.cannot.get(name) or (variant.theory in SCENES[name].limitless and compare.NO_LIMIT)
+            assert able != bool(why), (variant.label, name)
 
 
 def test_a_scene_that_a_program_cannot_run_is_stored_with_the_reason() -> None:
@@ -90,10 +101,10 @@ def test_a_scene_that_a_program_cannot_run_is_stored_with_the_reason() -> None:
 
 def test_runs_of_the_worker_are_stored_with_what_failed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     entered = [c for c in compare.contenders(["ours"]) if c.variant == "uniform"]
-    scene = SCENES["corner_plate"]
-    monkeypatch.setitem(entered[0].program.variants["uniform"].sizes, "corner_plate", (2, -1))
+    scene = SCENES["paper_2n"]
+    monkeypatch.setitem(entered[0].program.variants["uniform"].sizes, scene.name, (2, 5))  # steps for 5 are not set up
     runs = compare.compare(scene, entered, compare.Limits(60.0, 2, 10.0))
-    good, bad = runs.rows[("ours", "uniform", 2.0)], runs.rows[("ours", "uniform", -1.0)]
+    good, bad = runs.rows[("ours", "uniform", 2.0)], runs.rows[("ours", "uniform", 5.0)]
     assert len(good["wall"]) == len(good["cpu"]) >= 2 and all(0 < t < 60 for t in good["cpu"])
     assert good["error"] == pytest.approx(scene.error(ours.run(scene, "uniform", 2).values, "thin"))
     assert not bad["wall"] and "Error" in bad["failed"]
@@ -106,35 +117,45 @@ def test_runs_of_the_worker_are_stored_with_what_failed(tmp_path: Path, monkeypa
 
 def test_a_ladder_ends_when_its_time_is_up() -> None:
     contender = next(c for c in compare.contenders(["ours"]) if c.variant == "uniform")
-    lines = list(compare.ladder(contender, SCENES["hemisphere"], [8, 200], 2.0))
-    assert "version" in lines[0]
-    assert all(line["size"] == 8 for line in lines[1:])
+    began = time.perf_counter()
+    lines = list(ladder(Path(sys.executable), [contender.module, contender.variant, "hemisphere"], [8, 200], 3.0))
+    assert time.perf_counter() - began < 60
+    assert "version" in lines[0] and "time was up after" in lines[-1]["end"]
+    assert all(line["size"] == 8 for line in lines[1:-1])
+
+
+def test_a_worker_that_breaks_is_told_with_its_last_words() -> None:
+    lines = list(ladder(Path(sys.executable), ["no_such_program", "uniform", "hemisphere"], [8], 60.0))
+    assert len(lines) == 1 and "ended with code 1 after its start: ModuleNotFoundError" in lines[0]["end"]
 
 
 def test_a_program_without_its_environment_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(compare, "ROOT", tmp_path)
+    monkeypatch.setattr(setup_peers, "PEERS", tmp_path)
     contender = next(c for c in compare.contenders(["exudyn"]) if "end_shear" in c.program.variants[c.variant].sizes)
     assert "make peers" in str(contender.reason(SCENES["end_shear"]))
 
 
 def test_the_page_is_made_of_stored_results(tmp_path: Path) -> None:
+    u, w = (SCENES["end_shear"].quantities[name].reference for name in ("u", "w"))
+
     def row(module: str, size: int, error: float, seconds: float) -> dict:
         program = {"ours": "skancf", "exudyn": "Exudyn"}[module]
         return {
             "program": program, "module": module, "variant": "a", "label": f"{program}, a", "theory": "thin", "size": size,
-            "dofs": 10 * size, "error": error, "wall": [seconds, 9.0, seconds / 2], "cpu": [seconds], "note": "",
+            "dofs": 10 * size, "error": 7.0, "wall": [seconds, 9.0, seconds / 2], "cpu": [seconds], "note": "",
+            "values": {"u": u["thin"] + 10 * error, "w": w["thin"]},
         }  # fmt: skip
 
     stored = {
         "scene": "end_shear", "machine": compare.facts(), "threads": 1, "rounds": 1, "versions": {"Exudyn": "Exudyn 7"},
         "rows": [row("ours", 1, 2e-2, 0.25), row("ours", 2, 5e-4, 0.5), row("exudyn", 1, 5e-4, 4.0)],
-        "cannot": [{"module": "kratos", "label": "Kratos, b", "reason": "no such element"}],
+        "cannot": [{"module": "kratos", "label": "Kratos, b", "reason": "no such *element\nat all"}],
     }  # fmt: skip
     (tmp_path / "scene_end_shear.json").write_text(json.dumps(stored))
     found = list(analysis.compared(tmp_path))
     assert [c.seconds for c in found[0].curves] == [(0.25, 0.5), (4.0,)]
     text = page.overview(found) + page.section(found[0], tmp_path)
-    assert "Kratos, b: no such element" in text and "\n     - 8\n" in text
+    assert "Kratos, b: ``no such *element at all``" in text and "\n     - 8\n" in text
     assert (tmp_path / "end_shear.png").stat().st_size > 10_000
 
 

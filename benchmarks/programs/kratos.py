@@ -8,7 +8,7 @@ from benchmarks.scenes import Scene
 THIN: dict[str, Sequence[float]] = {
     "end_shear": (4, 6, 8, 12, 16, 24, 32, 48, 64),
     "roll_up": (3, 4, 6, 8, 12),
-    "hemisphere": (8, 12, 16, 24, 32),
+    "hemisphere": (8, 12, 16, 24, 32, 40, 48),
     "hinged_roof": (4, 6, 8, 12, 16, 24, 32, 48),
     "l_shape": (4, 6, 8, 12, 16, 24, 32, 48, 64),
     "corner_plate": (4, 6, 8, 12, 16, 24, 32, 48, 64),

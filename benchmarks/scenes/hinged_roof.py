@@ -28,4 +28,5 @@ SCENE = Scene(
                                **stored.references("hinged_roof", f"force_{k}", small=SMALL[k], doubt=DOUBT))
         for k, w in enumerate(DEFLECTIONS)
     },
+    limitless=("thick",),
 )  # fmt: skip

@@ -24,6 +24,7 @@ def scene(force: float) -> Scene:
             for key, point in POINTS.items()
         },
         times=tuple(stored.read(name)["times"]),
+        limitless=("thick",),
     )  # fmt: skip
 
 

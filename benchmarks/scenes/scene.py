@@ -44,6 +44,8 @@ class Scene:
     data: Mapping[str, float]
     quantities: Mapping[str, Quantity]
     times: tuple[float, ...] = ()
+    limitless: tuple[str, ...] = ()
+    """Theories in which the numbers have no limit as meshes are refined."""
 
     def error(self, values: Mapping[str, Value], theory: str) -> float:
         """The largest relative error of the quantities."""
@@ -52,9 +54,13 @@ class Scene:
             raise ValueError(f"{self.name}: no value for {missing}")
         return max(q.error(values[name], theory) for name, q in self.quantities.items())
 
+    def own(self, theory: str) -> bool:
+        """Are there reference values of this very theory?"""
+        return all(theory in q.reference for q in self.quantities.values())
+
     def uncertainty(self, theory: str) -> float:
-        """Of the reference values, relative like the errors."""
-        return max(q.uncertainty.get(theory, q.uncertainty["thin"]) for q in self.quantities.values())
+        """Of the reference values, relative like the errors; for a theory without its own it is not known, so infinite."""
+        return max(q.uncertainty[theory] for q in self.quantities.values()) if self.own(theory) else float("inf")
 
 
 def _series(value: Value) -> list[float]:

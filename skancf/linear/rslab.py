@@ -1,4 +1,4 @@
-"""The package rslab: threaded LDL^T on supernodes, in wheels for every platform; the solver of machines without MKL.
+"""The package rslab: threaded LDL^T on supernodes, in wheels for common platforms; the solver of machines without MKL.
 
 Its pivots, 1 x 1 and 2 x 2, are sought inside a supernode and never put off to the next. That does for tangents with their
 unit diagonal. Where it does not, SuperLU takes over, which may exchange any two rows.
@@ -12,7 +12,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.linear import kernels
+from skancf.errors import SingularMatrix
+from skancf.linear import kernels, memory
 from skancf.linear.pattern import BlockPattern
 from skancf.linear.superlu import SuperLU
 from skancf.threads import n_threads
@@ -86,7 +87,10 @@ class Rslab:
         try:
             self._factors = self._symbolic.factor(self._entries, threads=n_threads())
         except RuntimeError:
-            self._factors = self._symbolic.factor(self._entries, threads=n_threads(), preconditioner=SMALLEST_PIVOT)
+            try:
+                self._factors = self._symbolic.factor(self._entries, threads=n_threads(), preconditioner=SMALLEST_PIVOT)
+            except RuntimeError as none:
+                raise SingularMatrix(f"rslab: {none}") from none
 
     def solve(self, b: np.ndarray) -> np.ndarray:
         """A^-1 b, shape (n,)."""
@@ -112,5 +116,6 @@ class Rslab:
     def _with_exchanges(self) -> SuperLU:
         other = SuperLU()
         other.symbolic(self._pattern)
+        memory.require(other.memory, self._pattern.shape[0], "a factorisation by superlu, for pivots of rslab that vanish,")
         other.factor(self._values, careful=True)
         return other

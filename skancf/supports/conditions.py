@@ -11,6 +11,7 @@ import numpy as np
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError
+from skancf.vectors import cross
 
 R, R_X, R_Y, FOURTH = range(4)
 
@@ -171,7 +172,7 @@ def no_drilling(geometry: Geometry, place: Edges) -> list[Row]:
     for node in single_points(geometry, place):
         slopes, own = slopes_or_tangents(geometry, node)
         t1 = slopes[0] / np.linalg.norm(slopes[0])
-        t2 = np.cross(geometry.normal_at(node), t1)
+        t2 = cross(geometry.normal_at(node), t1)
         to_frame = np.linalg.inv(slopes @ np.stack([t1, t2]).T)  # r_,1 and r_,2 of r_x and r_y
         x, y = to_frame[0, :, None] * t2 - to_frame[1, :, None] * t1
         rows.append(Row(node, condition({R_X: x, R_Y: y}, t1), own=own))

@@ -27,6 +27,7 @@ from skancf.supports.conditions import (
     space_tangent,
 )
 from skancf.supports.plane import check_planes
+from skancf.vectors import cross
 
 
 def checked_kind(kind: str) -> str:
@@ -151,13 +152,13 @@ class Symmetry(Support):
 
     def _rows_at(self, geometry: Geometry, node: int, along: np.ndarray) -> list[Row]:
         normal, tangent = geometry.normal_at(node), space_tangent(geometry, node, along)
-        out = np.cross(tangent, normal)
+        out = cross(tangent, normal)
         slopes, own = slopes_or_tangents(geometry, node)
         rows = [Row(node, condition({R: 1.0}, out)), Row(node, condition({R_X: along[0], R_Y: along[1]}, out))]
         if geometry.theory.twist:
             kind = across(along)
             slope = geometry.undeformed_at(node)[kind]
-            if np.linalg.norm(np.cross(slope, out)) > 1e-6 * np.linalg.norm(slope):
+            if np.linalg.norm(cross(slope, out)) > 1e-6 * np.linalg.norm(slope):
                 raise InputError(f"Symmetry({self.where!r}): the lines of the parameter {'xy'[kind - 1]} do not cross the "
                                  "edge at right angles; use a surface on which they do")  # fmt: skip
             return rows + [Row(node, condition({k: 1.0}, v)) for k in (kind, FOURTH) for v in (tangent, normal)]

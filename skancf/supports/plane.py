@@ -7,6 +7,7 @@ import numpy as np
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError
 from skancf.surfaces import normal
+from skancf.vectors import cross
 
 # Differences of unit vectors: derivatives by differences have errors of 1e-9 on short waves.
 SAME_PLANE = 1e-6
@@ -32,7 +33,7 @@ def check_planes(geometry: Geometry, where: Any) -> None:
     for node in np.flatnonzero(np.bincount(nodes, minlength=1) > 1):
         met = at_ends[nodes == node]
         cosines = np.abs(met @ met[0])
-        if ((cosines > CORNER) & (np.linalg.norm(np.cross(met, met[0]), axis=1) > SAME_PLANE)).any():
+        if ((cosines > CORNER) & (np.linalg.norm(cross(met.T, met[0]), axis=0) > SAME_PLANE)).any():
             raise _in_no_plane(geometry, where, np.array([node]))
 
 
@@ -42,7 +43,7 @@ def _conormals(geometry: Geometry, ends: np.ndarray) -> np.ndarray:
     along = end - start
     at = start[:, :, None] + along[:, :, None] * np.linspace(0, 1, 5)
     tangent = np.einsum("dm,dimn->imn", along, np.stack(geometry.surface.derivatives(*at)))
-    out = np.cross(tangent, normal(geometry.surface, *at), axis=0)
+    out = cross(tangent, normal(geometry.surface, *at))
     return np.asarray(out / np.linalg.norm(out, axis=0))
 
 

@@ -12,7 +12,7 @@ from benchmarks.machine import RESULTS
 from benchmarks.scenes import SCENES, Scene
 
 OURS = "skancf"
-TARGETS = (1e-2, 1e-3, 1e-4)
+TARGETS = (1e-2, 2.5e-3, 1e-3, 1e-4)
 
 
 @dataclass(frozen=True)

@@ -50,12 +50,12 @@ def scene(compared: Compared, file: Path) -> None:
 
 def summary(scenes: list[Compared], file: Path) -> None:
     """How many times longer the fastest peer takes than our fastest, for each scene and accuracy."""
-    figure, axis = plt.subplots(figsize=(9, 0.5 * len(scenes) + 1.6), layout="constrained")
-    colours, height = ("#9ecae1", "#4292c6", "#084594"), 0.26
+    figure, axis = plt.subplots(figsize=(9, 0.65 * len(scenes) + 1.6), layout="constrained")
+    colours, height = ("#c6dbef", "#9ecae1", "#4292c6", "#084594"), 0.2
     for k, target in enumerate(TARGETS):
         for row, found in enumerate(scenes):
             ours, peer = found.fastest(True, target), found.fastest(False, target)
-            y = row + (k - 1) * height
+            y = row + (k - 1.5) * height
             if ours and peer:
                 ratio = peer[0] / ours[0]
                 axis.barh(y, ratio - 1, height, left=1, color=colours[k])

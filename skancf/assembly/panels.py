@@ -34,6 +34,8 @@ def _panel(add, typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row)
     for array in (A, B, C):
         if array.layout != "C" or array.dtype != types.float64:
             raise TypingError(f"{array} in a panel, which takes contiguous arrays of float64: copy it")
+    if not isinstance(rows, types.IntegerLiteral):
+        raise TypingError(f"rows of type {rows} in a panel: give a number, which the compiler has to know, no variable")
     signature = types.void(rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row)
 
     def generate(context, builder, signature, arguments):
@@ -94,7 +96,8 @@ def add_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
     """Adds the sum over k < n of A[a + k a_next + i a_row] B[b + k b_next + j] to C[c + i c_row + j].
 
     For i < ``rows``, a number known to the compiler, and j < 16; n > 0. Arrays are contiguous, their indices flat. Sums of 4
-    to 12 rows fill the pipelines of current processors; 6 rows fit the registers of those with vectors of four, too.
+    to 12 rows fill the pipelines of processors with vectors of eight; on those with shorter ones, whose registers hold fewer
+    sums, some of them go through memory.
     """
     return _panel(True, typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row)
 
@@ -108,6 +111,8 @@ def set_panel(typing, rows, n, A, a, a_next, a_row, B, b, b_next, C, c, c_row):
 @intrinsic
 def prefetch(typing, array, at):
     """Asks the cache for what is at a flat index of a contiguous array, which is written soon."""
+    if array.layout != "C":
+        raise TypingError(f"{array} is not contiguous, so that it has no flat index: copy it")
     signature = types.void(array, at)
 
     def generate(context, builder, signature, arguments):

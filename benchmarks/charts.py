@@ -18,6 +18,8 @@ COLOURS = {
 }  # fmt: skip
 LINES, MARKS = ("-", "--", ":", "-.", (0, (5, 1, 1, 1, 1, 1))), "osD^v"
 FLOOR = 1e-7
+# What is less cannot be told from what the system does besides.
+NOISE = {"seconds": 0.0, "memory_gb": 1e-3}
 
 
 def style(curve: Curve, curves: tuple[Curve, ...]) -> dict[str, Any]:
@@ -77,17 +79,17 @@ def summary(scenes: list[Compared], file: Path) -> None:
 def growth(stored: dict[str, Any], kind: str, file: Path) -> None:
     """Seconds (``kind`` "seconds") or memory ("memory_gb") of each part of an iteration against unknowns, with exponents."""
     runs = {run["threads"]: run for run in stored["runs"]}
-    size = (5.2 * len(runs), 4.8)
+    size, colours = (5.2 * len(runs), 5.8), plt.colormaps["tab20"].colors
     figure, axes = plt.subplots(1, len(runs), figsize=size, sharey=True, squeeze=False, layout="constrained")
     for axis, (threads, run) in zip(axes[0], sorted(runs.items()), strict=True):
-        for part, fit in run["exponents"][kind].items():
-            points = [(row["unknowns"], row[kind][part]) for row in run["rows"] if row[kind].get(part, 0.0) > 0]
+        for number, (part, fit) in enumerate(run["exponents"][kind].items()):
+            points = [(row["unknowns"], row[kind][part]) for row in run["rows"] if row[kind].get(part, 0.0) > NOISE[kind]]
             label = f"{part}, N^{fit['exponent']:.2f}" if fit else part
             if points:
-                axis.loglog(*zip(*points, strict=True), "o-", ms=3.5, lw=1.3, label=label)
+                axis.loglog(*zip(*points, strict=True), "o-", ms=3.5, lw=1.3, color=colours[number], label=label)
         axis.set(xlabel="unknowns", title=f"{threads} thread" + "s" * (threads > 1))
         axis.grid(color="#eeeeee")
-        axis.legend(frameon=False, fontsize=7)
+        axis.legend(frameon=False, fontsize=7.5, ncol=3, loc="upper center", bbox_to_anchor=(0.5, -0.12))
     axes[0, 0].set_ylabel(kind.replace("_gb", " (GB)"))
     finish(figure, file)
 

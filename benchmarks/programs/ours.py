@@ -15,7 +15,7 @@ UNIFORM: dict[str, Sequence[float]] = {
     "roll_up": (4, 6, 8, 12, 16, 24, 32),
     "hemisphere": (8, 10, 12, 14, 16, 20, 24, 32, 48),
     "hinged_roof": (2, 3, 4, 6, 8, 12, 16),
-    "l_shape": (4, 8, 12, 16, 24, 32, 48, 64, 128),
+    "l_shape": (4, 8, 12, 16, 24, 32, 36, 48, 64, 128),
     "corner_plate": (1, 2, 3, 4, 6, 8, 12, 16, 24, 32),
     "paper_2n": (2, 3, 4, 6, 8, 10, 12, 16, 20),
     "paper_20n": (2, 3, 4, 6, 8, 10, 12, 16, 20),
@@ -152,7 +152,7 @@ def graded(built: Any, n: int) -> Any:
     if built.openings:
         mesh = sk.meshes.quadtree(built.uniform(n))
         # As often as makes the corner's error, of order 1.09 in the size there, that of the rest, of order four.
-        for _ in range(max(0, round(2.67 * log2(n) - 5.7))):
+        for _ in range(max(0, round(2.67 * log2(n) - 3.7))):
             size = 0.1 * float(mesh.params().min())
             regions = [sk.meshes.Region(at, (size, size)) for at in built.peaks]
             mesh = sk.meshes.refined_in(mesh, regions, levels=1)

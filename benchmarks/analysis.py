@@ -24,6 +24,7 @@ class Curve:
     """
 
     program: str
+    module: str
     label: str
     theory: str
     sizes: tuple[float, ...]
@@ -97,7 +98,7 @@ def curve(scene: Scene, rows: list[dict[str, Any]]) -> Curve:
     """Errors are computed anew from the values: a reference may have become better since."""
     theory = rows[0]["theory"]
     return Curve(
-        rows[0]["program"], rows[0]["label"], theory, tuple(row["size"] for row in rows),
+        rows[0]["program"], rows[0]["module"], rows[0]["label"], theory, tuple(row["size"] for row in rows),
         tuple(row.get("dofs", 0) for row in rows),
         tuple(scene.error(row["values"], theory) if row["wall"] else inf for row in rows),
         tuple(statistics.median(row["wall"]) if row["wall"] else inf for row in rows), scene.uncertainty(theory),

@@ -155,6 +155,7 @@ def stored(runs: Runs, entered: list[Contender], limits: Limits, old: dict[str, 
         "versions": {**old.get("versions", {}), **runs.versions},
         "rows": sorted([*kept, *runs.rows.values()], key=lambda row: (row["label"], PROGRAMS.index(row["module"]))),
         "cannot": [*(c for c in old.get("cannot", ()) if c["module"] not in ran), *cannot],
+        "apart": sorted({*old.get("apart", ()), *ran}) if kept else [],
         "unfinished": [*(c for c in old.get("unfinished", ()) if c["module"] not in ran), *ends],
     }  # fmt: skip
 

@@ -74,6 +74,9 @@ def section(found: Compared, folder: Path) -> str:
         text += f"The reference series are uncertain by {scene.uncertainty('thin'):.1e}.\n\n"
     text += "\n\n".join(dict.fromkeys(q.source for q in scene.quantities.values())) + "\n\n"
     text += f".. image:: {scene.name}.png\n   :alt: {scene.title}: error against time and degrees of freedom\n\n"
+    apart = [curve.label for curve in found.curves if curve.module in found.stored.get("apart", ())]
+    if apart:
+        text += f"Measured by themselves after the others, not in turns with them: {'; '.join(apart)}.\n\n"
     rows = []
     for curve in sorted(found.curves, key=lambda c: (not c.ours, c.label)):
         best = f"{min(curve.errors):.1e}" if curve.done else "no result"

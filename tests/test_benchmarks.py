@@ -55,7 +55,7 @@ def test_errors_are_relative_to_the_reference_of_the_theory_or_the_scale() -> No
 
 def curve(errors: tuple[float, ...], seconds: tuple[float, ...], program: str = "skancf") -> analysis.Curve:
     sizes = tuple(range(len(errors)))
-    return analysis.Curve(program, f"{program}, a variant", "thin", sizes, sizes, errors, seconds)
+    return analysis.Curve(program, program, f"{program}, a variant", "thin", sizes, sizes, errors, seconds)
 
 
 def test_an_error_that_is_small_by_chance_is_not_reached() -> None:
@@ -113,6 +113,7 @@ def test_runs_of_the_worker_are_stored_with_what_failed(tmp_path: Path, monkeypa
     kept = compare.stored(runs, entered, compare.QUICK, old)
     assert json.loads(json.dumps(kept)) == kept
     assert [row["module"] for row in kept["rows"]] == ["exudyn", "ours", "ours"] and kept["cannot"][0]["reason"] == "why"
+    assert kept["apart"] == ["ours"] and not compare.stored(runs, entered, compare.QUICK, {})["apart"]
 
 
 def test_a_ladder_ends_when_its_time_is_up() -> None:
@@ -149,12 +150,14 @@ def test_the_page_is_made_of_stored_results(tmp_path: Path) -> None:
     stored = {
         "scene": "end_shear", "machine": compare.facts(), "threads": 1, "rounds": 1, "versions": {"Exudyn": "Exudyn 7"},
         "rows": [row("ours", 1, 2e-2, 0.25), row("ours", 2, 5e-4, 0.5), row("exudyn", 1, 5e-4, 4.0)],
+        "apart": ["ours"],
         "cannot": [{"module": "kratos", "label": "Kratos, b", "reason": "no such *element\nat all"}],
     }  # fmt: skip
     (tmp_path / "scene_end_shear.json").write_text(json.dumps(stored))
     found = list(analysis.compared(tmp_path))
     assert [c.seconds for c in found[0].curves] == [(0.25, 0.5), (4.0,)]
     text = page.overview(found) + page.section(found[0], tmp_path)
+    assert "not in turns with them: skancf, a." in text
     assert "Kratos, b: ``no such *element at all``" in text and "\n     - 8\n" in text
     assert (tmp_path / "end_shear.png").stat().st_size > 10_000
 

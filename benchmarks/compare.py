@@ -105,10 +105,14 @@ class Runs:
         row["wall"].append(round(line["wall"], 6))
         row["cpu"].append(round(line["cpu"], 6))
 
+    def of(self, contender: Contender) -> list[dict[str, Any]]:
+        """The rows of a contender."""
+        own = contender.module, contender.variant
+        return [row for row in self.rows.values() if (row["module"], row["variant"]) == own]
+
     def sizes(self, contender: Contender, repeated: float) -> list[float]:
         """Of the runs that are short enough to be repeated."""
-        own = [row for row in self.rows.values() if (row["module"], row["variant"]) == contender[::2]]
-        return [row["size"] for row in own if row["wall"] and min(row["wall"]) <= repeated]
+        return [row["size"] for row in self.of(contender) if row["wall"] and min(row["wall"]) <= repeated]
 
 
 def compare(scene: Scene, entered: list[Contender], limits: Limits) -> Runs:
@@ -134,7 +138,7 @@ def compare(scene: Scene, entered: list[Contender], limits: Limits) -> Runs:
 
 def best(runs: Runs, contender: Contender) -> str:
     """For the progress."""
-    own = [r for r in runs.rows.values() if (r["module"], r["variant"]) == contender[::2]]
+    own = runs.of(contender)
     done = [r for r in own if "error" in r]
     failed = f", {len(own) - len(done)} failed" if len(own) > len(done) else ""
     ended = runs.ends.get(contender.label, ("", ""))[1]

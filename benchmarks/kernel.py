@@ -129,7 +129,7 @@ def main() -> None:
             matrix_kb = 1e3 * megabytes(matrix.values) / count
             parts = system.assembly.sections, system.geometry, system.geometry.maps, system.pattern, stresses, q
             other = 1e3 * megabytes(*parts) / count
-            work = 2e-3 * sum(rows * terms * columns for rows, terms, columns in products(name))
+            work = 2e-3 * sum(m * terms * n for m, terms, n in products(name))
             share = work / figures[2] / (arguments.threads * peak)
             rows.append({
                 "theory": name, "elements": count, "residual": figures[0], "stresses": figures[1], "tangent": figures[2],

@@ -7,8 +7,9 @@ import argparse
 from collections.abc import Iterator
 from pathlib import Path
 
-from benchmarks import charts, parts
+from benchmarks import charts
 from benchmarks.analysis import TARGETS, Compared, Curve, compared
+from benchmarks.parts import parts
 from benchmarks.rst import literal, machine, number, table, title
 
 OUT = Path(__file__).resolve().parent.parent / "docs" / "results"
@@ -98,7 +99,7 @@ def page(folder: Path) -> Iterator[str]:
         yield ".. image:: summary.png\n   :alt: time of the fastest peer over ours, by scene and accuracy\n\n"
         yield overview(scenes)
     yield from (section(found, folder) for found in scenes)
-    yield from (part(folder) for part in parts.PARTS)
+    yield from parts(folder)
 
 
 def main(out: Path = OUT) -> None:

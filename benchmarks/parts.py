@@ -1,7 +1,7 @@
 """The parts of the results page that are about skancf alone: kernels, linear solvers, growth, start-up."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,17 +10,8 @@ from benchmarks.machine import RESULTS
 from benchmarks.rst import machine, table, title
 
 
-def load(name: str) -> dict[str, Any]:
-    """A stored result; empty where there is none."""
-    file = RESULTS / name
-    return dict(json.loads(file.read_text(encoding="utf-8"))) if file.exists() else {}
-
-
-def kernels(folder: Path) -> str:
+def kernels(stored: dict[str, Any], folder: Path) -> str:
     """What an element costs."""
-    stored = load("kernels.json")
-    if not stored:
-        return ""
     names = ("residual", "stresses", "tangent")
     rows = [
         [row["theory"], str(row["elements"]), *(f"{row[name]:.2f}" for name in names), f"{row['kiloflops']:.0f}",
@@ -34,11 +25,8 @@ def kernels(folder: Path) -> str:
     return title("Kernels", "-") + text + table(header, rows)
 
 
-def solvers(folder: Path) -> str:
+def solvers(stored: dict[str, Any], folder: Path) -> str:
     """The linear solvers beside each other."""
-    stored = load("solvers.json")
-    if not stored:
-        return ""
     rows = [
         [row["mesh"], str(row["unknowns"]), str(row["threads"]), row["backend"],
          *(f"{1e3 * row[part]:.3g}" for part in ("symbolic", "factor", "solve")), f"{row['memory_gb']:.2g}",
@@ -52,11 +40,8 @@ def solvers(folder: Path) -> str:
     return title("Linear solvers", "-") + text + table(header, rows)
 
 
-def growth(folder: Path) -> str:
+def growth(stored: dict[str, Any], folder: Path) -> str:
     """What the parts of an iteration cost from a thousand to a million unknowns."""
-    stored = load("growth.json")
-    if not stored:
-        return ""
     text = title("Growth", "-")
     text += ("Seconds and memory of each part of a Newton iteration against the number of unknowns, theory ``kirchhoff``, "
              f"with the exponents of straight lines fitted to them on logarithmic axes. {machine(stored)}\n\n")  # fmt: skip
@@ -74,15 +59,20 @@ def growth(folder: Path) -> str:
     return text + table(["part", "of", *threads, "aimed at", "reached"], rows, "Exponents, and the sizes they are fitted to")
 
 
-def startup(folder: Path) -> str:
+def startup(stored: dict[str, Any], folder: Path) -> str:
     """Import and first solves."""
-    stored = load("startup.json")
-    if not stored:
-        return ""
     names = [n for n in ("import", "first solve", "later solve", "first solve, cold") if n in stored["kirchhoff"]]
     rows = [[theory, *(f"{stored[theory][name]:.3f}" for name in names)] for theory in ("kirchhoff", "full")]
     text = "CPU seconds of fresh processes, medians; a cold first solve compiles the kernels, once on a machine.\n\n"
     return title("Start-up", "-") + text + table(["theory", *(f"{name} (s)" for name in names)], rows)
 
 
-PARTS: tuple[Callable[[Path], str], ...] = (kernels, solvers, growth, startup)
+PARTS: tuple[Callable[[dict[str, Any], Path], str], ...] = (kernels, solvers, growth, startup)
+
+
+def parts(folder: Path) -> Iterator[str]:
+    """Of those of which results are stored, under their names; pictures go to the folder."""
+    for part in PARTS:
+        file = RESULTS / f"{part.__name__}.json"
+        if file.exists():
+            yield part(json.loads(file.read_text(encoding="utf-8")), folder)

@@ -18,7 +18,7 @@ class Variant:
     sizes : mapping
         For each scene that it runs, the finenesses in the order of growing cost; what a size means is up to the program.
     cannot : mapping
-        For each scene that it does not run, the reason.
+        For each scene that it does not run, the reason; scenes in which its theory has no limit say so themselves.
     """
 
     label: str

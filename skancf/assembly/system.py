@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.assembly import local
+from skancf.assembly.folds import first_fold
 from skancf.assembly.full.assembly import FullAssembly
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly, Loading, Prescription
@@ -18,7 +19,7 @@ from skancf.errors import InputError
 from skancf.history import check_cover
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.materials import Section
-from skancf.vectors import cross, sum_of_cross
+from skancf.vectors import sum_of_cross
 
 ASSEMBLIES: dict[str, type] = {"full": FullAssembly, "kirchhoff": ThinAssembly}
 
@@ -332,22 +333,8 @@ class System:
         return BlockMatrix(self.pattern, out)
 
     def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
-        """The first element that folded, and its undeformed place; None if there is none.
-
-        An element folded where its area vanishes at an integration point, or where the normals at two of them enclose an
-        angle that is more than 120 degrees larger than that of the undeformed ones. A whole element that is upside down is
-        not folded: rotations are of any size.
-        """
-        geometry, points = self.geometry, self.geometry.theory.quadrature[0]
-        jets = [geometry.theory.jets(geometry.local(nodal), points)[:2] for nodal in (self._nodal(q), geometry.undeformed)]
-        now, before = (cross(pair[0], pair[1]) for pair in jets)
-        whole = ((now**2).sum(axis=0) > FOLDED**2 * (before**2).sum(axis=0)).all(axis=1)
-        whole[whole] = (_angles(now[:, whole]) - _angles(before[:, whole]) < TURNED).all(axis=(1, 2))
-        wrong = np.flatnonzero(~whole)
-        if not wrong.size:
-            return None
-        place = geometry.parameters(np.array([[0.5], [0.5]]), wrong[:1])[:, :, 0]
-        return int(wrong[0]), geometry.surface.position(*place)[:, 0]
+        """The first element that folded, and its undeformed place; None without one: see :mod:`skancf.assembly.folds`."""
+        return first_fold(self.geometry, self._nodal(q))
 
     def _gathered(self, parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> BlockMatrix:
         out = np.zeros((self.pattern.n_blocks, 12, 12))
@@ -377,16 +364,6 @@ class System:
 
 SMALL = 1e-5
 """Relative change of the nodal coordinates over which small changes are differenced."""
-FOLDED = 1e-6
-"""An area less than this times the undeformed one is none."""
-TURNED = 2 * np.pi / 3
-"""Growth of the angle between two normals of one element beyond which it is folded."""
-
-
-def _angles(normals: np.ndarray) -> np.ndarray:
-    """Angles between the vectors of each element at its points: (3, m, n) -> (m, n, n)."""
-    units = normals / np.linalg.norm(normals, axis=0)
-    return np.asarray(np.arccos(np.clip(np.einsum("iep,ieq->epq", units, units), -1.0, 1.0)))
 
 
 def total(parts: Iterable[Any]) -> Any:

@@ -32,6 +32,7 @@ from skancf.adaptive import (
     stress_regions,
     transfer,
 )
+from skancf.checks import Check
 from skancf.dynamics import (
     Checkpoint,
     EnergyBalance,
@@ -129,6 +130,7 @@ __all__ = [
     "BucklingResult",
     "Carried",
     "Change",
+    "Check",
     "Checkpoint",
     "Clamp",
     "Cone",

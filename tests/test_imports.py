@@ -13,7 +13,7 @@ import skancf
 PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
-    "version", "errors", "atomic", "history", "progress", "compiled", "threads", "vectors", "elements", "surfaces", "meshes",
+    "version", "errors", "checks", "atomic", "history", "progress", "compiled", "threads", "vectors", "elements", "surfaces", "meshes",
     "materials", "theories", "linear", "assembly", "supports", "loads", "thinness", "problem", "solution", "statics",
     "dynamics", "adaptive", "output",
 ]  # fmt: skip

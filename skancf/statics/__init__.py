@@ -1,5 +1,6 @@
 """Equilibrium: Newton's method, load steps, paths, linear answers; buckling and vibration about it."""
 
+from skancf.checks import Check
 from skancf.errors import OutOfDepth
 from skancf.statics.buckling import BucklingResult, buckling
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, StepLength
@@ -12,6 +13,7 @@ from skancf.statics.path import PathResult, trace
 __all__ = [
     "ArcLength",
     "BucklingResult",
+    "Check",
     "DisplacementControl",
     "DisplacementReached",
     "Event",

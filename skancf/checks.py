@@ -1,0 +1,40 @@
+"""What was checked about a result, after it was computed and by other means than those that found it."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Check:
+    """One number that must not be larger than its bound.
+
+    Attributes
+    ----------
+    name : str
+        What was compared, for example "balance of forces".
+    value, bound : float
+        Relative to what ``name`` compares with; a value that is not a number fails.
+    advice : str
+        What to do where it fails.
+    """
+
+    name: str
+    value: float
+    bound: float
+    advice: str = ""
+
+    @property
+    def passed(self) -> bool:
+        return bool(self.value <= self.bound)
+
+    def __str__(self) -> str:
+        word = "holds" if self.passed else "FAILED"
+        return f"{self.name}: {self.value:.1e}, at most {self.bound:.1e}: {word}"
+
+
+def failures(checks: Iterable[Check]) -> str:
+    """What failed and what to do, in sentences; nothing where all hold."""
+    return " ".join(
+        f"Check failed: {c.name} is {c.value:.1e}, at most {c.bound:.1e} is allowed. {c.advice}".strip()
+        for c in checks if not c.passed
+    )  # fmt: skip

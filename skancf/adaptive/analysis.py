@@ -9,7 +9,7 @@ from skancf.adaptive.transfer import transfer
 from skancf.assembly.system import System
 from skancf.solution import Solution
 from skancf.statics import HalveAndGrow
-from skancf.statics.load_steps import equilibrium, small_deflection
+from skancf.statics.equilibrium import equilibrium, small_deflection
 from skancf.statics.newton import Status
 
 

@@ -20,8 +20,9 @@ from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
-from skancf.statics.load_steps import equilibrium
-from skancf.statics.newton import newton, skew_part, work
+from skancf.statics.equilibrium import equilibrium
+from skancf.statics.newton import newton, skew_part
+from skancf.statics.stopping import work
 
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.checks import Check, failures
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
@@ -15,6 +16,7 @@ from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, Status
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
+from skancf.statics.verify import Balance
 
 CROSSED = (
     "the asked end lies between load factors {:.6g} and {:.6g}, but even in the smallest step its equilibrium was not "
@@ -42,6 +44,8 @@ class PathResult:
         Every solve of a step and of the end, failed ones too, with its residual history.
     message : str
         Why it stopped.
+    checks : tuple of Check
+        Of the last equilibrium; converged is only a path whose end passed them.
     """
 
     solutions: tuple[Solution, ...]
@@ -50,6 +54,7 @@ class PathResult:
     status: Status
     attempts: tuple[NewtonResult, ...]
     message: str = ""
+    checks: tuple[Check, ...] = ()
 
     @property
     def load_factors(self) -> np.ndarray:
@@ -158,13 +163,26 @@ class _Run:
                 raise
             status, message = Status.FAILED, f"what was computed is kept: {error!r}"
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
+        checks = self._checks(points)
+        if status is Status.CONVERGED and (failed := failures(checks)):
+            status, message = Status.OUT_OF_BALANCE, failed
         if status is not Status.CONVERGED:
             reached = f"load factor {points[-1].load_factor:.6g} after {len(points) - 1} steps"
             message = f"the path stopped at {reached}: {message}"
         return PathResult(
             tuple(Solution(self.system, point.q, load_factor=point.load_factor) for point in points),
             np.array([point.pivots for point in points]), tuple(self.events), status, tuple(self.follower.attempts), message,
+            checks,
         )  # fmt: skip
+
+    def _checks(self, points: list[Point]) -> tuple[Check, ...]:
+        """Of the last point; by the balance of the whole body alone, since its tangent may be singular there."""
+        last = points[-1]
+        if len(points) < 2 or not hasattr(self.system, "strain_energy"):
+            return ()
+        sizes = np.abs(self.system.tangent(last.q, factor=last.load_factor).diagonal())
+        balance = Balance(self.system, last.q, last.load_factor, points[0].q)
+        return tuple(measured.check for measured in balance.measured(sizes))
 
     def _go(self, start: Solution, steps: int, bar: Progress) -> tuple[Status, str]:
         follower, lengths = self.follower, self.control.steps

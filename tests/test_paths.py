@@ -10,8 +10,8 @@ import skancf as sk
 from skancf.errors import DidNotConverge, InputError, SingularMatrix
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
 from skancf.statics import Status, StepLength, newton
-from skancf.statics.stopping import Constraint
 from skancf.statics.points import Follower
+from skancf.statics.stopping import Constraint
 
 # --- structures of one and two coordinates ---------------------------------------------------------------------------
 
@@ -532,7 +532,8 @@ def test_what_counts_as_folded(theory):
 def test_an_unstable_equilibrium_with_a_following_load_says_what_is_counted():
     """A moment about the normal of a flat edge does nothing, and its tangent is skew."""
     pressed = sk.EdgeLoad("right", (-1.5 * EULER, 0, 0))
-    plain, follows = (sk.solve(strip(loads), relax=False) for loads in ([pressed], [pressed, sk.EdgeMoment("right", (0, 0, 0.01))]))
+    cases = [pressed], [pressed, sk.EdgeMoment("right", (0, 0, 0.01))]
+    plain, follows = (sk.solve(strip(loads), relax=False) for loads in cases)
     assert "flutter is not found" in follows.message and "flutter" not in plain.message and plain.message
     assert np.allclose(plain.solution.q, follows.solution.q, atol=1e-9)
 

@@ -184,12 +184,13 @@ class Enriched(Refined):
         return self._newton() - self.start
 
     def _newton(self) -> np.ndarray:
-        """Coordinates of the refined equilibrium by Newton's method, or by load steps from nothing."""
+        """Coordinates of the refined equilibrium by Newton's method, relaxed from the coarse one where that fails."""
         fine, factor = self.system, self.state.load_factor
         result: Any = newton(fine, self.start, self._solver, load_factor=factor, rtol=NEAR)
         q = result.q
         if not result.converged:
-            q = equilibrium(fine, factor, rtol=NEAR, follow=True, backend=self._solver.backend_name).unwrap().q
+            start = Solution(fine, self.start, load_factor=factor)
+            q = equilibrium(fine, factor, start=start, rtol=NEAR, backend=self._solver.backend_name).unwrap().q
         self.stiffness = fine.tangent(q, factor=factor)
         self._solver.factor(self.stiffness)
         return np.asarray(q)

@@ -26,8 +26,8 @@ UNSTABLE = (
     "ArcLength()) the place"
 )
 SNAPPED = (
-    "snapped: load steps ended at load factor {:.4g}, and from there the structure was relaxed at the full load, to a "
-    "stable state downhill; there may be others. trace(system) shows the path"
+    "snapped: Newton's method got no further than load factor {:.4g}, and from there the structure was relaxed at the full "
+    "load, to a stable state downhill; there may be others. trace(system) shows the path"
 )
 SLACK = (
     "relaxed at the full load from load factor {:.4g}, to a stable state downhill, because {}. A sheet so thin for its load "
@@ -68,7 +68,7 @@ class Cascade:
         self.system, self.solver, self.load_factor, self.settings, self.bar = system, solver, load_factor, settings, bar
         self.begin, self.span = start.load_factor, load_factor - start.load_factor
         # A model without these hooks, of which only Newton's method needs to know, has load steps alone.
-        self.relaxes = settings.relax and hasattr(system, "pretension")
+        self.relaxes = settings.relax and hasattr(type(system), "pretension")
         self.path, self.pivots = [start], [0]
         self.attempts: list[tuple[float, NewtonResult]] = []
         self.done, self.step, self.failed = 0.0, 1.0, False
@@ -156,9 +156,9 @@ class Cascade:
         """The end of load steps that reached the whole load; from a state that is not stable to one that is."""
         if not last.negative_pivots:
             return self.result(last.status, last.message)
-        if self.relaxes and (relaxation := self._relaxation()).has_potential(last.q):
+        if self.relaxes:
             checks = self.checks
-            if self._downhill(lambda: relaxation.from_unstable(last, self.path[0].q)):
+            if self._downhill(lambda: self._relaxation().from_unstable(last, self.path[0].q)):
                 return self._ended(BUCKLED.format(last.negative_pivots))
             self.checks = checks
             self.attempts.append((self.load_factor, last))

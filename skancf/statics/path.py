@@ -13,11 +13,13 @@ from skancf.solution import Solution, require_same_mesh
 from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.events import LIMIT, Event, events_between
-from skancf.statics.newton import NewtonResult, Status
+from skancf.statics.newton import NewtonResult, Status, largest_turn
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
 from skancf.statics.verify import Balance
 
+FIRST_TURN = 0.5
+"""Largest change of a slope in the first step by arc length, relative to the slope's length."""
 CROSSED = (
     "the asked end lies between load factors {:.6g} and {:.6g}, but even in the smallest step its equilibrium was not "
     "found; allow a smaller step (StepLength) or more iterations"
@@ -195,6 +197,9 @@ class _Run:
         first = self.control.first_length(measure, point.direction / (point.rate or 1.0), point.q)
         if not (np.isfinite(first) and first):
             return Status.NOT_FINITE, f"the load moves the structure by {first} at the start; look at its size"
+        if isinstance(self.control, ArcLength):
+            # A held film is a thousand times stiffer once it has moved a little than the tangent at the start says.
+            first /= max(1.0, largest_turn(self.system, first * point.direction) / FIRST_TURN)
         step = 1.0
         while len(self.points) <= steps:
             length = min(step * first, measure.left(point.q))

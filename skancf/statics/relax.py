@@ -27,6 +27,7 @@ BUDGET = 600
 INNER_RTOL, INNER_STEPS = 3e-2, 10
 PUSHED, CIRCLING = 400, 150
 """The same from a pushed state, and where the loads have no potential there, so that no energy need fall."""
+PUSHES = 3
 PUSH = 1e-2
 """Of the size of the body, along the motion in which an equilibrium is not stable."""
 CANDIDATES, INVERSE_ITERATIONS = 4, 8
@@ -87,15 +88,15 @@ class Relaxation:
 
     def from_unstable(self, found: NewtonResult, origin: np.ndarray, budget: int = BUDGET) -> NewtonResult | None:
         """The same from an equilibrium that is not stable, pushed along its softest motion."""
-        reference, first = self._first_strength(found.q)
         pushed = self._pushed(found.q)
+        reference, first = self._first_strength(pushed)
         budget = min(budget, PUSHED if self.has_potential(pushed) else CIRCLING)
         return self._go(pushed, origin, Letting(first), reference, calm_enough=5, budget=budget)
 
     def _go(
         self, q: np.ndarray, origin: np.ndarray, letting: Letting, reference: float, calm_enough: int, budget: int
     ) -> NewtonResult | None:
-        used, unstable = 0, None
+        used, unstable, pushes = 0, None, 0
         while used < budget and np.isfinite(letting.strength):
             pull = Pull(letting.strength, self.metric, q)
             held = self.solve(q, self.load_factor, pull=pull, rtol=INNER_RTOL, max_steps=INNER_STEPS)
@@ -108,10 +109,14 @@ class Relaxation:
             used, letting.calm = used + free.iterations, -1
             if free.converged and self.is_definite(free):
                 return free
-            if free.converged and unstable is not None:
-                return unstable
-            if free.converged:
-                unstable, calm_enough = free, 5
+            if not free.converged:
+                continue
+            # Far from the state that was held, Newton's method went back uphill: the flow goes on from where it is.
+            unstable, calm_enough = unstable or free, 5
+            if self._far(free.q - q) < 1.0:
+                if pushes == PUSHES:
+                    break
+                pushes += 1
                 q, letting.strength = self._pushed(free.q), max(letting.strength, reference)
         return unstable
 
@@ -138,9 +143,13 @@ class Relaxation:
 
     def _pushed(self, q: np.ndarray) -> np.ndarray:
         shape = downhill(self.system, self.solver, q, self.load_factor)
+        return q + shape / self._far(shape)
+
+    def _far(self, change: np.ndarray) -> float:
+        """Largest displacement in a change, over that of a push."""
         positions = self.system.undeformed.reshape(-1, 4, 3)[:, 0]
-        far = PUSH * float(np.linalg.norm(np.ptp(positions, axis=0)))
-        return q + far / np.abs(shape.reshape(-1, 4, 3)[:, 0]).max() * shape
+        push = PUSH * float(np.linalg.norm(np.ptp(positions, axis=0)))
+        return float(np.abs(change.reshape(-1, 4, 3)[:, 0]).max()) / push
 
 
 def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:

@@ -18,7 +18,7 @@ from skancf.statics.path import limit_ahead
 from skancf.statics.relax import Relaxation
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 from skancf.statics.tangents import SYMMETRIC_ONLY, is_skew
-from skancf.statics.verify import verify
+from skancf.statics.verify import checks_of, verify
 
 UNSTABLE = (
     "the equilibrium is not stable: its tangent has {} negative eigenvalue(s), and the first one came between load factor "
@@ -141,14 +141,17 @@ class Cascade:
             return result
         rtol = self.settings.rtol
         found = verify(self.system, self.solver, result.q, self.load_factor, rtol=rtol, origin=self.path[0].q)
-        self.checks = found.checks
-        result = replace(result, q=found.q, negative_pivots=found.negative_pivots, bound=max(result.bound, found.bound))
-        if not all(check.passed for check in found.checks):
-            result = replace(result, status=Status.OUT_OF_BALANCE, message=failures(found.checks))
+        self.checks = checks_of(found.measured)
+        bound = max(result.bound, found.bound)
+        if failed := failures(self.checks):
+            status, message = Status.OUT_OF_BALANCE, failed
         elif found.bound or result.status is Status.ROUNDING:
-            result = replace(result, status=Status.ROUNDING, message=LOST.format(result.bound))
+            status, message = Status.ROUNDING, LOST.format(bound)
         else:
-            result = replace(result, message="", bound=0.0)
+            status, message, bound = Status.CONVERGED, "", 0.0
+        result = replace(
+            result, q=found.q, status=status, message=message, bound=bound, negative_pivots=found.negative_pivots
+        )
         self.attempts[-1] = self.load_factor, result
         return result
 

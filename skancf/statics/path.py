@@ -16,7 +16,7 @@ from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, Status, largest_turn
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
-from skancf.statics.verify import Balance
+from skancf.statics.verify import Balance, checks_of
 
 FIRST_TURN = 0.5
 """Largest change of a slope in the first step by arc length, relative to the slope's length."""
@@ -184,7 +184,7 @@ class _Run:
             return ()
         sizes = np.abs(self.system.tangent(last.q, factor=last.load_factor).diagonal())
         balance = Balance(self.system, last.q, last.load_factor, points[0].q)
-        return tuple(measured.check for measured in balance.measured(sizes))
+        return checks_of(balance.measured(sizes))
 
     def _go(self, start: Solution, steps: int, bar: Progress) -> tuple[Status, str]:
         follower, lengths = self.follower, self.control.steps

@@ -33,10 +33,6 @@ class Measured:
     def met(self) -> bool:
         return self.value <= self.limit
 
-    @property
-    def check(self) -> Check:
-        return Check(self.name, self.value, max(self.limit, self.rounding), ADVICE)
-
 
 @dataclass(frozen=True)
 class Verified:
@@ -56,13 +52,14 @@ class Verified:
     negative_pivots: int
 
     @property
-    def checks(self) -> tuple[Check, ...]:
-        return tuple(measured.check for measured in self.measured)
-
-    @property
     def bound(self) -> float:
         """What rounding leaves open of a number that meets its limit only up to rounding; zero where all meet it."""
         return max((measured.rounding for measured in self.measured if not measured.met), default=0.0)
+
+
+def checks_of(measured: tuple[Measured, ...]) -> tuple[Check, ...]:
+    """As the user sees them."""
+    return tuple([Check(m.name, m.value, max(m.limit, m.rounding), ADVICE) for m in measured])
 
 
 def verify(
@@ -110,7 +107,11 @@ class Balance:
 
     def __init__(self, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> None:
         self.system, self.q, self.way = system, q, q - origin
-        self.energy = 2 * float(system.strain_energy(q, load_factor) + system.strain_energy(origin, load_factor))
+        # At rest and cold there is none.
+        begins = (origin != system.undeformed).any() or system.held_back(None) is not None
+        self.energy = 2 * float(system.strain_energy(q, load_factor))
+        if begins:
+            self.energy += 2 * float(system.strain_energy(origin, load_factor))
         self.loads = load_factor * system.external_force(q)
         self.internal = system.internal_force(q)
         residual = self.internal - self.loads
@@ -142,14 +143,14 @@ class Balance:
         The sum of the magnitudes of nodal loads, moments over the extent; of the reactions where nothing but supports moves.
         """
         nodal = self.q.reshape(-1, 4, 3)
-        lever = float(np.ptp(nodal[:, 0], axis=0).max())
+        lever = float((nodal[:, 0].max(axis=0) - nodal[:, 0].min(axis=0)).max())
         forces = self.reactions if self.moved else self.loads
-        sizes = np.sqrt((forces.reshape(-1, 4, 3) ** 2).sum(axis=2))
-        arms = np.sqrt((nodal[:, 1:] ** 2).sum(axis=2))
-        return float(sizes[:, 0].sum() + (sizes[:, 1:] * arms).sum() / lever), lever
+        sizes, arms = (np.sqrt(v * v @ np.ones(3)) for v in (forces.reshape(-1, 4, 3), nodal))
+        arms[:, 0] = lever
+        return float(np.vdot(sizes, arms)) / lever, lever
 
     def left(self) -> tuple[float, float]:
-        """Force and moment about the centre of the nodes that loads, supports and springs leave over, (N, N m).
+        """Force and moment about the first node that loads, supports and springs leave over, (N, N m).
 
         Sums over the whole body, to which internal forces do not contribute.
         """
@@ -157,6 +158,6 @@ class Balance:
         total = self.loads + self.reactions
         if system.foundation is not None:
             total = total - system.foundation @ (self.q - system.undeformed)
-        nodal[:, 0] -= nodal[:, 0].mean(axis=0)
+        nodal[:, 0] -= nodal[0, 0].copy()
         force, moment = total.reshape(-1, 4, 3)[:, 0].sum(axis=0), sum_of_cross(nodal, total)
         return float(np.sqrt(force @ force)), float(np.sqrt(moment @ moment))

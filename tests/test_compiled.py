@@ -157,7 +157,8 @@ def test_all_of_the_library_loads_without_a_cache(tmp_path):
     code = "import sys; sys.path.insert(0, sys.argv[1]); import skancf; print('loaded')"
     ended = subprocess.run(
         [sys.executable, "-B", "-c", code, str(PACKAGE.parent)], capture_output=True, text=True, timeout=120,
-        env={"PATH": os.environ["PATH"], "NUMBA_CACHE_DIR": str(nowhere), "NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"},
+        env={"PATH": os.environ["PATH"], "NUMBA_CACHE_DIR": str(nowhere),
+             "NUMBA_CACHE_LOCATOR_CLASSES": "UserProvidedCacheLocator"},
     )  # fmt: skip
     assert ended.stdout.split() == ["loaded"], ended.stderr
     assert ended.stderr.count("NoCache") == 1

@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import whole
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, InputError, number, positive
+from skancf.errors import DidNotConverge, InputError, number, positive, shown
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution, require_same_mesh
+from skancf.statics.asked import check_asked
 from skancf.statics.causes import cause, require_support
 from skancf.statics.controls import ArcLength
 from skancf.statics.depth import warn_if_thick
@@ -36,7 +38,8 @@ class HalveAndGrow:
     easy: int = 5
 
     def __post_init__(self) -> None:
-        for name in ("first", "smallest", "cut", "growth", "easy"):
+        whole("easy", self.easy, floats=True)
+        for name in ("first", "smallest", "cut", "growth"):
             positive(name, getattr(self, name))
         if not self.cut > 1:
             raise InputError(f"cut = {self.cut}: a failed step must become shorter, give a number greater than one")
@@ -134,11 +137,11 @@ def solve(
     InputError
         When a rigid motion is free.
     """
+    check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
+                follow=follow, progress=progress)  # fmt: skip
     number("load_factor", load_factor)
     if control is not None and not isinstance(control, HalveAndGrow):
-        raise InputError(f"control = {control!r}: give a HalveAndGrow, or call trace for paths by another control")
-    positive("rtol", rtol)
-    positive("max_iterations", max_iterations)
+        raise InputError(f"control = {shown(control)}: give a HalveAndGrow, or call trace for paths by another control")
     if start is not None:
         require_same_mesh(system, start)
     require_support(system)
@@ -243,6 +246,7 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     InputError
         When a rigid motion is free.
     """
+    check_asked(system, backend)
     require_support(system)
     return warn_if_thick(small_deflection(system, backend=backend))
 

@@ -348,7 +348,7 @@ def add_meshes(add: Any, s: Scene) -> None:
 
 def add_solvers(add: Any, s: Scene) -> None:
     add("solve", sk.solve, system=s.system, load_factor=0.5, control=sk.HalveAndGrow(), start=None, rtol=1e-6,
-        max_iterations=20, mixed=True, follow=False, backend="auto", progress=False,
+        max_iterations=20, mixed=True, follow=False, relax=True, backend="auto", progress=False,
         kinds={"control": "any", "start": "state"}, takes="control:none")  # fmt: skip
     add("solve_linear", sk.solve_linear, system=s.system, backend="auto")
     add("trace", sk.trace, system=s.system, control=sk.ArcLength(), until=0.1, steps=3, start=None, rtol=1e-6,

@@ -17,8 +17,9 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT))  # for the meshes of the benchmark
 
-import skancf as sk  # noqa: E402
 import skancf.statics.load_steps as load_steps  # noqa: E402
+
+import skancf as sk  # noqa: E402
 from benchmarks.solvers import graded, shell, uniform  # noqa: E402
 from skancf.assembly.system import System  # noqa: E402
 from skancf.linear import DirectSolver, available_backends, dissection  # noqa: E402

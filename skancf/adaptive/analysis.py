@@ -7,9 +7,10 @@ from skancf.adaptive.estimate import Estimate, goal_estimate
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.transfer import transfer
 from skancf.assembly.system import System
+from skancf.checks import Check
 from skancf.solution import Solution
-from skancf.statics import HalveAndGrow
-from skancf.statics.load_steps import equilibrium, small_deflection
+from skancf.statics.cascade import REACHED
+from skancf.statics.equilibrium import equilibrium, small_deflection
 from skancf.statics.newton import Status
 
 
@@ -28,6 +29,10 @@ class Answer:
         The transferred state led nowhere, and the load was applied anew.
     found : object
         What the estimate needs besides.
+    note : str
+        What the solve met on its way, or has to say of the state.
+    checks : tuple of Check
+        Of the state.
     """
 
     state: Solution
@@ -35,6 +40,8 @@ class Answer:
     iterations: int = 0
     restarted: bool = False
     found: Any = None
+    note: str = ""
+    checks: tuple[Check, ...] = ()
 
 
 class Analysis(Protocol):
@@ -70,30 +77,21 @@ class StaticAnalysis:
     def solve(self, system: System, start: Solution | None) -> Answer:
         if self.linear:
             state = small_deflection(system, self.load_factor, backend=self.backend)
-            iterations, restarted = 0, False
-        else:
-            state, iterations, restarted = self._nonlinear(system, start)
-        return Answer(state, self.quantity.value(state), iterations, restarted)
+            return Answer(state, self.quantity.value(state))
+        return self._nonlinear(system, start)
 
-    def _nonlinear(self, system: System, start: Solution | None) -> tuple[Solution, int, bool]:
-        spent = 0
-        if start is not None:
-            near, at_once = transfer(start, system), HalveAndGrow(smallest=0.99)
-            once = equilibrium(
-                system, self.load_factor, control=at_once, start=near, rtol=self.rtol, backend=self.backend
-            )
-            spent = once.iterations
-            if once.status is Status.CONVERGED:
-                return once.solution, spent, False
-            _pass_on_interrupt(once.status)
-        result = equilibrium(system, self.load_factor, rtol=self.rtol, follow=True, backend=self.backend)
-        _pass_on_interrupt(result.status)
-        return result.unwrap(), spent + result.iterations, start is not None
+    def _nonlinear(self, system: System, start: Solution | None) -> Answer:
+        """From the transferred state, relaxed from there if need be; if that leads nowhere, with the load applied anew."""
+        spent, options = 0, {"rtol": self.rtol, "backend": self.backend}
+        for begin in (None,) if start is None else (transfer(start, system), None):
+            result = equilibrium(system, self.load_factor, start=begin, **options)  # type: ignore[arg-type]
+            spent += result.iterations
+            if result.status is Status.INTERRUPTED:
+                raise KeyboardInterrupt
+            if result.status in REACHED:
+                break
+        state, restarted = result.unwrap(), start is not None and begin is None
+        return Answer(state, self.quantity.value(state), spent, restarted, None, result.message, result.checks)
 
     def estimate(self, answer: Answer) -> Estimate:
         return goal_estimate(answer.state, self.quantity, backend=self.backend)
-
-
-def _pass_on_interrupt(status: Status) -> None:
-    if status is Status.INTERRUPTED:
-        raise KeyboardInterrupt

@@ -20,8 +20,9 @@ from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
-from skancf.statics.load_steps import equilibrium
-from skancf.statics.newton import newton, skew_part, work
+from skancf.statics.equilibrium import equilibrium
+from skancf.statics.newton import newton, skew_part
+from skancf.statics.stopping import work
 
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
@@ -183,12 +184,13 @@ class Enriched(Refined):
         return self._newton() - self.start
 
     def _newton(self) -> np.ndarray:
-        """Coordinates of the refined equilibrium by Newton's method, or by load steps from nothing."""
+        """Coordinates of the refined equilibrium by Newton's method, relaxed from the coarse one where that fails."""
         fine, factor = self.system, self.state.load_factor
         result: Any = newton(fine, self.start, self._solver, load_factor=factor, rtol=NEAR)
         q = result.q
         if not result.converged:
-            q = equilibrium(fine, factor, rtol=NEAR, follow=True, backend=self._solver.backend_name).unwrap().q
+            start = Solution(fine, self.start, load_factor=factor)
+            q = equilibrium(fine, factor, start=start, rtol=NEAR, backend=self._solver.backend_name).unwrap().q
         self.stiffness = fine.tangent(q, factor=factor)
         self._solver.factor(self.stiffness)
         return np.asarray(q)

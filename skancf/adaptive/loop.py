@@ -31,6 +31,8 @@ from skancf.solution import Solution
 from skancf.theories import Theory
 
 BELOW = Below(0.01)
+FINER_STARTS = 2
+"""How often the first mesh is quartered where it has no answer."""
 COST = 1.3
 """Seconds of a mesh grow with this power of its coordinates."""
 T = TypeVar("T")
@@ -158,6 +160,7 @@ class _Run:
         self.indicator, self.asked, self.bar = indicator, asked, bar
         self.levels: list[Level] = []
         self.best: _Found | None = None
+        self.finer_starts = 0
         self.begun = time.perf_counter()
 
     def go(self, system: System) -> AdaptiveResult:
@@ -174,9 +177,14 @@ class _Run:
         if answer.found is None:
             judge(answer.state)
         return AdaptiveResult(
-            answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), outcome, message,
-            self.quantity.unit,
+            answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), outcome,
+            ". ".join(part for part in (message, self._met()) if part), self.quantity.unit, answer.checks,
         )  # fmt: skip
+
+    def _met(self) -> str:
+        """What the last solve that met something met."""
+        noted = next((level for level in reversed(self.levels) if level.note), None)
+        return f"On {noted.n_elements} elements: {noted.note}" if noted else ""
 
     def _refine(self, system: System) -> tuple[Outcome, str]:
         start: Solution | None = None
@@ -197,8 +205,18 @@ class _Run:
                 system = clock.take("assemble", self.problem.on, mesh, at.geometry.theory)
             except Exception as failed:  # noqa: PERF203 - a user's indicator may fail too; what is computed is kept
                 if self.best is None:
-                    raise
+                    system = self._finer_start(system, failed)
+                    continue
                 return Outcome.FAILED, f"after the mesh of {system.mesh.nelements} elements: {failed}"
+
+    def _finer_start(self, system: System, failed: Exception) -> System:
+        """The system on a mesh of quarters, for a first mesh that is too coarse to have an answer; or the failure."""
+        mesh = system.mesh.refined()
+        n_dofs = 12 * mesh.p.shape[1]
+        if not isinstance(failed, DidNotConverge) or n_dofs > self.asked.max_dofs or self.finer_starts == FINER_STARTS:
+            raise failed
+        self.finer_starts += 1
+        return self.problem.on(mesh, system.geometry.theory)
 
     def _on(self, system: System, start: Solution | None, merged: int, clock: _Clock) -> _Found:
         with warnings.catch_warnings():
@@ -217,7 +235,7 @@ class _Run:
                                  "must be a finite number")  # fmt: skip
         level = Level(
             system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
-            merged, clock.seconds,
+            merged, clock.seconds, note=answer.note,
         )  # fmt: skip
         return _Found(level, answer, estimate)
 

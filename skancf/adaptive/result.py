@@ -5,6 +5,7 @@ from enum import Enum
 
 import numpy as np
 
+from skancf.checks import Check
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 
@@ -44,6 +45,8 @@ class Level:
         Merging elements made the estimate worse; the level was taken back.
     coarsened : int
         Elements that are larger here than on the mesh before.
+    note : str
+        What the solve met on its way here, such as a state that was not stable.
     seconds : dict
         For ``assemble``, ``solve``, ``estimate`` and ``mark`` (the next mesh).
     """
@@ -58,6 +61,7 @@ class Level:
     coarsened: int
     seconds: dict[str, float]
     rejected: bool = False
+    note: str = ""
 
     @property
     def n_elements(self) -> int:
@@ -91,9 +95,11 @@ class AdaptiveResult:
         Every mesh, rejected ones too.
     outcome : Outcome
     message : str
-        Why it stopped, if the accuracy was not reached.
+        Why it stopped, if the accuracy was not reached; and what solves met on their way.
     unit : str
         Of a problem in SI units.
+    checks : tuple of Check
+        Of the state on that mesh.
     """
 
     value: float
@@ -104,6 +110,7 @@ class AdaptiveResult:
     outcome: Outcome
     message: str
     unit: str
+    checks: tuple[Check, ...] = ()
 
     @property
     def reached(self) -> bool:

@@ -58,13 +58,14 @@ class VibrationAnalysis:
     statics: StaticAnalysis
 
     def solve(self, system: System, start: Solution | None) -> Answer:
-        state, iterations, restarted = None, 0, False
+        rest = Answer(Solution(system, system.undeformed, load_factor=0.0), 0.0)
         if self.quantity.loaded:
             rest = replace(self.statics, quantity=StrainEnergy()).solve(system, start)
-            state, iterations, restarted = rest.state, rest.iterations, rest.restarted
+        state = rest.state if self.quantity.loaded else None
         found = _enough_modes(system, self.quantity.number, state, self.statics.backend)
         mode = _number(found, self.quantity.number)
-        return Answer(found.shape(mode), float(found.frequencies[mode]), iterations, restarted, (found, mode))
+        value = float(found.frequencies[mode])
+        return replace(rest, state=found.shape(mode), value=value, found=(found, mode))
 
     def estimate(self, answer: Answer) -> Estimate:
         r"""By one step of inverse iteration on the refined mesh.

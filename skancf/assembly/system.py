@@ -139,6 +139,27 @@ class System:
         """The same with membrane strains as they are, not assumed ones: an upper bound that locks on coarse meshes."""
         return self._unstressed(plain=True)
 
+    @cached_property
+    def pretension(self) -> BlockMatrix:
+        r"""Geometric stiffness G of a uniform dilation by one, a pretension that nothing but motion feels.
+
+        Positive semidefinite, zero for translations; of a flat isotropic plate
+        :math:`x \cdot G x = E h / (1 - \nu) \int |\nabla x|^2`. With a strain as its factor it counts against any
+        membrane stiffness, whatever the unit, density and law.
+        """
+        start = self.undeformed
+        dilated = self.stresses(start, start) - self.stresses(start)
+        return self.tangent(start, dilated, factor=0.0) + (-1.0) * self.stiffness()
+
+    def largest_turn(self, change: np.ndarray) -> float:
+        """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""
+        slopes = self.geometry.undeformed[:, 1:3]
+        lengths = np.sqrt((slopes**2).sum(axis=2))
+        with np.errstate(over="ignore"):
+            turns = np.sqrt((self._nodal(change)[:, 1:3] ** 2).sum(axis=2))
+        held = lengths > NO_SLOPE * lengths.max()
+        return float((turns[held] / lengths[held]).max())
+
     def _unstressed(self, plain: bool = False) -> BlockMatrix:
         out = np.zeros((self.pattern.n_blocks, 12, 12))
         none = np.zeros_like(self.stresses(self.undeformed))
@@ -362,6 +383,8 @@ class System:
         return np.ascontiguousarray(q, dtype=float).reshape(-1, 4, 3)
 
 
+NO_SLOPE = 1e-9
+"""A slope so short, relative to the longest, has no direction."""
 SMALL = 1e-5
 """Relative change of the nodal coordinates over which small changes are differenced."""
 

@@ -11,7 +11,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.errors import SingularMatrix
 from skancf.linear import BlockMatrix, DirectSolver
-from skancf.statics.newton import ROUNDING, work
+from skancf.statics.stopping import ROUNDING, work
 
 MAX_ITERATIONS = 25
 EASY = 4

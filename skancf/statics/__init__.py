@@ -4,11 +4,12 @@ from skancf.checks import Check
 from skancf.errors import OutOfDepth
 from skancf.statics.buckling import BucklingResult, buckling
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, StepLength
+from skancf.statics.equilibrium import solve, solve_linear
 from skancf.statics.events import Event
-from skancf.statics.load_steps import HalveAndGrow, StaticResult, solve, solve_linear
 from skancf.statics.modes import Modes, modes
 from skancf.statics.newton import NewtonResult, Status, newton
 from skancf.statics.path import PathResult, trace
+from skancf.statics.static_result import HalveAndGrow, StaticResult
 
 __all__ = [
     "ArcLength",

@@ -50,7 +50,8 @@ def cause(
 
 def _folded(system: System, q: np.ndarray) -> tuple[Status, str] | None:
     hook: Any = getattr(system, "folded", None)
-    found = hook(q) if hook and np.isfinite(q).all() else None
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = hook(q) if hook and np.isfinite(q).all() else None
     if found is None:
         return None
     element, place = found

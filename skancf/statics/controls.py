@@ -10,7 +10,7 @@ from skancf.arguments import instance, whole
 from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
 from skancf.solution import probe
-from skancf.statics.newton import Constraint
+from skancf.statics.stopping import Constraint
 
 # A displacement so small against the largest coordinate that moves with the load is none: rounding in thin plates is 1e-12.
 STILL = 1e-9

@@ -15,14 +15,17 @@ import scipy.sparse as sp
 
 from skancf.errors import DidNotConverge, SingularMatrix
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
+from skancf.statics.stopping import Constraint, Pull, StopRule, work
 
 
 class System(Protocol):
     """All that statics knows of a model.
 
-    A model may also have ``skew(q, time, factor)``, the skew-symmetric part of its tangent as a sparse matrix or None;
-    ``folded(q)``, the number and the place of an element that folded or None; ``foundation``, its springs as a matrix or
-    None; and ``plain_stiffness()``, that of the undeformed state with membrane strains as they are.
+    A model may also have ``strain_energy(q, factor)``, by which the end of a solve is judged; ``largest_turn(change)``, the
+    largest change of a slope; ``pretension``, the stiffness of a uniform dilation; ``skew(q, time, factor)``, the
+    skew-symmetric part of its tangent as a sparse matrix or None; ``folded(q)``, the number and the place of an element that
+    folded or None; ``foundation``, its springs as a matrix or None; and ``plain_stiffness()``, that of the undeformed state
+    with membrane strains as they are.
     """
 
     constraints: Constraints
@@ -48,6 +51,9 @@ class Status(Enum):
     DIVERGED = "residual grew"
     NOT_FINITE = "residual is not finite"
     SINGULAR = "tangent is singular"
+    ROUNDING = "rounding leaves the answer open"
+    OUT_OF_BALANCE = "the answer failed its checks"
+    TOO_FAR = "the first correction goes too far"
     STEP_TOO_SMALL = "load step became too small"
     LIMIT_POINT = "limit point"
     BIFURCATION = "bifurcation"
@@ -65,7 +71,7 @@ class NewtonResult:
 
     ``residual_norms`` are energy norms of the residual, sqrt(R . K^-1 R), relative to the largest one met; with a
     constraint they belong to the correction that meets both equations. ``along`` is then the derivative of q with respect
-    to the load factor.
+    to the load factor. ``bound`` is the part of the energy norm that rounding leaves open, where that ended the solve.
     """
 
     q: np.ndarray
@@ -75,10 +81,15 @@ class NewtonResult:
     message: str = ""
     load_factor: float = 1.0
     along: np.ndarray | None = None
+    bound: float = 0.0
 
     @property
     def converged(self) -> bool:
         return self.status is Status.CONVERGED
+
+    @property
+    def iterations(self) -> int:
+        return len(self.residual_norms)
 
     def unwrap(self) -> np.ndarray:
         """q, or :class:`~skancf.DidNotConverge`."""
@@ -88,35 +99,14 @@ class NewtonResult:
         return self.q
 
 
-@dataclass(frozen=True)
-class Constraint:
-    """The equation row . q + factor * load_factor = value, which makes the load factor an unknown.
-
-    Corrections are measured against the distance from ``origin``, the state from which the step started.
-    """
-
-    row: np.ndarray
-    factor: float
-    value: float
-    origin: np.ndarray
-
-    def correction(self, q: np.ndarray, load_factor: float, along: np.ndarray) -> float:
-        """Change of the load factor that meets the equation, q moving by ``along`` with it; infinite where none does."""
-        gap = self.value - float(self.row @ q) - self.factor * load_factor
-        slope = float(self.row @ along) + self.factor
-        return gap / slope if slope else np.inf
-
-
-ROUNDING = 1e-15
 # A mixed solve that converges loses energy from its third iteration on. One that gains so much in an iteration has left its
 # way: half of the load takes fewer iterations than waiting for it to return.
 GIVEN_UP = 10.0
-
-
-def work(change: np.ndarray, force: np.ndarray) -> float:
-    """|change . force|; infinite or NaN where it does not fit a float, without a warning."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        return abs(float(change @ force))
+# An answer that rounding leaves open by more than this part of its energy norm is not called converged.
+OPEN = 1e-2
+LOST = "rounding of the nodal coordinates leaves up to {:.1e} of the energy norm open"
+LOST = "rounding of the nodal coordinates leaves up to {:.1e} of the energy norm open"
+FAR = "the first correction turns a slope by {:.2g} of its length, more than the {:.2g} from which a solve is worth trying"
 
 
 def skew_part(system: System, q: np.ndarray, load_factor: float) -> sp.csr_matrix | None:
@@ -126,15 +116,18 @@ def skew_part(system: System, q: np.ndarray, load_factor: float) -> sp.csr_matri
 
 
 def factored(
-    system: System, q: np.ndarray, load_factor: float, solver: DirectSolver, stresses: np.ndarray | None = None
-) -> SkewSolver:
-    """The tangent at (q, load factor), with ``stresses`` if given, and its solver.
+    system: System, q: np.ndarray, load_factor: float, solver: DirectSolver, stresses: np.ndarray | None = None,
+    pull: Pull | None = None,
+) -> SkewSolver:  # fmt: skip
+    """The tangent at (q, load factor), with ``stresses`` and that of a ``pull`` if given, and its solver.
 
     Raises
     ------
     SingularMatrix
     """
     matrix = system.tangent(q, stresses, factor=load_factor)
+    if pull:
+        matrix = matrix + pull.strength * pull.metric
     solver.factor(matrix)
     return SkewSolver(matrix, skew_part(system, q, load_factor), solver)
 
@@ -157,14 +150,13 @@ def newton(
     watch: Callable[[int, float], None] | None = None,
     constraint: Constraint | None = None,
     stresses: np.ndarray | None = None,
+    origin: np.ndarray | None = None,
+    pull: Pull | None = None,
+    farthest: float = np.inf,
 ) -> NewtonResult:
     """Equilibrium under ``load_factor`` times the loads and prescribed displacements, from a first guess.
 
-    A step whose energy, the residual's work on it, is less than ``rtol**2`` of the largest one is the last one; that
-    measure feels no rounding of the membrane forces in very thin plates. Where a constraint makes the load factor an
-    unknown, the tangent may be nearly singular: then the energy is that of the correction that meets both equations,
-    compared with that of the way from the constraint's origin too; and because a motion without stiffness has none, the
-    correction must also be less than ``sqrt(rtol)`` of that way in the norm of the tangent's absolute diagonal.
+    When it may end, and by which energies that is judged, says :class:`~skancf.statics.stopping.StopRule`.
 
     Parameters
     ----------
@@ -179,23 +171,34 @@ def newton(
     constraint : Constraint, optional
     stresses : array, optional
         Those of the first tangent, extrapolated to the guess from an equilibrium; otherwise those of the guess.
+    origin : (n_dofs,) array, optional
+        Where the way began by which corrections are measured. Default: the first guess.
+    pull : Pull, optional
+        A pretension that holds the state back.
+    farthest : float
+        Give up after a first correction that turns a slope by more than this, relative to its length.
     """
     prescribed = system.prescribed()
+    begin = q if origin is None else origin
+    rule = StopRule(system, constraint.origin if constraint else begin, rtol, pull, constraint)
     energies: list[float] = []
     along: np.ndarray | None = None
 
-    def result(status: Status, message: str = "") -> NewtonResult:
+    def result(status: Status, message: str = "", bound: float = 0.0) -> NewtonResult:
         largest = max(energies, default=1.0) or 1.0
         norms = tuple(float(np.sqrt(e / largest)) for e in energies)
         pivots = solver.negative_pivots if energies and status is not Status.SINGULAR else 0
-        return NewtonResult(q, status, norms, pivots, message, load_factor, along)
+        return NewtonResult(q, status, norms, pivots, message, load_factor, along, bound)
 
     for step in range(max_steps):
-        residual = system.internal_force(q) - load_factor * system.external_force(q)
+        force = load_factor * system.external_force(q)
+        residual = system.internal_force(q) - force
+        if pull:
+            residual = residual + pull.force(q)
         if not np.isfinite(residual).all():
             return result(Status.NOT_FINITE, _where(system, residual))
         try:
-            tangent = factored(system, q, load_factor, solver, stresses)
+            tangent = factored(system, q, load_factor, solver, stresses, pull)
             moved = system.constraints.fixed_part(system.undeformed + load_factor * prescribed - q)
             rhs = -(residual + tangent.multiply(moved)) if moved.any() else -residual
             free = tangent.solve(rhs)
@@ -212,31 +215,24 @@ def newton(
         if not np.isfinite(energies[-1]):
             energies.pop()
             return result(Status.NOT_FINITE, _where(system, change))
-        last, floor = _is_last(tangent, energies, q, change, rtol, constraint)
-        if last:
+        if step == 0 and farthest < np.inf and not moved.any() and (turn := largest_turn(system, change)) > farthest:
+            return result(Status.TOO_FAR, FAR.format(turn, farthest))
+        verdict = rule.judge(tangent, energies, q, change, load_factor + more)
+        if verdict.last:
             q, load_factor = q + change, load_factor + more
-            return result(Status.CONVERGED)
-        if step > 2 and energies[-1] > (GIVEN_UP if mixed else 1e8) * energies[-2 if mixed else 0] + floor:
+            lost = verdict.bound if force.any() or prescribed.any() else 0.0
+            return result(Status.ROUNDING if lost > OPEN else Status.CONVERGED, LOST.format(lost) if lost else "", lost)
+        if step > 2 and energies[-1] > (GIVEN_UP if mixed else 1e8) * energies[-2 if mixed else 0] + verdict.floor:
             return result(Status.DIVERGED)
         stresses = system.stresses(q, change) if mixed else None
         q, load_factor = q + change, load_factor + more
     return result(Status.STEPS_SPENT)
 
 
-def _is_last(
-    tangent: SkewSolver, energies: list[float], q: np.ndarray, change: np.ndarray, rtol: float,
-    constraint: Constraint | None,
-) -> tuple[bool, float]:  # fmt: skip
-    """Whether a correction is the last one, and the energy that is rounding of the coordinates."""
-    sizes = np.abs(tangent.matrix.diagonal())
-    floor = ROUNDING**2 * float(sizes @ (q * q))
-    energy, largest = energies[-1], max(energies)
-    if constraint is None:
-        return energy <= rtol**2 * largest + floor and (len(energies) > 1 or energy <= floor), floor
-    way = q + change - constraint.origin
-    largest = max(largest, work(way, tangent.multiply(way)))
-    near = float(sizes @ change**2) <= rtol * float(sizes @ way**2) + floor
-    return energy <= rtol**2 * largest + floor and near, floor
+def largest_turn(system: Any, change: np.ndarray) -> float:
+    """Largest change of a slope, relative to its undeformed length; zero for models without slopes."""
+    hook = getattr(system, "largest_turn", None)
+    return hook(change) if hook else 0.0
 
 
 def _where(system: System, values: np.ndarray) -> str:

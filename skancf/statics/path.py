@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.checks import Check, failures
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, shown
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
@@ -13,10 +14,13 @@ from skancf.statics.asked import check_asked
 from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.events import LIMIT, Event, events_between
-from skancf.statics.newton import NewtonResult, Status
+from skancf.statics.newton import NewtonResult, Status, largest_turn
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
+from skancf.statics.verify import Balance, checks_of
 
+FIRST_TURN = 0.5
+"""Largest change of a slope in the first step by arc length, relative to the slope's length."""
 CROSSED = (
     "the asked end lies between load factors {:.6g} and {:.6g}, but even in the smallest step its equilibrium was not "
     "found; allow a smaller step (StepLength) or more iterations"
@@ -43,6 +47,8 @@ class PathResult:
         Every solve of a step and of the end, failed ones too, with its residual history.
     message : str
         Why it stopped.
+    checks : tuple of Check
+        Of the last equilibrium; converged is only a path whose end passed them.
     """
 
     solutions: tuple[Solution, ...]
@@ -51,6 +57,7 @@ class PathResult:
     status: Status
     attempts: tuple[NewtonResult, ...]
     message: str = ""
+    checks: tuple[Check, ...] = ()
 
     @property
     def load_factors(self) -> np.ndarray:
@@ -156,13 +163,26 @@ class _Run:
                 raise
             status, message = Status.FAILED, f"what was computed is kept: {error!r}"
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
+        checks = self._checks(points)
+        if status is Status.CONVERGED and (failed := failures(checks)):
+            status, message = Status.OUT_OF_BALANCE, failed
         if status is not Status.CONVERGED:
             reached = f"load factor {points[-1].load_factor:.6g} after {len(points) - 1} steps"
             message = f"the path stopped at {reached}: {message}"
         return PathResult(
             tuple(Solution(self.system, point.q, load_factor=point.load_factor) for point in points),
             np.array([point.pivots for point in points]), tuple(self.events), status, tuple(self.follower.attempts), message,
+            checks,
         )  # fmt: skip
+
+    def _checks(self, points: list[Point]) -> tuple[Check, ...]:
+        """Of the last point; by the balance of the whole body alone, since its tangent may be singular there."""
+        last = points[-1]
+        if len(points) < 2 or not hasattr(self.system, "strain_energy"):
+            return ()
+        sizes = np.abs(self.system.tangent(last.q, factor=last.load_factor).diagonal())
+        balance = Balance(self.system, last.q, last.load_factor, points[0].q)
+        return checks_of(balance.measured(sizes))
 
     def _go(self, start: Solution, steps: int, bar: Progress) -> tuple[Status, str]:
         follower, lengths = self.follower, self.control.steps
@@ -175,6 +195,9 @@ class _Run:
         first = self.control.first_length(measure, point.direction / (point.rate or 1.0), point.q)
         if not (np.isfinite(first) and first):
             return Status.NOT_FINITE, f"the load moves the structure by {first} at the start; look at its size"
+        if isinstance(self.control, ArcLength):
+            # A held film is a thousand times stiffer once it has moved a little than the tangent at the start says.
+            first /= max(1.0, largest_turn(self.system, first * point.direction) / FIRST_TURN)
         step = 1.0
         while len(self.points) <= steps:
             length = min(step * first, measure.left(point.q))

@@ -7,7 +7,8 @@ import numpy as np
 from skancf.assembly.system import System
 from skancf.linear import DirectSolver
 from skancf.statics.controls import Measure
-from skancf.statics.newton import Constraint, NewtonResult, along_load, factored, newton
+from skancf.statics.newton import NewtonResult, along_load, factored, newton
+from skancf.statics.stopping import Constraint
 
 # Cosine between an increment and the tangents at its ends, below which it is not trusted to lie on one smooth branch.
 SHARP = 0.8

@@ -1,0 +1,140 @@
+"""Equilibrium under the loads: the nonlinear one, that of small deflections, and that along the path."""
+
+import numpy as np
+
+from skancf.arguments import instance
+from skancf.assembly.system import System
+from skancf.errors import DidNotConverge, number
+from skancf.linear import DirectSolver
+from skancf.progress import Progress
+from skancf.solution import Solution
+from skancf.statics.asked import check_asked
+from skancf.statics.cascade import Cascade, Settings
+from skancf.statics.causes import require_support
+from skancf.statics.controls import ArcLength
+from skancf.statics.depth import warn_if_thick
+from skancf.statics.newton import Status
+from skancf.statics.path import trace
+from skancf.statics.static_result import HalveAndGrow, StaticResult
+
+
+def solve(
+    system: System,
+    *,
+    load_factor: float = 1.0,
+    control: HalveAndGrow | None = None,
+    start: Solution | None = None,
+    rtol: float = 1e-7,
+    max_iterations: int = 30,
+    mixed: bool = True,
+    follow: bool = False,
+    relax: bool = True,
+    backend: str = "auto",
+    progress: bool = False,
+) -> StaticResult:
+    """Stable equilibrium under the loads, from the undeformed state or from ``start``.
+
+    The whole load is tried at once, then halved load steps. Where they end, at a limit point for one, the structure is
+    relaxed at the full load (:mod:`skancf.statics.relax`) to a stable state downhill; where their answer is not stable, it
+    is pushed along its softest motion and relaxed from there. The message says so. An answer that is not stable is returned
+    where nothing stable is found downhill, and says so too. Nothing is called converged that fails its ``checks``.
+
+    Parameters
+    ----------
+    load_factor : float
+        Factor of all loads and prescribed displacements, which are taken at their full amplitude.
+    control
+        Step control; by default the whole load is tried at once.
+    rtol : float
+        Newton's method ends when the energy norm of its residual is less than this part of that of the strain.
+    mixed : bool
+        False for the plain Newton method.
+    follow : bool
+        Go along the path by arc length, with :func:`trace`, until the load is reached for the first time; the message then
+        names the limit points that were passed, at which a structure under that load would snap.
+    relax : bool
+        False to stop where load steps end, and to return what they find though it is not stable.
+    backend : str
+        Linear solver: "auto", "mkl", "rslab" or "superlu".
+
+    Returns
+    -------
+    StaticResult
+        Also when it fails: then the last equilibrium, the reason, and all residuals.
+
+    Raises
+    ------
+    InputError
+        When a rigid motion is free.
+    """
+    check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
+                follow=follow, relax=relax, progress=progress)  # fmt: skip
+    number("load_factor", load_factor)
+    if control is not None:
+        instance("control", control, HalveAndGrow, "a HalveAndGrow, or call trace for paths by another control")
+    require_support(system)
+    result = equilibrium(
+        system, load_factor, control=control, start=start, rtol=rtol, max_iterations=max_iterations, mixed=mixed,
+        follow=follow, relax=relax, backend=backend, progress=progress,
+    )  # fmt: skip
+    warn_if_thick(result.solution)
+    return result
+
+
+def equilibrium(
+    system: System, load_factor: float = 1.0, *, control: HalveAndGrow | None = None, start: Solution | None = None,
+    rtol: float = 1e-7, max_iterations: int = 30, mixed: bool = True, follow: bool = False, relax: bool = True,
+    backend: str = "auto", progress: bool = False,
+) -> StaticResult:  # fmt: skip
+    """:func:`solve` for a system that is known to be supported, without a judgement of its theory."""
+    begin = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
+    if follow and begin.load_factor != load_factor:
+        return _followed(begin, load_factor, rtol, mixed, backend, progress)
+    solver = DirectSolver(system.pattern, system.constraints, backend)
+    with Progress("statics", 1.0, shown=progress) as bar, solver:
+        run = Cascade(system, solver, begin, load_factor, Settings(rtol, int(max_iterations), mixed, relax), bar)
+        try:
+            return run.go(control or HalveAndGrow())
+        except KeyboardInterrupt:
+            at = run.path[-1]
+            return run.result(Status.INTERRUPTED, f"interrupted from the keyboard at load factor {at.load_factor:.6g}")
+
+
+def _followed(
+    start: Solution, load_factor: float, rtol: float, mixed: bool, backend: str, progress: bool
+) -> StaticResult:
+    """The whole way by arc length."""
+    first = ArcLength().first * (load_factor - start.load_factor)
+    found = trace(
+        start.system, ArcLength(first=first), until=load_factor, start=start, rtol=rtol, mixed=mixed, backend=backend,
+        progress=progress,
+    )  # fmt: skip
+    attempts = tuple((result.load_factor, result) for result in found.attempts)
+    passed = ", ".join(f"{event.kind} at {event.load_factor:.4g}" for event in found.events)
+    message = f"by arc length from {start.load_factor:.4g}: {passed or 'no limit point and no bifurcation'}"
+    if found.negative_pivots[-1]:
+        message += f"; the equilibrium is not stable, its tangent has {found.negative_pivots[-1]} negative eigenvalue(s)"
+    if found.status is not Status.CONVERGED:
+        message = f"{message}; {found.message}"
+    return StaticResult(found.solution, found.status, found.solutions, attempts, message, found.checks)
+
+
+def solve_linear(system: System, *, backend: str = "auto") -> Solution:
+    """Small-deflection answer: one solve with the tangent of the undeformed state.
+
+    Raises
+    ------
+    InputError
+        When a rigid motion is free.
+    """
+    check_asked(system, backend)
+    require_support(system)
+    return warn_if_thick(small_deflection(system, backend=backend))
+
+
+def small_deflection(system: System, load_factor: float = 1.0, *, backend: str = "auto") -> Solution:
+    """:func:`solve_linear` for a system that is known to be supported, without a judgement of its theory."""
+    change = load_factor * system.linear_change(backend)
+    if not np.isfinite(change).all():
+        raise DidNotConverge("the linear answer is not finite")
+    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True)

@@ -1,0 +1,176 @@
+r"""Relaxation at the full load: equilibria held back by a pretension that is let go.
+
+From a state :math:`q_n` the mixed Newton iteration solves
+
+.. math:: f(q) - \lambda F(q) + \sigma G (q - q_n) = 0
+
+for :math:`q_{n+1}`, and :math:`\sigma` falls to zero. G is the geometric stiffness of a uniform dilation by one, so that
+:math:`\sigma` is a strain: larger than the largest compression of the surface, it makes every membrane tangent definite.
+Each step is one of implicit Euler of a gradient flow. The energy falls in it, so the flow ends in the stable state that
+lies downhill of where it began; without inertia it does not run past a near one.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.linear import BlockMatrix, DirectSolver
+from skancf.statics.newton import NewtonResult, System, factored, largest_turn
+from skancf.statics.soft import factor_shifted
+from skancf.statics.stopping import Pull, work
+from skancf.statics.tangents import is_skew
+
+BUDGET = 600
+"""Newton iterations in one relaxation; coarse meshes of pinched shells take 320."""
+INNER_RTOL, INNER_STEPS = 3e-2, 10
+PUSHED, CIRCLING = 400, 150
+"""The same from a pushed state, and where the loads have no potential there, so that no energy need fall."""
+PUSHES = 3
+PUSH = 1e-2
+"""Of the size of the body, along the motion in which an equilibrium is not stable."""
+CANDIDATES, INVERSE_ITERATIONS = 4, 8
+
+
+@dataclass
+class Letting:
+    """How strong the next pull is, by how the last step went: the policy of a relaxation.
+
+    An easy step, of two iterations, divides it by eight; one of more than six doubles it; a failed one, or one that ended
+    where the tangent is not definite even with the pull, multiplies it by four. After a failure two steps stay above twice
+    the pull that failed.
+    """
+
+    strength: float
+    failed: float = 0.0
+    waiting: int = 0
+    calm: int = 0
+
+    def after(self, iterations: int, converged: bool, definite: bool) -> None:
+        """Take note of a step; ``calm`` counts easy ones in a row."""
+        if not converged:
+            self.failed, self.waiting, self.calm = self.strength, 2, 0
+            self.strength *= 4.0
+            return
+        self.calm = self.calm + 1 if iterations <= 2 else 0
+        if not definite:
+            self.strength *= 4.0
+            return
+        following = self.strength / {0: 8.0, 1: 8.0, 2: 8.0, 3: 2.0, 4: 1.0, 5: 1.0, 6: 1.0}.get(iterations, 0.5)
+        if self.waiting and following < 2 * self.failed:
+            following = min(self.strength, 2 * self.failed)
+            self.waiting -= 1
+        self.strength = following
+
+
+class Relaxation:
+    """Relaxations of one system under one load.
+
+    Parameters
+    ----------
+    solve : callable
+        Newton's method on the system with a solver: ``solve(q, load_factor, **options)``; whoever gives it keeps account of
+        the attempts.
+    """
+
+    def __init__(self, system: System, solver: DirectSolver, load_factor: float, solve: Callable[..., NewtonResult]) -> None:
+        self.system, self.solver, self.load_factor, self.solve = system, solver, load_factor, solve
+        self.metric: BlockMatrix = system.pretension  # type: ignore[attr-defined]
+
+    def from_state(self, q: np.ndarray, origin: np.ndarray, budget: int = BUDGET) -> NewtonResult | None:
+        """The stable equilibrium downhill of a state; one that is not stable if nothing else is found, or None.
+
+        ``origin`` is where the way began by which the last solve is measured.
+        """
+        reference, first = self._first_strength(q)
+        return self._go(q, origin, Letting(first), reference, calm_enough=2, budget=budget)
+
+    def from_unstable(self, found: NewtonResult, origin: np.ndarray, budget: int = BUDGET) -> NewtonResult | None:
+        """The same from an equilibrium that is not stable, pushed along its softest motion."""
+        pushed = self._pushed(found.q)
+        reference, first = self._first_strength(pushed)
+        budget = min(budget, PUSHED if self.has_potential(pushed) else CIRCLING)
+        return self._go(pushed, origin, Letting(first), reference, calm_enough=5, budget=budget)
+
+    def _go(
+        self, q: np.ndarray, origin: np.ndarray, letting: Letting, reference: float, calm_enough: int, budget: int
+    ) -> NewtonResult | None:
+        used, unstable, pushes = 0, None, 0
+        while used < budget and np.isfinite(letting.strength):
+            pull = Pull(letting.strength, self.metric, q)
+            held = self.solve(q, self.load_factor, pull=pull, rtol=INNER_RTOL, max_steps=INNER_STEPS)
+            used += held.iterations
+            q = held.q if held.converged else q
+            letting.after(held.iterations, held.converged, self.is_definite(held))
+            if letting.calm < calm_enough:
+                continue
+            free = self.solve(q, self.load_factor, origin=origin)
+            used, letting.calm = used + free.iterations, -1
+            if free.converged and self.is_definite(free):
+                return free
+            if not free.converged:
+                continue
+            # Far from the state that was held, Newton's method went back uphill: the flow goes on from where it is.
+            unstable, calm_enough = unstable or free, 5
+            if self._far(free.q - q) < 1.0:
+                if pushes == PUSHES:
+                    break
+                pushes += 1
+                q, letting.strength = self._pushed(free.q), max(letting.strength, reference)
+        return unstable
+
+    def is_definite(self, found: NewtonResult) -> bool:
+        """Without negative pivots, or under loads without a potential, of which pivots do not tell."""
+        return not found.negative_pivots or not self.has_potential(found.q)
+
+    def has_potential(self, q: np.ndarray) -> bool:
+        """Whether the tangent of a state is symmetric."""
+        return not is_skew(self.system, self.system.tangent(q, factor=self.load_factor), q, self.load_factor)
+
+    def _first_strength(self, q: np.ndarray) -> tuple[float, float]:
+        """The stiffness against the load, relative to G, of the way that the load begins; and that times its turn, so that
+        the first step turns slopes by less than one."""
+        system, factor = self.system, self.load_factor
+        unstressed = np.zeros_like(system.stresses(q))
+        tangent = factored(system, q, factor, self.solver, unstressed)
+        moved = system.constraints.fixed_part(system.undeformed + factor * system.prescribed() - q)
+        residual = factor * system.external_force(q) - system.internal_force(q)
+        way = tangent.solve(residual - tangent.multiply(moved)) + moved
+        stiff, dilated = work(way, tangent.multiply(way)), work(way, self.metric @ way)
+        reference = stiff / dilated if dilated else 1.0
+        return reference, reference * max(1.0, largest_turn(system, way))
+
+    def _pushed(self, q: np.ndarray) -> np.ndarray:
+        shape = downhill(self.system, self.solver, q, self.load_factor)
+        return q + shape / self._far(shape)
+
+    def _far(self, change: np.ndarray) -> float:
+        """Largest displacement in a change, over that of a push."""
+        positions = self.system.undeformed.reshape(-1, 4, 3)[:, 0]
+        push = PUSH * float(np.linalg.norm(np.ptp(positions, axis=0)))
+        return float(np.abs(change.reshape(-1, 4, 3)[:, 0]).max()) / push
+
+
+def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:
+    """The motion, of a few soft ones, against which the tangent is least stiff per mass: (n_dofs,)."""
+    matrix = system.tangent(q, factor=load_factor)
+    factor_shifted(solver, matrix, system.mass)
+    rng = np.random.default_rng(0)
+    motions = [system.constraints.free_part(rng.standard_normal(q.size)) for _ in range(CANDIDATES)]
+    for _ in range(INVERSE_ITERATIONS):
+        found = np.array([solver.solve(system.mass @ x) for x in motions])
+        stiff, heavy = (found @ np.array([form @ x for x in found]).T for form in (matrix, system.mass))
+        values, parts = _ritz(stiff, heavy)
+        motions = list(parts @ found)
+    return np.asarray(motions[int(np.argmin(values))])
+
+
+def _ritz(stiff: np.ndarray, heavy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and rows of eigenvectors of a small pair; nearly dependent motions are dropped."""
+    sizes, basis = np.linalg.eigh(heavy / np.sqrt(np.outer(heavy.diagonal(), heavy.diagonal())))
+    kept = sizes > 1e-10
+    frame = (basis[:, kept] / np.sqrt(sizes[kept])) / np.sqrt(heavy.diagonal())[:, None]
+    values, parts = np.linalg.eigh(frame.T @ stiff @ frame)
+    return values, (frame @ parts).T
+

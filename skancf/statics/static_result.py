@@ -1,0 +1,95 @@
+"""What statics returns, and how load steps are chosen."""
+
+import warnings
+from dataclasses import dataclass
+
+from skancf.arguments import whole
+from skancf.checks import Check
+from skancf.errors import DidNotConverge, InputError, OutOfDepth, positive
+from skancf.solution import Solution
+from skancf.statics.newton import OPEN, NewtonResult, Status
+
+
+@dataclass(frozen=True)
+class HalveAndGrow:
+    """Step control: a failed step is divided by ``cut``; an easy one, at most ``easy`` iterations, is followed by a
+    ``growth`` times longer one."""
+
+    first: float = 1.0
+    smallest: float = 1e-4
+    cut: float = 2.0
+    growth: float = 2.0
+    easy: int = 5
+
+    def __post_init__(self) -> None:
+        whole("easy", self.easy, floats=True)
+        for name in ("first", "smallest", "cut", "growth"):
+            positive(name, getattr(self, name))
+        if not self.cut > 1:
+            raise InputError(f"cut = {self.cut}: a failed step must become shorter, give a number greater than one")
+        if not self.growth >= 1:
+            raise InputError(f"growth = {self.growth}: an easy step must not become shorter, give at least one")
+
+    def next_step(self, step: float, result: NewtonResult) -> float:
+        if not result.converged:
+            return step / self.cut
+        return step * self.growth if result.iterations <= self.easy else step
+
+
+@dataclass(frozen=True)
+class StaticResult:
+    """Outcome of :func:`solve`.
+
+    Attributes
+    ----------
+    solution : Solution
+        The last equilibrium found; the asked one if ``status`` is converged.
+    status : Status
+    path : tuple of Solution
+        Every equilibrium on the way.
+    attempts : tuple of (load factor, NewtonResult)
+        Every solve, failed ones too, with its residual history. The few short steps along the path by which the cause of
+        a failure is looked for are not among them.
+    message : str
+        Why it stopped, if it did; what it met on the way: that a state on it was not stable, or that it snapped; or that the
+        equilibrium is not stable, by ``negative_pivots``.
+    checks : tuple of Check
+        Of the asked equilibrium, by its exact tangent and by sums over the whole body. Converged is only what passed them.
+    """
+
+    solution: Solution
+    status: Status
+    path: tuple[Solution, ...]
+    attempts: tuple[tuple[float, NewtonResult], ...]
+    message: str = ""
+    checks: tuple[Check, ...] = ()
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations of all attempts."""
+        return sum(result.iterations for _, result in self.attempts)
+
+    @property
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of the tangent in the last solve; a stable equilibrium has none.
+
+        Of its symmetric part, where loads follow a free edge: then an equilibrium that has none may still flutter.
+        """
+        return self.attempts[-1][1].negative_pivots if self.attempts else 0
+
+    @property
+    def bound(self) -> float:
+        """Part of the loads or of the energy norm that rounding of the coordinates leaves open; zero where it is below the
+        limits of the checks."""
+        return self.attempts[-1][1].bound if self.attempts else 0.0
+
+    def unwrap(self) -> Solution:
+        """The solution, or :class:`~skancf.DidNotConverge`.
+
+        Where rounding leaves less than a hundredth open, it is the solution, with a warning (:class:`~skancf.OutOfDepth`).
+        """
+        if self.status is Status.ROUNDING and self.bound <= OPEN:
+            warnings.warn(self.message, OutOfDepth, stacklevel=2)
+        elif self.status is not Status.CONVERGED:
+            raise DidNotConverge(self.message, self.attempts[-1][1].residual_norms if self.attempts else ())
+        return self.solution

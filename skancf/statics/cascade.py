@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -161,7 +162,7 @@ class Cascade:
             return self.result(last.status, last.message)
         if self.relaxes:
             checks = self.checks
-            if self._downhill(lambda: self._relaxation().from_unstable(last, self.path[0].q)):
+            if self._downhill(lambda: self.relaxation.from_unstable(last, self.path[0].q)):
                 return self._ended(BUCKLED.format(last.negative_pivots))
             self.checks = checks
             self.attempts.append((self.load_factor, last))
@@ -169,8 +170,8 @@ class Cascade:
 
     def _relaxed(self, last: NewtonResult) -> StaticResult | None:
         """The end by relaxation from the last equilibrium, if it is a stable one."""
-        at, relaxation = self.path[-1], self._relaxation()
-        if not self._downhill(lambda: relaxation.from_state(at.q, self.path[0].q)):
+        at = self.path[-1]
+        if not self._downhill(lambda: self.relaxation.from_state(at.q, self.path[0].q)):
             return None
         too_far = last.status is Status.TOO_FAR
         message = SLACK.format(at.load_factor, last.message) if too_far else SNAPPED.format(at.load_factor)
@@ -181,7 +182,8 @@ class Cascade:
         last = self.attempts[-1][1]
         return self.result(last.status, f"{message}. {last.message}" if last.message else message)
 
-    def _relaxation(self) -> Relaxation:
+    @cached_property
+    def relaxation(self) -> Relaxation:
         return Relaxation(self.system, self.solver, self.load_factor, self._solve)
 
     def _downhill(self, relaxed: Callable[[], NewtonResult | None]) -> bool:

@@ -64,6 +64,19 @@ class Letting:
         self.strength = following
 
 
+@dataclass
+class _Flow:
+    """Where a relaxation is: what it began from, the state that is held, and what it met."""
+
+    begin: np.ndarray
+    q: np.ndarray
+    letting: Letting
+    reference: float
+    calm_enough: int
+    unstable: NewtonResult | None = None
+    pushes: int = 0
+
+
 class Relaxation:
     """Relaxations of one system under one load.
 
@@ -77,48 +90,48 @@ class Relaxation:
     def __init__(self, system: System, solver: DirectSolver, load_factor: float, solve: Callable[..., NewtonResult]) -> None:
         self.system, self.solver, self.load_factor, self.solve = system, solver, load_factor, solve
         self.metric: BlockMatrix = system.pretension  # type: ignore[attr-defined]
+        self._flow: _Flow | None = None
 
     def from_state(self, q: np.ndarray, origin: np.ndarray, budget: int = BUDGET) -> NewtonResult | None:
         """The stable equilibrium downhill of a state; one that is not stable if nothing else is found, or None.
 
-        ``origin`` is where the way began by which the last solve is measured.
+        ``origin`` is where the way began by which the last solve is measured. From the same state again it goes on where it
+        ended.
         """
-        reference, first = self._first_strength(q)
-        return self._go(q, origin, Letting(first), reference, calm_enough=2, budget=budget)
+        if self._flow is None or self._flow.begin is not q:
+            reference, first = self._first_strength(q)
+            self._flow = _Flow(q, q, Letting(first), reference, calm_enough=2)
+        return self._go(self._flow, origin, budget)
 
     def from_unstable(self, found: NewtonResult, origin: np.ndarray, budget: int = BUDGET) -> NewtonResult | None:
         """The same from an equilibrium that is not stable, pushed along its softest motion."""
         pushed = self._pushed(found.q)
         reference, first = self._first_strength(pushed)
         budget = min(budget, PUSHED if self.has_potential(pushed) else CIRCLING)
-        return self._go(pushed, origin, Letting(first), reference, calm_enough=5, budget=budget)
+        return self._go(_Flow(pushed, pushed, Letting(first), reference, calm_enough=5), origin, budget)
 
-    def _go(
-        self, q: np.ndarray, origin: np.ndarray, letting: Letting, reference: float, calm_enough: int, budget: int
-    ) -> NewtonResult | None:
-        used, unstable, pushes = 0, None, 0
-        while used < budget and np.isfinite(letting.strength):
-            pull = Pull(letting.strength, self.metric, q)
-            held = self.solve(q, self.load_factor, pull=pull, rtol=INNER_RTOL, max_steps=INNER_STEPS)
+    def _go(self, flow: _Flow, origin: np.ndarray, budget: int) -> NewtonResult | None:
+        used, letting = 0, flow.letting
+        while used < budget and np.isfinite(letting.strength) and flow.pushes <= PUSHES:
+            pull = Pull(letting.strength, self.metric, flow.q)
+            held = self.solve(flow.q, self.load_factor, pull=pull, rtol=INNER_RTOL, max_steps=INNER_STEPS)
             used += held.iterations
-            q = held.q if held.converged else q
+            flow.q = held.q if held.converged else flow.q
             letting.after(held.iterations, held.converged, self.is_definite(held))
-            if letting.calm < calm_enough:
+            if letting.calm < flow.calm_enough:
                 continue
-            free = self.solve(q, self.load_factor, origin=origin)
+            free = self.solve(flow.q, self.load_factor, origin=origin)
             used, letting.calm = used + free.iterations, -1
-            if free.converged and self.is_definite(free):
-                return free
             if not free.converged:
                 continue
+            if self.is_definite(free):
+                return free
+            flow.unstable, flow.calm_enough = flow.unstable or free, 5
             # Far from the state that was held, Newton's method went back uphill: the flow goes on from where it is.
-            unstable, calm_enough = unstable or free, 5
-            if self._far(free.q - q) < 1.0:
-                if pushes == PUSHES:
-                    break
-                pushes += 1
-                q, letting.strength = self._pushed(free.q), max(letting.strength, reference)
-        return unstable
+            if self._far(free.q - flow.q) < 1.0:
+                flow.pushes += 1
+                flow.q, letting.strength = self._pushed(free.q), max(letting.strength, flow.reference)
+        return flow.unstable
 
     def is_definite(self, found: NewtonResult) -> bool:
         """Without negative pivots, or under loads without a potential, of which pivots do not tell."""

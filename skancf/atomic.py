@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from skancf.errors import InputError
+from skancf.errors import InputError, shown
 
 AnyPath = str | os.PathLike[str]
 
@@ -27,6 +27,15 @@ def replacing(path: AnyPath) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
+def as_path(what: str, path: AnyPath) -> Path:
+    """``path`` as a Path, or InputError for what names no file or folder."""
+    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
+        raise InputError(f"{what} = {shown(path)}: give a path, as text or a pathlib.Path")
+    if not str(path) or "\0" in str(path):
+        raise InputError(f"{what} '{path!s}': this is no path; give a name")
+    return Path(path)
+
+
 def check_folder(path: AnyPath) -> Path:
     """Make sure that files can be written to a folder, before a long computation relies on it.
 
@@ -45,7 +54,7 @@ def check_folder(path: AnyPath) -> Path:
     InputError
         If the folder cannot be made or written.
     """
-    folder = Path(path)
+    folder = as_path("folder", path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         _probe(folder / f".probe.{secrets.token_hex(4)}")
@@ -70,7 +79,7 @@ def check_file(path: AnyPath, *suffixes: str) -> Path:
     InputError
         For another suffix, a folder of that name, or a folder around it that cannot be written.
     """
-    file = Path(path)
+    file = as_path("file", path)
     if file.suffix.lower() not in suffixes:
         raise InputError(f"file '{file}': its name ends in '{file.suffix}'; end it in {' or '.join(suffixes)}")
     check_folder(file.parent)

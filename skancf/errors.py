@@ -1,6 +1,8 @@
 """Errors of this library. Each message names the value, the rule and the way out."""
 
 from collections.abc import Sequence
+from decimal import Decimal
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -38,32 +40,74 @@ class NotEnoughMemory(SkancfError, MemoryError):
     """A run that would not fit into memory, found before the memory was asked for."""
 
 
-def finite(name: str, value: Any) -> np.ndarray:
-    """``value`` as a float array; :class:`InputError` where it is not finite."""
+LARGEST, SMALLEST = 1e100, 1e-100
+"""Sizes of numbers that can be computed with: the cubes of larger and smaller ones are no numbers, or zero."""
+
+
+def shown(value: Any) -> str:
+    """A value as a message has it, in one line."""
     try:
-        array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError) as wrong:
-        raise InputError(f"{name} = {value!r}: not a number; give finite numbers") from wrong
-    if not np.isfinite(array).all():
-        first = np.argwhere(~np.isfinite(array))[0]
+        text = " ".join(repr(value).split())
+    except Exception:  # of the user's own class
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= 100 else f"{text[:70]}... (a {type(value).__name__})"
+
+
+def finite(name: str, value: Any) -> np.ndarray:
+    """``value`` as a float array; :class:`InputError` where it is no number, not finite, or beyond :data:`LARGEST`.
+
+    Text, truth values and complex numbers are none, and neither are masked entries.
+    """
+    array = _as_floats(name, value)
+    wrong = ~(np.abs(array) <= LARGEST)
+    if wrong.any():
+        first = tuple(np.argwhere(wrong)[0])
         where = f"[{', '.join(map(str, first))}] of shape {array.shape}" if array.ndim else ""
-        raise InputError(f"{name}{where} = {array[tuple(first)]}: not finite; every entry must be a finite number")
+        rule = (
+            f"too large, its cube is no floating-point number; give numbers up to {LARGEST:g}, in other units if need be"
+            if np.isfinite(array[first]) else "not finite; every entry must be a finite number"
+        )  # fmt: skip
+        raise InputError(f"{name}{where} = {array[first]}: {rule}")
     return array
+
+
+def _as_floats(name: str, value: Any) -> np.ndarray:
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind == "O" and all(isinstance(v, Real | Decimal) and not _is_truth(v) for v in array.ravel()):
+            array = array.astype(float)
+    except OverflowError as wrong:
+        raise InputError(f"{name} = {shown(value)}: too large; give numbers up to {LARGEST:g}") from wrong
+    except Exception as wrong:
+        raise InputError(f"{name} = {shown(value)}: not a number; give finite numbers ({wrong})") from wrong
+    if array.dtype.kind not in "iuf":
+        what = {"b": ", but a truth value", "c": ", but complex", "U": ", but text", "S": ", but bytes"}
+        raise InputError(f"{name} = {shown(value)}: not a number{what.get(array.dtype.kind, '')}; give finite numbers")
+    if np.any(getattr(value, "mask", False)):
+        raise InputError(f"{name} = {shown(value)}: has masked entries; give finite numbers, as in values.filled(0.0)")
+    return array.astype(float, copy=False)
+
+
+def _is_truth(value: Any) -> bool:
+    return isinstance(value, bool | np.bool_)
 
 
 def number(name: str, value: Any) -> float:
     """``value`` as one finite float."""
     array = finite(name, value)
     if array.ndim:
-        raise InputError(f"{name} = {value}: give one number, not {array.size}")
+        raise InputError(f"{name} = {shown(value)}: give one number, not {array.size}")
     return float(array)
 
 
 def positive(name: str, value: Any, unit: str = "") -> float:
-    """``value`` as one finite float greater than zero."""
+    """``value`` as one finite float greater than zero, and not below :data:`SMALLEST`."""
     checked = number(name, value)
     if not checked > 0:
         raise InputError(f"{name} = {value}{' ' + unit if unit else ''}: give a number greater than zero")
+    if checked < SMALLEST:
+        raise InputError(f"{name} = {value}{' ' + unit if unit else ''}: too small, its cube is zero in floating-point "
+                         f"numbers; give {SMALLEST:g} or more, in other units if need be")  # fmt: skip
     return checked
 
 
@@ -71,7 +115,7 @@ def vector(name: str, value: Any, size: int) -> np.ndarray:
     """``value`` as a finite vector of ``size`` entries."""
     array = finite(name, value)
     if array.shape != (size,):
-        raise InputError(f"{name} = {value}: give {size} numbers, not an array of shape {array.shape}")
+        raise InputError(f"{name} = {shown(value)}: give {size} numbers, not an array of shape {array.shape}")
     return array
 
 

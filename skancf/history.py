@@ -3,12 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi, sin
+from math import isfinite, pi, sin
 from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, finite, number, positive
+from skancf.arguments import choice, function
+from skancf.errors import InputError, finite, number, positive, shown
 
 History = Callable[[float], float]
 
@@ -18,8 +19,8 @@ SLACK = 1e-9
 
 def check_history(history: object) -> None:
     """InputError for a history that cannot be called."""
-    if history is not None and not callable(history):
-        raise InputError(f"history = {history!r}: give a function of time, as in history=lambda t: min(1.0, t / 0.1)")
+    if history is not None:
+        function("history", history, "a function of time, as in history=lambda t: min(1.0, t / 0.1)")
 
 
 def amplitude(history: History | None, time: float | None) -> float:
@@ -32,10 +33,19 @@ def amplitude(history: History | None, time: float | None) -> float:
     """
     if history is None or time is None:
         return float(getattr(history, "at_rest", 1.0))
-    value = float(history(time))
-    if not np.isfinite(value):
-        raise InputError(f"history at t = {time} is {value}; a function of time must be finite over the whole run")
-    return value
+    value = history(time)
+    if isinstance(value, float) and isfinite(value):
+        return float(value)
+    try:
+        return number("history", value)
+    except InputError as wrong:
+        raise InputError(f"history at t = {time} is {shown(value)}; a function of time must give one finite number over the "
+                         "whole run") from wrong  # fmt: skip
+
+
+def _moment(time: Any) -> float:
+    """A time, checked; of a solver's own times it costs one call."""
+    return time if type(time) is float and isfinite(time) else number("time", time)
 
 
 def check_cover(history: Any, begin: float, end: float) -> None:
@@ -96,7 +106,7 @@ class Tabulated:
         return np.array(self.times)
 
     def _inside(self, time: float) -> float:
-        first, last = self.span
+        time, (first, last) = time if type(time) is float else number("time", time), self.span
         slack = SLACK * (last - first)
         if not first - slack <= time <= last + slack:
             raise InputError(f"{type(self).__name__} at t = {time} s: its values are from t = {first} to {last} s; give it "
@@ -138,8 +148,7 @@ class Table(Tabulated):
         n, values = self._set_times(), finite("values", self.values)
         if values.shape != (n,):
             raise InputError(f"values of shape {values.shape}: give {n} numbers, one for each time")
-        if self.kind not in ("linear", "smooth"):
-            raise InputError(f"kind = {self.kind!r}: a table is 'linear' or 'smooth' between its times")
+        choice("kind", self.kind, ("linear", "smooth"))
         object.__setattr__(self, "values", tuple(values.tolist()))
 
     @cached_property
@@ -228,7 +237,7 @@ class Ramp(Lasting):
     start: float = 0.0
 
     def __call__(self, time: float) -> float:
-        return float(min(max((time - self.start) / self.duration, 0.0), 1.0))
+        return min(max((_moment(time) - self.start) / self.duration, 0.0), 1.0)
 
 
 PULSES: dict[str, Callable[[float], float]] = {
@@ -267,9 +276,8 @@ class Pulse(Lasting):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.shape not in PULSES:
-            raise InputError(f"shape = {self.shape!r}: a pulse is one of {sorted(PULSES)}; give other shapes as a Table")
+        choice("shape", self.shape, PULSES)
 
     def __call__(self, time: float) -> float:
-        s = (time - self.start) / self.duration
+        s = (_moment(time) - self.start) / self.duration
         return PULSES[self.shape](s) if 0.0 <= s < 1.0 else 0.0

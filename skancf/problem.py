@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.arguments import MESH, SURFACE, having, instance
 from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System, assemble
-from skancf.errors import InputError, positive
+from skancf.errors import InputError, positive, shown
 from skancf.loads import Load
 from skancf.materials import Damping, Laminate, Law, Section, section_of
+from skancf.memory import SYSTEM, require_mesh
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
@@ -61,19 +63,18 @@ class Problem:
     damping: Damping | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.surface, type) or not hasattr(self.surface, "position"):
-            raise InputError(f"surface = {self.surface!r}: give a surface, for example Rectangle(1.0, 1.0)")
+        having("surface", self.surface, ("position", "derivatives"), SURFACE)
         _ = self.section  # what is wrong with it is told here, not where it is first used
         for name, method in (("supports", "rows"), ("loads", "on")):
             items = getattr(self, name)
-            if not isinstance(items, Sequence):
-                raise InputError(f"{name}: give a list, as in {name}=[...]")
+            if not isinstance(items, Sequence) or isinstance(items, str | bytes):
+                raise InputError(f"{name}: give a list, as in {name}=[...], not {shown(items)}")
             object.__setattr__(self, name, tuple(items))
             for item in items:
                 if isinstance(item, type) or not hasattr(item, method):
-                    raise InputError(f"{name}: {item!r} is none; see skancf.{name} for what there is")
-        if not isinstance(self.damping, Damping | None):
-            raise InputError(f"damping = {self.damping!r}: give a Damping, as in damping=Damping(stiffness=1e-4)")
+                    raise InputError(f"{name}: {shown(item)} is none; see skancf.{name} for what there is")
+        if self.damping is not None:
+            instance("damping", self.damping, Damping, "a Damping, as in damping=Damping(stiffness=1e-4)")
 
     @cached_property
     def section(self) -> Section:
@@ -91,10 +92,19 @@ class Problem:
             modelling error is below ``tolerance``. What was taken and why is the system's ``choice``.
         tolerance : float
             For ``"auto"``: the largest part of the strain energy that leaving out transverse shear may change.
+
+        Raises
+        ------
+        InputError
+            For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there.
+        NotEnoughMemory
+            For a mesh whose system would not fit into memory, before any is taken.
         """
+        instance("mesh", mesh, skfem.MeshQuad, MESH)
+        tolerance = positive("tolerance", tolerance)
         self._check_bounds(mesh)
-        if theory == "auto":
-            return self._on_chosen(mesh, positive("tolerance", tolerance))
+        if isinstance(theory, str) and theory == "auto":
+            return self._on_chosen(mesh, tolerance)
         return self._on(mesh, theory_named(theory))
 
     def _on_chosen(self, mesh: skfem.MeshQuad, tolerance: float) -> System:
@@ -109,7 +119,10 @@ class Problem:
         return system
 
     def _on(self, mesh: skfem.MeshQuad, theory: Theory) -> System:
-        assembly = assemble(Geometry(mesh, self.surface, theory), self.section)
+        require_mesh(mesh.nelements, SYSTEM[theory.name])
+        geometry = Geometry(mesh, self.surface, theory)
+        _check_extent(geometry)
+        assembly = assemble(geometry, self.section)
         constraints, prescription = constrain(assembly.geometry, self.supports)
         loads = [load.on(assembly) for load in self.loads]
         elastic = [part for support in self.supports for part in support.springs(assembly)]
@@ -126,3 +139,14 @@ class Problem:
             if outside.size:
                 raise InputError(f"mesh node {outside[0]}: {name} = {values[outside[0]]} is outside the surface, which "
                                  f"spans {low} to {high}; the mesh lives in the parameter plane")  # fmt: skip
+
+
+SMALLEST_EXTENT, LARGEST_EXTENT = 1e-25, 1e12
+"""Of a surface, in any unit of length: products of smaller and larger ones are no floating-point numbers, or zero."""
+
+
+def _check_extent(geometry: Geometry) -> None:
+    extent = float(np.ptp(geometry.undeformed[:, 0], axis=0).max())
+    if not SMALLEST_EXTENT <= extent <= LARGEST_EXTENT:
+        raise InputError(f"surface: it extends over {extent:.3g} in space; give lengths in another unit, so that it extends "
+                         f"over {SMALLEST_EXTENT:g} to {LARGEST_EXTENT:g}")  # fmt: skip

@@ -2,15 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
+from skancf.arguments import STATE, flag, instance, system_like
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
-from skancf.errors import InputError, finite, number
+from skancf.errors import InputError, finite, number, shown, vector
 from skancf.thinness import BILINEAR, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
@@ -40,6 +42,23 @@ class Solution:
     time: float | None = None
     load_factor: float = 1.0
     linear: bool = False
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.system, System):
+            system_like(self.system)
+        n = self.system.undeformed.size
+        for name in ("q", "velocity"):
+            value = getattr(self, name)
+            if value is None and name == "velocity":
+                continue
+            if not (isinstance(value, np.ndarray) and value.dtype == float and value.shape == (n,)):
+                object.__setattr__(self, name, vector(name, value, n))
+        if self.time is not None and not (type(self.time) is float and isfinite(self.time)):
+            number("time", self.time)
+        if not (type(self.load_factor) is float and isfinite(self.load_factor)):
+            number("load_factor", self.load_factor)
+        if type(self.linear) is not bool:
+            flag("linear", self.linear)
 
     @property
     def displacements(self) -> np.ndarray:
@@ -74,7 +93,7 @@ class Solution:
     def _normals(self, at: Any) -> np.ndarray:
         """Directors or unit normals (n, 3) at points of the parameter plane."""
         geometry, out = self.system.geometry, []
-        for place in np.atleast_2d(finite("at", at)):
+        for place in places_of(at):
             element, point = geometry.locate(place)
             local = geometry.local(self.q.reshape(-1, 4, 3), np.array([element]))
             inside = geometry.inside(point[:, None])
@@ -87,7 +106,7 @@ class Solution:
         Order 11, 22, 33, 23, 13, 12, shear strains doubled. In theory `kirchhoff` the strain 33 (and 23, 13 of an oblique
         law) is the one that leaves no stress.
         """
-        assembly, inside = self.system.assembly, self.system.geometry.inside(points)
+        assembly, inside = self.system.assembly, self._inside(points)
         free = self._free_strains(inside, self._depth(z))
         return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, z, free))
 
@@ -97,8 +116,16 @@ class Solution:
         The law is that of the layer at z, of the lower one at an interface.
         """
         section = self.system.problem.section
-        elastic = self.strains(points, z) - self._free_strains(self.system.geometry.inside(points), z)
+        elastic = self.strains(points, z) - self._free_strains(self._inside(points), z)
         return np.asarray(elastic @ section.stiffness[section.layer_at(z)])
+
+    def _inside(self, points: Any) -> np.ndarray:
+        """Local points (2, n) of the reference square, checked."""
+        local = finite("points", points)
+        if local.ndim != 2 or local.shape[0] != 2 or np.abs(local - 0.5).max(initial=0.0) > 0.5 + 1e-9:
+            raise InputError(f"points of shape {local.shape}: give points of the reference square as an array (2, n), "
+                             "from 0 to 1; at places of the parameter plane there are displacement and position")
+        return self.system.geometry.inside(local)
 
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
@@ -118,7 +145,7 @@ class Solution:
         points : (2, n) array, optional
             In the reference square. Default: the four corners.
         """
-        inside = self.system.geometry.inside(CORNERS.T if points is None else points)
+        inside = self._inside(CORNERS.T if points is None else points)
         return self._of_state(lambda q: self.system.section_forces(q, inside, self.load_factor, self.time))
 
     def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -136,7 +163,7 @@ class Solution:
             In the reference square. Default: the middle, where they are most accurate; see
             :func:`skancf.thinness.shear_forces`.
         """
-        inside = self.system.geometry.inside(np.array([[0.5], [0.5]]) if points is None else points)
+        inside = self._inside(np.array([[0.5], [0.5]]) if points is None else points)
         system, factor, time = self.system, self.load_factor, self.time
         if not system.geometry.theory.twist:
             raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
@@ -156,6 +183,8 @@ class Solution:
         heat = self.load_factor**2 * self.system.thermal_energy(self.time)
         Q = self.shear_forces(points)
         if elements is not None:
+            if not isinstance(elements, np.ndarray) or elements.shape != (len(Q),) or elements.dtype.kind not in "biuf":
+                raise InputError(f"elements = {shown(elements)}: give a mask of the {len(Q)} elements")
             Q = Q * elements[:, None, None]
         return shear_share(self.system, Q, weights, points, self.strain_energy, heat)
 
@@ -249,22 +278,29 @@ def averaging_nodes(geometry: Geometry) -> np.ndarray:
     return np.asarray(own)
 
 
-def require_same_mesh(system: System, start: Solution) -> None:
-    """InputError for a state that was computed on another mesh or with another theory."""
+def require_same_mesh(system: System, start: Solution, name: str = "start") -> None:
+    """InputError for a state that was computed on another mesh or with another theory, and for what is no state."""
+    instance(name, start, Solution, STATE)
     if start.system.mesh is not system.mesh:
-        raise InputError("start belongs to another mesh; nodal coordinates have a meaning only on their own one")
+        raise InputError(f"{name} belongs to another mesh; nodal coordinates have a meaning only on their own one")
     if start.system.geometry.theory.name != system.geometry.theory.name:
-        raise InputError(f"start is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
+        raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
                          f"than those of {system.geometry.theory.name!r}")
+
+
+def places_of(at: Any) -> np.ndarray:
+    """Points of the parameter plane (n, 2), of one (2,) or a list of them."""
+    places = finite("at", at)
+    if places.ndim not in (1, 2) or places.shape[-1] != 2:
+        raise InputError(f"at of shape {places.shape}: give a point (x, y) of the parameter plane, or a list of them")
+    return places.reshape(-1, 2)
 
 
 def probe(system: System, at: Any) -> sp.csr_matrix:
     """Weights (n, 4 n_nodes) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
     vectors."""
-    places, geometry = finite("at", at), system.geometry
-    if places.ndim not in (1, 2) or places.shape[-1] != 2:
-        raise InputError(f"at of shape {places.shape}: give a point (x, y) of the parameter plane, or a list of them")
-    elements, local = geometry.locate_all(places.reshape(-1, 2).T)
+    geometry = system.geometry
+    elements, local = geometry.locate_all(places_of(at).T)
     table = geometry.theory.position_table(local.T)[0]
     point, row, column, value = geometry.local_entries(elements)
     shape = (len(elements), 4 * geometry.n_nodes)

@@ -8,6 +8,7 @@ import pytest
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from skancf import memory
 from skancf.errors import InputError, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.linear import (
     BACKENDS,
@@ -18,7 +19,6 @@ from skancf.linear import (
     available_backends,
     dissection,
     kernels,
-    memory,
     mkl,
     rslab,
     solver,

@@ -11,8 +11,10 @@ from skancf.adaptive.estimate import residual
 from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.recovery import recovery
 from skancf.adaptive.stress import face_stress
+from skancf.arguments import PROBLEM, flag, having, instance, whole
 from skancf.assembly.system import System
-from skancf.errors import InputError, NoLimit, OutOfDepth, number, positive
+from skancf.errors import InputError, NoLimit, OutOfDepth, number, positive, shown
+from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
 from skancf.problem import Problem
 from skancf.solution import Solution
@@ -27,21 +29,26 @@ INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
 
 def check(
     problem: Any, rtol: float, atol: float, indicator: Any, policies: tuple[Any, Any], max_dofs: int,
-    max_seconds: float | None, max_levels: int,
+    max_seconds: float | None, max_levels: int, backend: str, **flags: bool,
 ) -> None:  # fmt: skip
-    if not isinstance(problem, Problem):
-        raise InputError(f"problem = {problem!r}: give a Problem")
+    instance("problem", problem, Problem, PROBLEM)
+    check_backend(backend)
+    for name, value in flags.items():
+        flag(name, value)
     if number("atol", atol) < 0:
         raise InputError(f"atol = {atol}: give an absolute accuracy of at least 0")
     if not (number("rtol", rtol) > 0 or (rtol == 0 and atol > 0)):
         raise InputError(f"rtol = {rtol}: give a relative accuracy greater than zero, such as 1e-3")
     for name, policy in zip(("marking", "coarsening"), policies, strict=True):
-        if isinstance(policy, type) or not hasattr(policy, "marked"):
-            raise InputError(f"{name} = {policy!r}: give a policy such as Doerfler(0.9), Maximum(0.5) or Never()")
-    if not callable(indicator) and not (isinstance(indicator, str) and indicator in INDICATORS):
-        raise InputError(f"indicator = {indicator!r}: choose one of {list(INDICATORS)}, or give a function of a Solution")
+        having(name, policy, ("marked",), "a policy such as Doerfler(0.9), Maximum(0.5) or Never()")
+    if isinstance(indicator, type) or (
+        not callable(indicator) and not (isinstance(indicator, str) and indicator in INDICATORS)
+    ):
+        raise InputError(
+            f"indicator = {shown(indicator)}: choose one of {list(INDICATORS)}, or give a function of a Solution"
+        )
     positive("max_dofs", max_dofs)
-    positive("max_levels", max_levels)
+    whole("max_levels", max_levels, floats=True)
     if max_seconds is not None:
         positive("max_seconds", max_seconds, "s")
 

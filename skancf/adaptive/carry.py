@@ -17,9 +17,11 @@ import numpy as np
 
 from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
+from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.assembly.system import System
 from skancf.dynamics.prescribed import prescribed_rate
-from skancf.linear import DirectSolver
+from skancf.errors import vector
+from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 
 SOFTEST = {True: 1e-3, False: 1e-5}
@@ -114,6 +116,12 @@ def carried(
     Supports hold what they prescribe. Rates are those of the prescription, plus what those of the old nodes differed from
     it: the velocities of an integrator are not quite that rate, and go on as they were.
     """
+    instance("state", state, Solution, STATE)
+    instance("system", system, System, SYSTEM)
+    check_backend(backend)
+    flag("settle", settle)
+    if acceleration is not None:
+        acceleration = vector("acceleration", acceleration, state.system.n_dofs)
     require_one_tree(state.system.geometry, system.geometry)
     with _Passage(state, system, backend) as passage:
         q = passage.settled() if settle else passage.start

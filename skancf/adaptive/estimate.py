@@ -1,11 +1,17 @@
 """The error of a quantity of interest by its dual weight, and indicators of where the residual is large."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
+from skancf.arguments import STATE, having, instance
+from skancf.errors import InputError
+from skancf.linear import check_backend
+from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 
 
@@ -42,6 +48,20 @@ class Estimate:
         return max(abs(self.error), self.left * float(self.indicators.sum())) + self.rounding
 
 
+def check_quantity(quantity: Any, methods: Sequence[str] = ("value", "gradient")) -> None:
+    """InputError for what is no quantity of interest with these methods."""
+    having("quantity", quantity, ("unit", *methods),
+           "a quantity such as Displacement(at=(0.5, 0.5)), or an object with unit, value and gradient")  # fmt: skip
+
+
+def check_state(name: str, state: Any, backend: str = "auto") -> None:
+    """InputError for what is no state on a quadtree, whose elements can be quartered, and for an unknown solver."""
+    instance(name, state, Solution, STATE)
+    check_backend(backend)
+    if not isinstance(state.system.mesh, MeshQuadTree):
+        raise InputError(f"{name}: its mesh must be a quadtree; make it by sk.meshes.quadtree(mesh)")
+
+
 def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto") -> Estimate:
     r"""Dual-weighted residual estimate of the error of a quantity.
 
@@ -56,10 +76,17 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     are too small to be quartered more than once. The difference of the two values contains all of the step that the linear
     weight :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
 
+    Raises
+    ------
+    InputError
+        For what is no state or no quantity, and a mesh that is no quadtree.
+
     References
     ----------
     Becker and Rannacher (2001), Acta Numerica 10, 1-102.
     """
+    check_state("state", state, backend)
+    check_quantity(quantity)
     value = quantity.value(state)
     with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected
@@ -84,6 +111,7 @@ def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:
     ----------
     Antolin, Buffa and Coradello (2020), Computer Methods in Applied Mechanics and Engineering 363, 112919.
     """
+    check_state("state", state, backend)
     with Enriched(state, state.system.mesh.refined(), backend=backend) as enriched:
         blocks = enriched.free_diagonal()
         r = enriched.system.constraints.free_part(enriched.residual).reshape(-1, 12)

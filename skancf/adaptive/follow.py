@@ -10,6 +10,7 @@ from skancf.adaptive.carry import carried
 from skancf.adaptive.grow import LEFT, SMALLEST, may_be_quartered
 from skancf.adaptive.marking import check_indicators
 from skancf.adaptive.recovery import recovery
+from skancf.arguments import function, whole
 from skancf.assembly.system import System
 from skancf.dynamics import MeshEvent
 from skancf.dynamics.run import NewMesh
@@ -82,17 +83,15 @@ class Follow:
     energy: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("rtol", "every", "max_dofs", "smallest"):
+        for name in ("rtol", "max_dofs", "smallest"):
             positive(name, getattr(self, name))
-        if self.smallest > 1 or not isinstance(self.coarsest, (int, np.integer)) or self.coarsest < 0:
-            raise InputError(f"smallest = {self.smallest}, coarsest = {self.coarsest}: give a part of the extent, at most "
-                             "1, and a level, a whole number of 0 or more")  # fmt: skip
+        whole("every", self.every, floats=True)
+        whole("coarsest", self.coarsest, least=0)
+        if self.smallest > 1:
+            raise InputError(f"smallest = {self.smallest}: give a part of the extent, at most 1")
         if self.energy is not None:
             positive("energy", self.energy, "J")
-        if int(self.every) != self.every:
-            raise InputError(f"every = {self.every}: give a whole number of steps")
-        if not callable(self.indicator):
-            raise InputError(f"indicator = {self.indicator!r}: give a function of a Solution, for example sk.recovery")
+        function("indicator", self.indicator, "a function of a Solution, for example sk.recovery")
 
     def check(self, system: System) -> None:
         """InputError for a mesh that cannot be refined."""

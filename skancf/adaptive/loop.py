@@ -12,7 +12,7 @@ import skfem
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.asked import INDICATORS, Asked, check, first_system, newton_rtol
 from skancf.adaptive.between import ancestors_in
-from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.estimate import Estimate, check_quantity
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
 from skancf.adaptive.judge import judge
 from skancf.adaptive.marking import Below, Marking, check_indicators
@@ -21,6 +21,7 @@ from skancf.adaptive.result import AdaptiveResult, Level, Outcome
 from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
 from skancf.adaptive.unbounded import why_without_limit
+from skancf.arguments import MESH, instance
 from skancf.assembly.system import System
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, number
 from skancf.meshes import MeshQuadTree, quadtree
@@ -111,11 +112,11 @@ def adapt(
     >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-3)
     >>> print(result)
     """
-    check(problem, rtol, atol, indicator, (marking, coarsening), max_dofs, max_seconds, max_levels)
-    needed = ("unit", "analysis") if hasattr(quantity, "analysis") else ("unit", "value", "gradient")
-    if not all(hasattr(quantity, name) for name in needed):
-        raise InputError(f"quantity = {quantity!r}: give a quantity such as Displacement(at=(0.5, 0.5)), or an object with "
-                         "unit, value and gradient")  # fmt: skip
+    check(problem, rtol, atol, indicator, (marking, coarsening), max_dofs, max_seconds, max_levels, backend,
+          linear=linear, progress=progress)  # fmt: skip
+    check_quantity(quantity, ("analysis",) if hasattr(quantity, "analysis") else ("value", "gradient"))
+    if mesh is not None:
+        instance("mesh", mesh, skfem.MeshQuad, MESH)
     statics = StaticAnalysis(quantity, linear, number("load_factor", load_factor), newton_rtol(rtol), backend)
     analysis = quantity.analysis(statics) if hasattr(quantity, "analysis") else statics
     first = quadtree(starting_mesh(problem, quantity) if mesh is None else mesh, problem.surface)

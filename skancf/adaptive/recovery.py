@@ -8,6 +8,7 @@ each node, where they are best, is closer to the exact ones, so that the differe
 import numpy as np
 import scipy.sparse as sp
 
+from skancf.arguments import STATE, instance
 from skancf.assembly.geometry import Geometry
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
@@ -59,6 +60,7 @@ def recovery(solution: Solution) -> np.ndarray:
     1331-1382. T. Blacker and T. Belytschko, Superconvergent patch recovery with equilibrium and conjoint interpolant
     enhancements, 37 (1994) 517-536: the blend of the polynomials.
     """
+    instance("solution", solution, Solution, STATE)
     geometry, (points, weights) = solution.system.geometry, square_quadrature(3)
     raw = solution.section_forces(points)
     bending = 2 if geometry.theory.twist else 1

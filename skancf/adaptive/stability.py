@@ -6,9 +6,9 @@ from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.vibration import softening
+from skancf.arguments import whole
 from skancf.assembly.system import System
 from skancf.errors import InputError
-from skancf.meshes.tensor import whole
 from skancf.solution import Solution
 from skancf.statics.buckling import buckling
 from skancf.statics.modes import moved_along

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.regions import SAME, find_regions
-from skancf.errors import InputError
+from skancf.arguments import STATE, instance
+from skancf.errors import InputError, shown
 from skancf.meshes import Regions
 from skancf.solution import STRESSES, Solution
 
+SEARCH = ("radius", "size", "cap")
 COMPONENTS = {"in_plane": ("S11", "S22", "S12"), "normal": ("S11", "S22", "S33")}
 
 
@@ -25,10 +27,15 @@ def nodal_measure(
     z : float
         Depth. On the neutral surface, z = 0, bending leaves only membrane and shear stress.
     """
-    names = COMPONENTS.get(components, (components,)) if isinstance(components, str) else tuple(components)
-    unknown = sorted(set(names) - set(STRESSES))
-    if unknown or not names:
-        raise InputError(f"components = {components!r}: choose {sorted(COMPONENTS)} or some of {list(STRESSES)}")
+    instance("solution", solution, Solution, STATE)
+    names = COMPONENTS.get(components, (components,)) if isinstance(components, str) else components
+    try:
+        names = tuple(names)
+        known = bool(names) and all(isinstance(name, str) and name in STRESSES for name in names)
+    except TypeError:
+        known = False
+    if not known:
+        raise InputError(f"components = {shown(components)}: choose {sorted(COMPONENTS)} or some of {list(STRESSES)}")
     return np.abs(solution.nodal_stresses(z)[:, [STRESSES.index(name) for name in names]]).max(axis=1)
 
 
@@ -85,6 +92,9 @@ def stress_regions(
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (5) and (6).
     """
+    instance("solution", solution, Solution, STATE)
+    if unknown := sorted(set(search) - set(SEARCH)):
+        raise TypeError(f"stress_regions() got an unexpected keyword argument {unknown[0]!r}; there are {', '.join(SEARCH)}")
     geometry = solution.system.geometry
     mesh = geometry.mesh
     cell = np.median(np.ptp(mesh.p[:, mesh.t], axis=1), axis=1)

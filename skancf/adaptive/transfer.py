@@ -2,6 +2,7 @@
 
 from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.carry import carried
+from skancf.arguments import STATE, SYSTEM, instance
 from skancf.assembly.system import System
 from skancf.solution import Solution
 
@@ -26,6 +27,8 @@ def transfer(state: Solution, system: System) -> Solution:
     InputError
         For meshes that do not grow from one coarse mesh, and for another theory.
     """
+    instance("state", state, Solution, STATE)
+    instance("system", system, System, SYSTEM)
     old, new = state.system.geometry, system.geometry
     require_one_tree(old, new)
     if state.linear:

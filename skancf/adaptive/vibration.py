@@ -9,10 +9,10 @@ from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.enriched import Enriched, Refined
 from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.quantities import StrainEnergy
+from skancf.arguments import flag, whole
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
-from skancf.meshes.tensor import whole
 from skancf.solution import Solution
 from skancf.statics.modes import Modes, modes, moved_along
 from skancf.statics.soft import factor_shifted
@@ -43,6 +43,7 @@ class Eigenfrequency:
 
     def __post_init__(self) -> None:
         whole("number", self.number, least=0)
+        flag("loaded", self.loaded)
 
     def analysis(self, statics: StaticAnalysis) -> "VibrationAnalysis":
         """How it is found; ``statics`` is how an equilibrium is."""

@@ -3,10 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from skancf.assembly.panels import prefetch
-from skancf.compiled import INNER, OPTIONS
+from skancf.compiled import INNER, OPTIONS, compiled
 
 
 class Maps(NamedTuple):
@@ -24,7 +23,7 @@ class Maps(NamedTuple):
     values: np.ndarray
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def gather(e, q, maps, local):
     """Local vectors (16, 3) of element e from nodal coordinates (n_nodes, 4, 3)."""
     local[:] = 0.0
@@ -35,7 +34,7 @@ def gather(e, q, maps, local):
             local[a, i] += v * q[n, kind, i]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def scatter_force(e, force, maps, out):
     """Adds the forces on the local vectors (16, 3) to out (n_nodes, 4, 3)."""
     for k in range(maps.pointer[e], maps.pointer[e + 1]):
@@ -45,7 +44,7 @@ def scatter_force(e, force, maps, out):
             out[n, kind, i] += v * force[a, i]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def prefetch_blocks(e, slots, out):
     """Asks for the blocks of an element early, so that they come while its tangent is computed."""
     for a in range(4):
@@ -56,7 +55,7 @@ def prefetch_blocks(e, slots, out):
                     prefetch(out, 144 * slot + line)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def scatter_tangent(e, maps, slots, K, out):
     """Adds an element's tangent, K (48, 48) of which i <= j is used, to the upper blocks, out (n_blocks, 12, 12)."""
     for k in range(maps.pointer[e], maps.pointer[e + 1]):
@@ -78,14 +77,14 @@ def scatter_tangent(e, maps, slots, K, out):
                 block[row + 2, col + 2] += w * K[32 + a, 32 + b]
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def add_local(elements, matrices, maps, slots, out):
     """Adds symmetric matrices (m, 48, 48) of elements (m,), component by component, to the upper blocks out."""
     for k in range(elements.shape[0]):
         scatter_tangent(elements[k], maps, slots, matrices[k], out)
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def mass(start, stop, order, shape, shapes, maps, slots, out):
     """Adds the classes' mass matrices (n_shapes, 16, 16), the same for the three components."""
     K = np.zeros((48, 48))

@@ -2,18 +2,16 @@
 
 A library's matrix multiply has to look at its arguments before it starts, and is built for sizes that a compiler does not
 know. Here the compiler knows how many rows there are; they stay in registers.
-
-After an edit here ``make kernels`` removes the cache of the kernels that use it.
 """
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
-from skancf.compiled import INNER
+from skancf.compiled import INNER, compiled
 
 WIDTH = 16
 """Columns of a panel."""
@@ -21,7 +19,7 @@ VECTOR = ir.VectorType(ir.DoubleType(), 8)
 FUSED = ("contract",)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def aligned(rows, columns):
     """An array that starts at a cache line, so that no vector of it lies on two."""
     memory = np.empty(rows * columns + 8)

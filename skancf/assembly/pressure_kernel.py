@@ -1,13 +1,12 @@
 """Compiled symmetric tangent of a follower pressure."""
 
 import numpy as np
-from numba import njit
 
 from skancf.assembly.local import gather, scatter_tangent
-from skancf.compiled import OPTIONS
+from skancf.compiled import OPTIONS, compiled
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def pressure_stiffness(start, stop, order, q, pressure, values, slopes, maps, slots, out):
     """Adds minus the symmetric derivative of p N (r_1 x r_2); ``values`` (16, n) have the weights, ``slopes`` (2, 16, n).
 

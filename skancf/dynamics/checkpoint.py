@@ -8,13 +8,13 @@ a crash loses what came after it, and no more.
 import time as clock
 from contextlib import suppress
 from dataclasses import dataclass, fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from skancf.arguments import SYSTEM, instance, whole
 from skancf.assembly.system import System
-from skancf.atomic import AnyPath, check_folder, reason
+from skancf.atomic import AnyPath, as_path, check_folder, reason
 from skancf.dynamics.asked import Asked, asked_problem
 from skancf.dynamics.ledger import SUMS, Book, Forces
 from skancf.dynamics.motion import Motion, MotionStatus
@@ -58,9 +58,8 @@ class Checkpoint:
     every: int = 100
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.every, (int, np.integer)) and self.every > 0):
-            raise InputError(f"every = {self.every}: give a whole number of steps between two writes, 1 at least")
-        object.__setattr__(self, "every", int(self.every))
+        as_path("folder", self.folder)
+        object.__setattr__(self, "every", whole("every", self.every))
 
     def attach(self, run: Run, asked: Asked, resume: bool) -> "Writer":
         """The writer of a run: at its start, or where the one in the folder is if ``resume``.
@@ -242,7 +241,8 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     >>> motion = sk.read_motion(system, "run")
     >>> motion.times[-1], motion.status
     """
-    files = RunFiles(Path(folder))
+    instance("system", system, System, SYSTEM)
+    files = RunFiles(as_path("folder", folder))
     if not (files.folder / STATE).exists():
         raise InputError(f"folder '{files.folder}': holds no run; give the folder of a Checkpoint")
     text, data = files.read_state()

@@ -93,7 +93,7 @@ def initial_velocity(system: System, q: np.ndarray, velocity: Velocity) -> np.nd
         return np.zeros(system.n_dofs)
     if isinstance(velocity, RigidVelocity):
         return velocity.at(q)
-    if callable(velocity):
+    if callable(velocity) and not isinstance(velocity, type):
         return _projected(system, q, velocity)
     v = finite("velocity", velocity).ravel()
     if v.size != system.n_dofs:

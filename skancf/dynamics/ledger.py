@@ -88,6 +88,8 @@ class Ledger:
     def at(self, times: Any) -> "Ledger":
         """The book at other times, linear between those of the steps, so that what balances there balances here."""
         wanted = np.atleast_1d(finite("times", times))
+        if wanted.ndim != 1 or not wanted.size:
+            raise InputError(f"times of shape {wanted.shape}: give one time, or some in a row")
         if wanted.min() < self.times[0] or wanted.max() > self.times[-1]:
             raise InputError(f"times from {wanted.min()} to {wanted.max()} s: the ledger is from {self.times[0]} to "
                              f"{self.times[-1]} s")  # fmt: skip

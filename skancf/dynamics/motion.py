@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import function
 from skancf.assembly.system import System
 from skancf.dynamics.ledger import Ledger
 from skancf.errors import DidNotConverge, InputError, number
@@ -155,7 +156,7 @@ class Motion:
 
     def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
         """Displacement at the output times: of a point (2,) of the parameter plane (n, 3), of points (m, 2) (n, m, 3)."""
-        if z:
+        if number("z", z):
             return np.array([state.displacement(at, z) for state in self.states])
         parts = []
         for part in self.stretches:
@@ -167,6 +168,7 @@ class Motion:
 
     def history(self, quantity: Callable[[Solution], Any]) -> np.ndarray:
         """A quantity of each state at the output times, (n, ...)."""
+        function("quantity", quantity, "a function of a Solution")
         return np.array([quantity(state) for state in self.states])
 
 

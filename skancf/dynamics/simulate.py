@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import function, having, mapping, whole
 from skancf.assembly.system import System
 from skancf.atomic import AnyPath
 from skancf.dynamics.asked import asked_of
@@ -19,9 +20,11 @@ from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, StepControl
-from skancf.errors import InputError, finite, positive
+from skancf.errors import InputError, finite, positive, shown
+from skancf.memory import require_much
 from skancf.progress import Progress
-from skancf.solution import Solution, require_same_mesh
+from skancf.solution import Solution
+from skancf.statics.asked import check_asked
 from skancf.thinness import warn_if_mass_is_off
 
 
@@ -97,18 +100,18 @@ def simulate(
     InputError
         For times, tolerances or velocities that cannot be used.
     """
+    check_asked(system, backend, start=start, resume=resume, progress=progress)
     t_end = positive("t_end", t_end, "s")
-    _check(record, start, follow, newton_rtol=newton_rtol, balance=balance)
+    _check(record, follow, newton_rtol=newton_rtol, balance=balance)
     rule = _rule(rule, rho_inf)
     control = _control(steps, dt, rtol, rule)
-    if start is not None:
-        require_same_mesh(system, start)
     if follow is not None:
         follow.check(system)
     warn_if_mass_is_off(system)
     begin = 0.0 if start is None or start.time is None else start.time
     system.check_histories(begin, begin + t_end)
-    times = output_times(outputs, begin, begin + t_end)
+    times = output_times(outputs, begin, begin + t_end, system.n_dofs)
+    _check_number_of_steps(control, t_end)
     q = system.undeformed.copy() if start is None else start.q.copy()
     v = _initial_velocity(system, velocity, start, begin, t_end)
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
@@ -143,24 +146,23 @@ def _go(
     return status, message, writer.seconds
 
 
-def _check(record: Any, start: Any, follow: Any, **positive_or_none: float | None) -> None:
+def _check(record: Any, follow: Any, **positive_or_none: float | None) -> None:
     for name, value in positive_or_none.items():
         if value is not None:
             positive(name, value)
-    if record is not None and not isinstance(record, Mapping):
-        raise InputError(f"record = {record!r}: give names and functions of a Solution, as in record={{'tip': f}}")
-    if start is not None and not isinstance(start, Solution):
-        raise InputError(f"start = {start!r}: give a Solution, for example motion.at(0.1) or sk.solve(system).solution")
-    if follow is not None and not hasattr(follow, "change"):
-        raise InputError(f"follow = {follow!r}: give a policy of meshes, for example sk.Follow(rtol=0.2)")
+    if follow is not None:
+        having("follow", follow, ("change", "check"), "a policy of meshes, for example sk.Follow(rtol=0.2)")
+    if record is not None:
+        mapping("record", record, "names and functions of a Solution, as in record={'tip': f}")
     for name, quantity in (record or {}).items():
-        if not callable(quantity):
-            raise InputError(f"record[{name!r}] = {quantity!r}: give a function of a Solution")
+        function(f"record[{name!r}]", quantity, "a function of a Solution")
 
 
 def _control(steps: Any, dt: float | None, rtol: float, rule: Rule) -> StepControl:
-    if steps is not None and (isinstance(steps, type) or not hasattr(steps, "next_step")):
-        raise InputError(f"steps = {steps!r}: give a step control, for example LocalError(1e-3), or a length as dt")
+    if steps is not None:
+        having("steps", steps, ("first", "accepts", "next_step"),
+               "a step control, for example LocalError(1e-3), or a length as dt")  # fmt: skip
+    positive("rtol", rtol)
     control: StepControl = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))
     if isinstance(control, EnergyBalance) and isinstance(rule, EnergyMomentum):
         raise InputError("steps=EnergyBalance(...) with rule=EnergyMomentum(): this rule balances at any step, right or "
@@ -168,23 +170,37 @@ def _control(steps: Any, dt: float | None, rtol: float, rule: Rule) -> StepContr
     return control
 
 
+KEPT = 300
+"""Bytes that a run keeps of each step, at least; measured."""
+
+
+def _check_number_of_steps(control: Any, t_end: float) -> None:
+    """Refuse a run of which what is kept of each step will not fit into memory."""
+    longest = min(getattr(control, name, np.inf) for name in (["dt"] if isinstance(control, FixedStep) else ["largest"]))
+    n = int(t_end / longest)
+    require_much(KEPT * n, f"t_end = {t_end} s in steps of {longest} s", f"what is kept of {n:.3g} steps",
+                 "take longer steps, or a shorter run")  # fmt: skip
+
+
 def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:
     if rule is None:
         return GeneralizedAlpha() if rho_inf is None else GeneralizedAlpha(rho_inf)
     if rho_inf is not None:
-        raise InputError(f"rho_inf = {rho_inf} and rule = {rule!r}: rho_inf is short for a rule; give one of them")
+        raise InputError(f"rho_inf = {rho_inf} and rule = {shown(rule)}: rho_inf is short for a rule; give one of them")
     if not isinstance(rule, Rule):
-        raise InputError(f"rule = {rule!r}: give a rule of integration, for example GeneralizedAlpha(0.8)")
+        raise InputError(f"rule = {shown(rule)}: give a rule of integration, for example GeneralizedAlpha(0.8)")
     return rule
 
 
-def output_times(outputs: int | Sequence[float], begin: float, end: float) -> np.ndarray:
+def output_times(outputs: int | Sequence[float], begin: float, end: float, n_dofs: int = 12) -> np.ndarray:
     """The output times of a run."""
-    if isinstance(outputs, (int, np.integer)):
-        if outputs < 2:
-            raise InputError(f"outputs = {outputs}: give at least 2 output times")
-        return np.linspace(begin, end, int(outputs))
+    if isinstance(outputs, int | float | np.integer | np.floating):
+        n = whole("outputs", outputs, least=2)
+        require_much(16 * n * n_dofs, f"outputs = {n}", f"to keep states of {n_dofs} unknowns", "ask for fewer")
+        return np.linspace(begin, end, n)
     times = finite("outputs", outputs)
+    require_much(16 * times.size * n_dofs, f"outputs = {times.size} times", f"to keep states of {n_dofs} unknowns",
+                 "ask for fewer")  # fmt: skip
     if times.ndim != 1 or len(times) < 1 or (np.diff(times) <= 0).any() or times[0] < begin or times[-1] > end:
         raise InputError(f"outputs: give ascending times between {begin} and {end} s")
     return times

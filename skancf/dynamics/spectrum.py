@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import polynomial
 
-from skancf.errors import InputError, finite, number, positive
+from skancf.arguments import choice, whole
+from skancf.errors import InputError, finite, number, shown
+from skancf.memory import require_much
 from skancf.statics import Modes
 
 # Half the main lobe of each window: how far apart two frequencies are told apart, in units of 1 / length.
@@ -104,8 +106,8 @@ class Spectrum:
         prominence : float
             How far a peak stands out from its surroundings at least, as a share of the largest.
         """
-        if count is not None and positive("count", count) != int(count):
-            raise InputError(f"count = {count}: give a whole number of peaks")
+        if count is not None:
+            count = whole("count", count, floats=True)
         if not 0 <= number("prominence", prominence) < 1:
             raise InputError(f"prominence = {prominence}: give a share of the largest peak, at least 0 and less than 1")
         from scipy.signal import find_peaks  # not at the top: it takes as long to load as all else
@@ -189,17 +191,17 @@ def spectrum(
     InputError
         For times that do not ascend, values that are not finite or of another number, and too few samples.
     """
-    if window not in LOBES:
-        raise InputError(f"window = {window!r}: give one of {', '.join(LOBES)}")
-    if detrend not in DEGREES:
-        raise InputError(f"detrend = {detrend!r}: give 'constant', 'linear' or None")
-    if positive("padding", padding) != int(padding):
-        raise InputError(f"padding = {padding}: give a whole number")
+    if not isinstance(window, str) or window not in LOBES:
+        raise InputError(f"window = {shown(window)}: give one of {', '.join(LOBES)}")
+    choice("detrend", detrend, tuple(DEGREES))
+    padding = whole("padding", padding, floats=True)
     from scipy.signal import get_window  # not at the top: it takes as long to load as all else
 
     t, x = _part(*_history(times, values), begin, end)
     longest = np.diff(t).max()
     t, x = _equidistant(t, x)
+    # Values with zeros behind them, their transform, and its size.
+    require_much(40 * padding * x.size, f"padding = {padding}", f"a spectrum of {x.size} values", "take less padding")
     n, dt = len(t), (t[-1] - t[0]) / (len(t) - 1)
     weights = get_window(window, n)
     x = _without_trend(x, weights, DEGREES[detrend])

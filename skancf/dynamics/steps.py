@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
+from skancf.arguments import whole
 from skancf.errors import InputError, positive
 
 
@@ -46,8 +47,10 @@ def _check(largest: float = float("inf"), **numbers: float) -> None:
     """InputError for numbers, and a longest step, that are not positive."""
     for name, value in numbers.items():
         positive(name, value, "s" if name == "dt" else "")
-    if not largest > 0:
+    if isinstance(largest, float) and not largest > 0:
         raise InputError(f"largest = {largest} s: give a step length greater than zero")
+    if not (isinstance(largest, float) and largest == float("inf")):
+        positive("largest", largest, "s")
 
 
 @dataclass(frozen=True)
@@ -196,8 +199,7 @@ class NewtonCount:
 
     def __post_init__(self) -> None:
         _check(self.largest, dt=self.dt, smallest=self.smallest)
-        if not (isinstance(self.iterations, int) and self.iterations > 0):
-            raise InputError(f"iterations = {self.iterations}: give a whole number of iterations, 1 at least")
+        whole("iterations", self.iterations)
 
     def first(self, guess: float) -> float:
         return min(self.dt, self.largest)

@@ -7,8 +7,10 @@ import numpy as np
 import skfem
 from skfem.element import DiscreteField
 
+from skancf.arguments import MESH, instance, whole
 from skancf.elements.nodal import QuadWithSlopes
 from skancf.elements.reference import ancf_functions
+from skancf.errors import positive
 
 
 class ElementQuadANCF(QuadWithSlopes):
@@ -85,8 +87,15 @@ def through_thickness(mesh: skfem.MeshQuad, thickness: float, n: int = 4, n_z: i
     thickness
         A length.
     n, n_z
-        Gauss points along each side and through the thickness.
+        Gauss points along each side and through the thickness, at most 64.
+
+    Raises
+    ------
+    InputError
+        For what is no mesh, a thickness that is not positive, and numbers of points that are no whole ones.
     """
+    instance("mesh", mesh, skfem.MeshQuad, MESH)
+    thickness, n, n_z = positive("thickness", thickness), whole("n", n, most=64), whole("n_z", n_z, most=64)
     plane, plane_weights = square_quadrature(n)
     s, w = gauss(n_z)
     z = np.tile((s - 0.5) * thickness, plane.shape[1])

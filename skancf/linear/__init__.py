@@ -8,6 +8,9 @@ from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.pattern import BlockPattern
 from skancf.linear.skew import SkewSolver
-from skancf.linear.solver import BACKENDS, DirectSolver, available_backends
+from skancf.linear.solver import BACKENDS, DirectSolver, available_backends, check_backend
 
-__all__ = ["BACKENDS", "BlockMatrix", "BlockPattern", "Constraints", "DirectSolver", "SkewSolver", "available_backends"]
+__all__ = [
+    "BACKENDS", "BlockMatrix", "BlockPattern", "Constraints", "DirectSolver", "SkewSolver", "available_backends",
+    "check_backend",
+]  # fmt: skip

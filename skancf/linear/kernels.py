@@ -1,11 +1,12 @@
 """Compiled loops over the blocks of a symmetric matrix; each has a plain twin in the tests."""
 
-import numba
 import numpy as np
+
+from skancf.compiled import compiled
 
 
 # Reassociation lets the inner sums use vector registers; nothing here tests for nan.
-@numba.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+@compiled(nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def multiply(indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, x: np.ndarray, y: np.ndarray) -> None:
     """y = A x from the upper triangle of blocks; x and y of shape (n_nodes, block)."""
     block = values.shape[1]
@@ -28,7 +29,7 @@ def multiply(indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, x: np.
                 y[i, a] += total
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def scale_blocks(
     indptr: np.ndarray,
     indices: np.ndarray,
@@ -61,7 +62,7 @@ def scale_blocks(
     return -1
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def touches(nodes: np.ndarray, indptr: np.ndarray, indices: np.ndarray, part: np.ndarray, other: int) -> np.ndarray:
     """Mask over ``nodes``: has a neighbour of which ``part`` is ``other``."""
     mask = np.zeros(nodes.size, np.bool_)
@@ -73,7 +74,7 @@ def touches(nodes: np.ndarray, indptr: np.ndarray, indices: np.ndarray, part: np
     return mask
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def upper_pattern(indptr: np.ndarray, indices: np.ndarray, block: int) -> tuple[np.ndarray, np.ndarray]:
     """Compressed rows of the upper triangle of entries."""
     n_nodes = indptr.size - 1
@@ -93,7 +94,7 @@ def upper_pattern(indptr: np.ndarray, indices: np.ndarray, block: int) -> tuple[
     return starts, columns
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def upper_entries(indptr: np.ndarray, values: np.ndarray, out: np.ndarray) -> None:
     """Entries of the upper triangle, row by row as :func:`upper_pattern` has them."""
     block = values.shape[1]
@@ -106,7 +107,7 @@ def upper_entries(indptr: np.ndarray, values: np.ndarray, out: np.ndarray) -> No
                     place += 1
 
 
-@numba.njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def column_counts(indptr: np.ndarray, indices: np.ndarray, order: np.ndarray, place: np.ndarray) -> np.ndarray:
     """Entries below the diagonal in each column of the factor, nodes in ``order``, of which ``place`` is the inverse.
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from skancf.errors import NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.linear import mkl
-from skancf.linear.memory import WAY_OUT
 from skancf.linear.pattern import BlockPattern
+from skancf.memory import WAY_OUT
 
 SYMMETRIC_INDEFINITE = -2
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1

@@ -12,8 +12,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 import scipy.sparse as sp
 
+from skancf import memory
 from skancf.errors import SingularMatrix
-from skancf.linear import kernels, memory
+from skancf.linear import kernels
 from skancf.linear.pattern import BlockPattern
 from skancf.linear.superlu import SuperLU
 from skancf.threads import n_threads
@@ -116,6 +117,7 @@ class Rslab:
     def _with_exchanges(self) -> SuperLU:
         other = SuperLU()
         other.symbolic(self._pattern)
-        memory.require(other.memory, self._pattern.shape[0], "a factorisation by superlu, for pivots of rslab that vanish,")
+        memory.require(other.memory, f"{self._pattern.shape[0]} unknowns",
+                       "a factorisation by superlu, for pivots of rslab that vanish,")  # fmt: skip
         other.factor(self._values, careful=True)
         return other

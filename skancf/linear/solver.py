@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from skancf.errors import InputError, SingularMatrix, SkancfError
-from skancf.linear import memory
+from skancf import memory
+from skancf.errors import InputError, SingularMatrix, SkancfError, shown
 from skancf.linear.backend import Backend
 from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
@@ -59,7 +59,7 @@ class DirectSolver:
         self._backend = _choose(backend)()
         self._system = ScaledSystem(pattern, constraints)
         self._backend.symbolic(pattern)
-        memory.require(self.memory, pattern.shape[0], f"a matrix and its factors by {self._backend.name}")
+        memory.require(self.memory, f"{pattern.shape[0]} unknowns", f"a matrix and its factors by {self._backend.name}")
         self._probe = np.random.default_rng(0).standard_normal(self._system.scale.size)
         self._factored = self._closed = False
 
@@ -195,12 +195,17 @@ def _size(v: np.ndarray) -> float:
         return float(np.sqrt((v * v).sum()))
 
 
+def check_backend(name: str) -> None:
+    """InputError for a solver that does not exist or is not available."""
+    _choose(name)
+
+
 def _choose(name: str) -> type[Backend]:
-    if name == "auto":
+    if isinstance(name, str) and name == "auto":
         return next(backend for backend in BACKENDS if backend.available())
     known = {backend.name: backend for backend in BACKENDS}
-    if name not in known:
-        raise InputError(f"backend = {name!r}: choose 'auto' or one of {sorted(known)}")
+    if not isinstance(name, str) or name not in known:
+        raise InputError(f"backend = {shown(name)}: choose 'auto' or one of {sorted(known)}")
     if not known[name].available():
         raise InputError(f"backend = {name!r} is not available: {known[name].advice}, or choose 'auto'")
     return known[name]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.errors import InputError, number, positive
+from skancf.errors import InputError, number, positive, shown
 from skancf.materials.law import Law, require_law, turned, turned_strain
 from skancf.materials.section import Section, stack
 
@@ -83,12 +83,12 @@ class Laminate:
     offset: float = 0.0
 
     def __post_init__(self) -> None:
-        if not isinstance(self.layers, Sequence) or not len(self.layers):
-            raise InputError(f"layers = {self.layers!r}: give a list of layers, as in [Layer(material, thickness)]")
+        if not isinstance(self.layers, Sequence) or isinstance(self.layers, str | bytes) or not len(self.layers):
+            raise InputError(f"layers = {shown(self.layers)}: give a list of layers, as in [Layer(material, thickness)]")
         object.__setattr__(self, "layers", tuple(self.layers))
         for layer in self.layers:
             if not isinstance(layer, Layer):
-                raise InputError(f"layers: {layer!r} is none; give Layer(material, thickness, angle)")
+                raise InputError(f"layers: {shown(layer)} is none; give Layer(material, thickness, angle)")
         number("offset", self.offset)
 
     def section(self) -> Section:

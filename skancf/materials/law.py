@@ -10,7 +10,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.errors import InputError, finite, number, positive, vector
+from skancf.arguments import choice
+from skancf.errors import InputError, finite, number, positive, shown, vector
 
 SHEAR_CORRECTION = 5 / 6
 TRANSVERSE = [3, 4]
@@ -35,7 +36,7 @@ def require_law(material: Any) -> None:
     """InputError for what has not the methods of a :class:`Law`."""
     missing = [name for name in ("density", "stiffness", "thermal_strain") if not hasattr(material, name)]
     if isinstance(material, type) or missing:
-        raise InputError(f"material = {material!r}: give a law, for example Isotropic(young, poisson, density)"
+        raise InputError(f"material = {shown(material)}: give a law, for example Isotropic(young, poisson, density)"
                          + (f"; this has no {' and no '.join(missing)}" if missing else ""))  # fmt: skip
 
 
@@ -151,11 +152,10 @@ def build(law: Any, full: np.ndarray) -> np.ndarray:
     name = type(law).__name__
     positive("density", law.density, "kg/m3")
     positive("shear_correction", law.shear_correction)
+    choice("kind", law.kind, ("plane_stress", "3d"))
     if full.shape != (6, 6):
-        raise InputError(f"{name}: a law is a 6 x 6 matrix, not one of shape {full.shape}")
+        raise InputError(f"{name}: matrix of shape {full.shape}; a law is a 6 x 6 matrix")
     full = check_definite(full, name)
-    if law.kind not in ("plane_stress", "3d"):
-        raise InputError(f"kind = {law.kind!r}: a law is either 'plane_stress' or '3d'")
     plate = plane_stress(full, law.shear_correction) if law.kind == "plane_stress" else corrected(
         full, law.shear_correction)
     return turned(plate, number("angle", law.angle))

@@ -15,6 +15,8 @@ from skancf.errors import InputError, finite, positive
 from skancf.materials.law import require_law
 
 IN_PLANE = [0, 1, 5]
+LEAST, MOST = 1e-80, 1e80
+"""Of stiffnesses and mass per area: cubes of them times those of lengths are computed with."""
 OUT_OF_PLANE = [2, 3, 4]
 SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
@@ -60,6 +62,18 @@ class Section:
             object.__setattr__(self, name, array)
         if not (np.diff(self.z) > 0).all():
             raise InputError(f"z = {self.z}: heights of a section increase from the bottom to the top face")
+        self._check_sizes()
+
+    def _check_sizes(self) -> None:
+        """InputError for a stiffness or mass of which products are no floating-point numbers, or zero."""
+        with np.errstate(all="ignore"):
+            A, D = np.diag(self._abd)[:3].max(), np.diag(self._abd)[3:].max()
+        for name, value, unit in (("membrane stiffness", A, "N/m"), ("bending stiffness", D, "N m"),
+                                  ("mass per area", self.mass, "kg/m2")):  # fmt: skip
+            if not LEAST <= value <= MOST:
+                raise InputError(f"thickness = {self.thickness:.6g}: the {name} of the section is {value:.3g} {unit}, and "
+                                 f"products of numbers beyond {LEAST:g} to {MOST:g} are no floating-point numbers, or "
+                                 "zero; give thickness, moduli and density in other units")  # fmt: skip
 
     @property
     def thicknesses(self) -> np.ndarray:
@@ -208,7 +222,7 @@ def section_of(material: Any, thickness: float | None) -> Section:
     InputError
         For a law without a thickness, a laminate with one, and a material that is neither.
     """
-    if hasattr(material, "section") and not isinstance(material, type):
+    if callable(getattr(material, "section", None)) and not isinstance(material, type):
         if thickness is not None:
             raise InputError(f"thickness = {thickness}: a laminate brings its own, the sum of its layers'; leave it out")
         return material.section()

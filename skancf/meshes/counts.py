@@ -1,14 +1,14 @@
 """How many cells in each direction make a given number of nodes."""
 
 from itertools import count
-from math import exp, log
+from math import exp, isqrt, log
 
 import numpy as np
 
+from skancf.arguments import whole
 from skancf.errors import InputError
 from skancf.meshes.placing import coarse_for
 from skancf.meshes.sizes import Sizes
-from skancf.meshes.tensor import whole
 from skancf.surfaces import BoundedSurface
 
 # A factorisation may miss the natural nx : ny by this factor; beyond it cells get needlessly slender.
@@ -37,7 +37,8 @@ def shape_for(surface: BoundedSurface, along_x: Sizes, along_y: Sizes, nodes: in
 
 def factorise(nodes: int, proportion: float) -> tuple[int, int] | None:
     """The pair of counts with nx : ny closest to ``proportion``, None if all miss it by more than ``WIDEST_MISS``."""
-    pairs = [(d - 1, nodes // d - 1) for d in range(2, nodes // 2 + 1) if nodes % d == 0]
+    small = [d for d in range(2, isqrt(nodes) + 1) if nodes % d == 0]
+    pairs = [(d - 1, nodes // d - 1) for d in sorted({*small, *(nodes // d for d in small)})]
     # Rounded: two mirror images miss by the same factor, and the first of them is taken on every machine.
     misses = [round(abs(log(nx / ny / proportion)), 9) for nx, ny in pairs]
     best = min(misses, default=np.inf)

@@ -6,14 +6,16 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.errors import InputError, number
+from skancf.arguments import sequence, whole
+from skancf.errors import InputError, number, shown
+from skancf.memory import require_mesh
 from skancf.meshes.counts import shape_for
 from skancf.meshes.fineness import Pair, coarse_lengths, fractions, pair
 from skancf.meshes.openings import Opening
 from skancf.meshes.placing import LARGEST_RATIO, place, place_natural
-from skancf.meshes.region import Region, Regions
+from skancf.meshes.region import REGION, Region, Regions
 from skancf.meshes.sizes import Sizes
-from skancf.meshes.tensor import bounds_of, tensor, whole
+from skancf.meshes.tensor import bounds_of, tensor
 from skancf.surfaces import BoundedSurface
 
 
@@ -78,6 +80,8 @@ def graded(
     InputError
         For values out of range, a region centred outside the bounds, and a number of nodes that is no product of
         suitable counts (the message names the nearest that are).
+    NotEnoughMemory
+        For more elements than a system would fit for, before any memory is taken.
 
     Notes
     -----
@@ -88,6 +92,7 @@ def graded(
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (7) and (8).
     """
+    regions = sequence("regions", regions, Region, REGION) if not isinstance(regions, Regions) else regions
     if nodes is None and shape is None and coarse is None and isinstance(regions, Regions):
         coarse = regions.cell
     _check_choice(nodes, shape, coarse)
@@ -96,9 +101,13 @@ def graded(
     )
     if coarse is not None:
         length_x, length_y = coarse_lengths(coarse, bounds_of(surface))
+        require_mesh(max(1, round(along_x.count(length_x))) * max(1, round(along_y.count(length_y))))
         row_x, row_y = place_natural(along_x, length_x), place_natural(along_y, length_y)
     else:
+        if nodes is not None:
+            require_mesh(whole("nodes", nodes, least=4))
         nx, ny = shape_for(surface, along_x, along_y, nodes) if nodes is not None else _shape(shape)
+        require_mesh(nx * ny)
         row_x, row_y = place(along_x, nx), place(along_y, ny)
     return tensor(surface, row_x, row_y, openings)
 
@@ -148,5 +157,5 @@ def _shape(shape: Any) -> tuple[int, int]:
     try:
         nx, ny = shape
     except (TypeError, ValueError) as wrong:
-        raise InputError(f"shape = {shape!r}: give the two numbers of cells (nx, ny)") from wrong
+        raise InputError(f"shape = {shown(shape)}: give the two numbers of cells (nx, ny)") from wrong
     return whole("nx", nx), whole("ny", ny)

@@ -1,6 +1,5 @@
 """Rectangles cut out of a mesh."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ Opening = tuple[tuple[float, float], tuple[float, float]]
 
 
 def cut(
-    mesh: skfem.MeshQuad, x: np.ndarray, y: np.ndarray, openings: Sequence[Opening], closed: tuple[bool, bool]
+    mesh: skfem.MeshQuad, x: np.ndarray, y: np.ndarray, rectangles: np.ndarray, closed: tuple[bool, bool]
 ) -> skfem.MeshQuad:
     """A mesh between node positions without the elements in some rectangles; new edges are the boundary ``"opening"``.
 
@@ -25,11 +24,11 @@ def cut(
     ----------
     mesh
         Of rectangles between the positions ``x`` and ``y``.
-    openings : sequence of ((x0, x1), (y0, y1))
+    rectangles : (n, 2, 2) array
+        Of :func:`rectangles_of`.
     closed : (bool, bool)
         Directions whose two ends are one curve in space.
     """
-    rectangles = _rectangles(openings)
     if not len(rectangles):
         return mesh
     if OPENING in (mesh.boundaries or {}):
@@ -58,10 +57,10 @@ def _inside(mesh: skfem.MeshQuad, x: np.ndarray, y: np.ndarray, rectangles: np.n
     return inside
 
 
-def _rectangles(openings: Any) -> np.ndarray:
+def rectangles_of(openings: Any) -> np.ndarray:
     """Openings as an array (n, 2, 2): direction, lower and upper side."""
     given = finite("openings", openings)
-    if given.size and given.shape[1:] != (2, 2):
+    if given.ndim == 0 or (given.size and given.shape[1:] != (2, 2)):
         raise InputError(f"openings of shape {given.shape}: give a list of rectangles ((x0, x1), (y0, y1)), as in "
                          "openings=[((0.2, 0.4), (0.2, 0.4))]")  # fmt: skip
     return given

@@ -5,6 +5,7 @@ from math import log1p
 import numpy as np
 
 from skancf.errors import InputError, positive
+from skancf.memory import require_much
 
 
 def progression(l_0: float, l_n: float, length: float) -> np.ndarray:
@@ -41,6 +42,7 @@ def progression(l_0: float, l_n: float, length: float) -> np.ndarray:
     """
     l_0, l_n, length = positive("l_0", l_0), positive("l_n", l_n), positive("length", length)
     n = _steps(l_0, l_n, length)
+    require_much(8 * 4 * n, f"length = {length}", f"a transition of {n} elements", "take longer elements")
     if l_0 == l_n:
         return np.full(n + 1, length / (n + 1))
     from scipy.optimize import brentq  # not at the top: graded meshes alone need it, and it is slow to load

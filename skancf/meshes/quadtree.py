@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.arguments import MESH, SURFACE, having, instance, whole
 from skancf.elements.nodal import require_aligned
-from skancf.errors import InputError
+from skancf.errors import InputError, shown
+from skancf.memory import require_mesh
 from skancf.meshes.check import check_mesh
 from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TOP, Forest, Leaves
 from skancf.meshes.names import Names
@@ -111,6 +113,30 @@ class MeshQuadTree(skfem.MeshQuad):
 
     # Change
 
+    def refined(self, times_or_ix: Any = 1) -> "MeshQuadTree":
+        """Elements quartered, and around them what the balance of neighbours needs.
+
+        Parameters
+        ----------
+        times_or_ix : int or (n,) array
+            How often all are quartered; or numbers of elements, or a mask (n_elements,).
+
+        Raises
+        ------
+        InputError
+            For numbers of elements that there are not, and below the deepest level.
+        NotEnoughMemory
+            For more elements than a system would fit for.
+        """
+        if not isinstance(times_or_ix, int | np.integer):
+            return self._adaptive(times_or_ix)
+        times = whole("refined", times_or_ix, least=0, most=DEEPEST)
+        require_mesh(self.nelements * 4**times)
+        finer = self
+        for _ in range(times):
+            finer = finer._uniform()
+        return finer
+
     def _uniform(self) -> "MeshQuadTree":
         return self._adaptive(np.arange(self.nelements))
 
@@ -122,6 +148,7 @@ class MeshQuadTree(skfem.MeshQuad):
             where = self.p[:, self.t[:, deep[0]]].mean(axis=1)
             raise InputError(f"element {deep[0]} at ({where[0]:.6g}, {where[1]:.6g}) has level {DEEPEST}, the deepest; "
                              "begin with a finer coarse mesh")  # fmt: skip
+        require_mesh(self.nelements + 3 * split.size)
         return self.regrown(self.leaves.split(split)) if split.size else self
 
     def coarsened(self, elements: Any) -> "MeshQuadTree":
@@ -151,12 +178,17 @@ class MeshQuadTree(skfem.MeshQuad):
         return grown(leaves, Names.of(self).carried(self.leaves, leaves))
 
     def _numbers(self, what: str, elements: Any) -> np.ndarray:
-        found = np.asarray(self.normalize_elements(elements) if len(np.shape(elements)) == 0 else elements)
+        try:
+            # By name, or by a function of the middles; see scikit-fem.
+            found = np.asarray(self.normalize_elements(elements) if len(np.shape(elements)) == 0 else elements)
+        except Exception as wrong:
+            raise InputError(f"{what}: {shown(elements)}: give element numbers, a mask or the name of a subdomain ({wrong})"
+                             ) from wrong  # fmt: skip
         if found.dtype == bool and found.shape == (self.nelements,):
             return np.flatnonzero(found)
         whole = np.issubdtype(found.dtype, np.integer)
         if found.size and not (whole and found.min() >= 0 and found.max() < self.nelements):
-            raise InputError(f"{what}: give element numbers from 0 to {self.nelements - 1}, not {found[:5]}")
+            raise InputError(f"{what}: give element numbers from 0 to {self.nelements - 1}, not {shown(elements)}")
         return np.unique(found).astype(int)
 
     # Where things are
@@ -254,6 +286,9 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     InputError
         For an element that is no aligned rectangle, and for ends of a closed direction that do not match.
     """
+    instance("mesh", mesh, skfem.MeshQuad, MESH)
+    if surface is not None:
+        having("surface", surface, ("position", "derivatives"), SURFACE)
     closed = closed_directions(surface) if surface is not None else (False, False)
     if isinstance(mesh, MeshQuadTree):
         if surface is None or closed == tuple(mesh.leaves.forest.closed):
@@ -268,10 +303,10 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
 
 def forest_of(mesh: skfem.MeshQuad, closed: tuple[bool, bool]) -> Forest:
     """The forest of a coarse mesh whose directions are closed or not."""
-    check_mesh(mesh)
-    require_aligned(mesh)
     if mesh.nelements >= MOST_ROOTS:
         raise InputError(f"a coarse mesh of {mesh.nelements} elements: give fewer than {MOST_ROOTS}, and refine them")
+    check_mesh(mesh)
+    require_aligned(mesh)
     points = _on_lines(mesh.p)
     corners = _counter_clockwise(points, mesh.t)
     coarse = skfem.MeshQuad(points, corners)

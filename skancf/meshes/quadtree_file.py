@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.atomic import AnyPath, check_file, replacing
+from skancf.arguments import instance
+from skancf.atomic import AnyPath, as_path, check_file, replacing
 from skancf.errors import InputError
 from skancf.meshes.forest import AROUND, DEEPEST, Cells, Forest, Leaves
 from skancf.meshes.names import Names
@@ -18,8 +19,7 @@ ARRAYS = {"points": (2, -1), "corners": (4, -1), "cells": (4, -1)}
 
 def save(mesh: MeshQuadTree, path: AnyPath) -> Path:
     """Write a mesh to ``*.npz``; an older file stays as it was until the new one is whole."""
-    if not isinstance(mesh, MeshQuadTree):
-        raise InputError(f"mesh is a {type(mesh).__name__}: give a quadtree, or save by scikit-fem's mesh.save")
+    instance("mesh", mesh, MeshQuadTree, "a quadtree, or save by scikit-fem's mesh.save")
     file, names = check_file(path, ".npz"), Names.of(mesh)
     forest = mesh.leaves.forest
     with replacing(file) as part, part.open("wb") as stream:
@@ -44,7 +44,7 @@ def load(path: AnyPath) -> MeshQuadTree:
     InputError
         For a file that is not there, is no such file, or holds no mesh that fits together; the reason is named.
     """
-    file = Path(path)
+    file = as_path("file", path)
     if not file.is_file():
         raise InputError(f"file '{file}': there is no such file")
     try:

@@ -3,7 +3,10 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from skancf.arguments import sequence
 from skancf.errors import InputError, number, vector
+
+REGION = "regions, as stress_regions finds them or as in [Region((0.5, 0.5), (0.1, 0.1))]"
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class Regions(tuple[Region, ...]):
     cell: tuple[float, float]
 
     def __new__(cls, regions: Iterable[Region], cell: tuple[float, float]) -> "Regions":
-        self = super().__new__(cls, regions)
+        self = super().__new__(cls, sequence("regions", regions, Region, REGION))
+        if not (vector("cell", cell, 2) > 0).all():
+            raise InputError(f"cell = {cell}: give two lengths greater than zero")
         self.cell = cell
         return self

@@ -1,14 +1,14 @@
 """Meshes that are the product of two rows of nodes, with their sides named."""
 
 from collections.abc import Sequence
-from operator import index
 from typing import Any
 
 import numpy as np
 import skfem
 
-from skancf.errors import InputError, finite
-from skancf.meshes.openings import Opening, cut
+from skancf.errors import InputError, finite, shown
+from skancf.memory import MESH, require_mesh
+from skancf.meshes.openings import Opening, cut, rectangles_of
 from skancf.surfaces import BoundedSurface, Interval, closed_directions
 
 
@@ -38,9 +38,17 @@ def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] 
     InputError
         For a surface without bounds, and for positions that do not increase from bound to bound. For an opening whose sides
         are not on mesh lines or out of bounds, and for openings that leave nothing, or parts that meet at a node only.
+    NotEnoughMemory
+        For more elements than a system would fit for, before any memory is taken.
     """
     x_bounds, y_bounds = bounds_of(surface)
     x, y = node_row("x", x, x_bounds), node_row("y", y, y_bounds)
+    rectangles = rectangles_of(openings)
+    cells = (x.size - 1) * (y.size - 1)
+    if len(rectangles):
+        require_mesh(cells, MESH)
+    else:
+        require_mesh(cells)
     places = [(0, x[0]), (0, x[-1]), (1, y[0]), (1, y[-1])]
     closed = closed_directions(surface)
     mesh = skfem.MeshQuad.init_tensor(x, y)
@@ -52,7 +60,7 @@ def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] 
             if not closed[direction]
         }
     )
-    return cut(mesh, x, y, openings, closed)
+    return cut(mesh, x, y, rectangles, closed)
 
 
 def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:
@@ -75,18 +83,7 @@ def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:
 
 def bounds_of(surface: BoundedSurface) -> tuple[Interval, Interval]:
     """``surface.bounds``, or an :class:`InputError` that says what to do instead."""
-    if not hasattr(surface, "bounds") or not hasattr(surface, "sides"):
-        raise InputError(f"surface = {surface!r}: it has no bounds to mesh; use a surface over a rectangle "
+    if isinstance(surface, type) or not hasattr(surface, "bounds") or not hasattr(surface, "sides"):
+        raise InputError(f"surface = {shown(surface)}: it has no bounds to mesh; use a surface over a rectangle "
                          "of the parameter plane, or bring a MeshQuad of your own")
     return surface.bounds
-
-
-def whole(name: str, value: Any, least: int = 1) -> int:
-    """``value`` as an integer that is at least ``least``."""
-    try:
-        checked = index(value)
-    except TypeError as wrong:
-        raise InputError(f"{name} = {value!r}: give a whole number, at least {least}") from wrong
-    if checked < least:
-        raise InputError(f"{name} = {value}: give a whole number, at least {least}")
-    return checked

@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.arguments import MESH, instance, sequence, whole
 from skancf.errors import InputError
+from skancf.memory import require_mesh
 from skancf.meshes.fineness import Pair, coarse_lengths, fractions
+from skancf.meshes.forest import DEEPEST
 from skancf.meshes.quadtree import SAME, MeshQuadTree, quadtree
-from skancf.meshes.region import Region, Regions
-from skancf.meshes.tensor import whole
+from skancf.meshes.region import REGION, Region, Regions
 
 
 def refined_in(
@@ -56,12 +58,17 @@ def refined_in(
     ------
     InputError
         For values out of range, a region centred outside the mesh, and ``levels`` together with ``coarse``.
+    NotEnoughMemory
+        For more elements than a system would fit for.
 
     References
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation: where to refine. Its meshes have no
     hanging nodes; the length is that of :func:`graded`.
     """
+    instance("mesh", mesh, skfem.MeshQuad, MESH)
+    regions = sequence("regions", regions, Region, REGION) if not isinstance(regions, Regions) else regions
+    levels = None if levels is None else whole("levels", levels, least=0, most=DEEPEST)
     if levels is not None and coarse is not None:
         raise InputError(f"levels = {levels} and coarse = {coarse}: give a number of levels or a length, not both")
     if coarse is None and isinstance(regions, Regions):
@@ -71,12 +78,14 @@ def refined_in(
     for region in regions:
         _check_centre(region, finder)
     if levels is not None:
-        for _ in range(whole("levels", levels, least=0)):
+        _require_room(tree, regions, np.full((len(regions), tree.nelements), levels))
+        for _ in range(levels):
             tree = tree.refined(_overlaps(tree, regions).any(axis=0))
         return tree
     bounds = [(float(row.min()), float(row.max())) for row in tree.p]
     # (m, 2, 1): regions, directions, elements.
     wanted = np.multiply.outer(shares, coarse_lengths(_median(tree) if coarse is None else coarse, bounds))[..., None]
+    _require_room(tree, regions, np.ceil(np.log2(np.maximum(1.0, (_lengths(tree) / wanted).max(axis=1))) - SAME))
     while (marked := _overlaps(tree, regions) & (_lengths(tree) > wanted * (1 + SAME)).any(axis=1)).any():
         tree = tree.refined(marked.any(axis=0))
     return tree
@@ -97,6 +106,18 @@ def _overlaps(mesh: skfem.MeshQuad, regions: Sequence[Region]) -> np.ndarray:
     corners, slack = mesh.p[:, mesh.t], SAME * np.ptp(mesh.p, axis=1)[:, None]
     apart = np.abs(corners.mean(axis=1) - centres) - halves - _lengths(mesh) / 2
     return np.asarray((apart < -slack).all(axis=1))
+
+
+def _require_room(mesh: skfem.MeshQuad, regions: Sequence[Region], times: np.ndarray) -> None:
+    """Refuse elements that would not fit into memory: those that quartering (m, n_elements) times puts into the regions."""
+    corners = mesh.p[:, mesh.t]
+    shares = np.ones(times.shape)
+    for axis, (low, high) in enumerate(zip(corners.min(axis=1), corners.max(axis=1), strict=True)):
+        for k, region in enumerate(regions):
+            first, last = (region.centre[axis] + sign * region.half_size[axis] for sign in (-1, 1))
+            shares[k] *= np.clip(np.minimum(high, last) - np.maximum(low, first), 0.0, None) / (high - low)
+    # Of the largest region alone: regions may overlap.
+    require_mesh(int((shares * 4.0 ** np.minimum(times, DEEPEST)).sum(axis=1).max(initial=0.0)))
 
 
 def _check_centre(region: Region, finder: Any) -> None:

@@ -1,12 +1,14 @@
 """Uniform meshes."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 
 import numpy as np
 import skfem
 
+from skancf.arguments import whole
+from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening
-from skancf.meshes.tensor import bounds_of, tensor, whole
+from skancf.meshes.tensor import bounds_of, tensor
 from skancf.surfaces import BoundedSurface
 
 
@@ -27,6 +29,8 @@ def uniform(surface: BoundedSurface, nx: int, ny: int, openings: Sequence[Openin
     InputError
         For counts that are not whole numbers of at least 1, for a surface without bounds, and for openings that
         :func:`tensor` cannot cut.
+    NotEnoughMemory
+        For more elements than a system would fit for, before any memory is taken.
 
     Examples
     --------
@@ -37,4 +41,9 @@ def uniform(surface: BoundedSurface, nx: int, ny: int, openings: Sequence[Openin
     """
     nx, ny = whole("nx", nx), whole("ny", ny)
     x_bounds, y_bounds = bounds_of(surface)
+    # Before the rows of nodes; with openings some of the elements are cut out, and those that are left are looked at later.
+    if isinstance(openings, Sized) and not len(openings):
+        require_mesh(nx * ny)
+    else:
+        require_mesh(nx * ny, MESH)
     return tensor(surface, np.linspace(*x_bounds, nx + 1), np.linspace(*y_bounds, ny + 1), openings)

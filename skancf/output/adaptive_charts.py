@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.arguments import drawable, row, sequence, texts
 from skancf.atomic import AnyPath
 from skancf.errors import InputError, finite, number, vector
 from skancf.output.canvas import BAND, INK, draw_curves, new_figure, plane_axes, save
 from skancf.output.colours import colour_map, marked_style
-from skancf.output.curves import Curves, curve
+from skancf.output.curves import Curves, curves_of
 from skancf.output.plane import cell_outlines, edge_curves, to_plane
 from skancf.surfaces import Surface
 
@@ -63,16 +64,22 @@ def mesh_levels(
     """
     from matplotlib.cm import ScalarMappable
 
-    meshes = list(meshes)
+    texts(label=label)
+    meshes = sequence("meshes", meshes, skfem.MeshQuad, "meshes, as in [level.mesh for level in result.levels]")
+    for mesh in meshes:
+        drawable(mesh, surface)
     if not meshes:
         raise InputError("meshes: there are none to draw; give at least one")
     if titles is None:
         titles = [f"{mesh.t.shape[1]} elements, {mesh.p.shape[1]} nodes" for mesh in meshes]
+    titles = sequence("titles", titles, str, "texts")
     _check_number("titles", titles, meshes)
     if values is None:
         shown, colours = _levels(meshes)
         bar = {"label": "level", "ticks": np.unique(np.concatenate(shown))}
     else:
+        if not isinstance(values, Sequence | np.ndarray) or isinstance(values, str | bytes):
+            raise InputError(f"values: a {type(values).__name__}; give a list of arrays, one for each mesh")
         _check_number("values", values, meshes)
         shown, colours = _logarithmic(meshes, values)
         bar = {"label": label}
@@ -137,7 +144,9 @@ def convergence(
     InputError
         For curves of two lengths, for curves without a positive value, and for a slope of zero.
     """
-    given = {text: curve(text, pair) for text, pair in curves.items()}
+    texts(xlabel=xlabel, ylabel=ylabel, title=title)
+    triangles: list[float] = [] if slopes is None else row("slopes", slopes).tolist()
+    given = curves_of(curves)
     keep = {text: (x > 0) & (error > 0) for text, (x, error) in given.items()}
     drawn = {text: (x[keep[text]], error[keep[text]]) for text, (x, error) in given.items() if keep[text].any()}
     if not drawn:
@@ -145,7 +154,7 @@ def convergence(
     figure = new_figure(7.0, 5.0)
     axes = figure.subplots()
     axes.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel, title=title)
-    _draw_triangles(axes, list(drawn.values()), slopes or ())
+    _draw_triangles(axes, list(drawn.values()), triangles)
     _draw_marked(axes, drawn)
     _legend_below(figure, axes)
     return save(figure, path)
@@ -182,10 +191,11 @@ def effectivity(
     InputError
         For curves of two lengths, x that is not positive, no curves at all, and a band that does not hold 1.
     """
+    texts(xlabel=xlabel, title=title)
     low, high = vector("band", band, 2).tolist()
     if not 0 < low <= 1 <= high:
         raise InputError(f"band = {band}: give a smaller and a larger ratio about 1, both greater than zero")
-    drawn = {text: curve(text, pair) for text, pair in curves.items()}
+    drawn = curves_of(curves)
     if not drawn:
         raise InputError("curves: there are none to draw; give at least one")
     for text, (x, _) in drawn.items():

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import whole
 from skancf.atomic import AnyPath, check_file, replacing
-from skancf.errors import InputError, positive, vector
+from skancf.errors import InputError, vector
 from skancf.output.colours import colour_limits, colour_map
 
 INK, BAND = "#303030", "#D55E00"
@@ -31,7 +32,7 @@ def contour_colours(values: np.ndarray, limits: tuple[float, float] | None, leve
     """About so many levels between limits, and their colours."""
     from matplotlib.ticker import MaxNLocator
 
-    positive("levels", levels)
+    levels = whole("levels", levels, most=1000)
     if limits is None:
         low, high = colour_limits(float(values.min()), float(values.max()))
     else:

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.arguments import drawable, flag, mapping, sequence, texts
 from skancf.atomic import AnyPath
 from skancf.errors import vector
 from skancf.meshes import Region
+from skancf.meshes.region import REGION
 from skancf.output.canvas import BAND, INK, contour_colours, draw_curves, new_figure, plane_axes, plane_height, save
 from skancf.output.colours import line_style
 from skancf.output.curves import Curves, panels_of
@@ -45,6 +47,11 @@ def mesh_chart(
     -------
     Path
     """
+    drawable(mesh, surface)
+    texts(title=title)
+    regions = sequence("regions", regions, Region, REGION)
+    if points is not None:
+        mapping("points", points, "names and points of the parameter plane, as in points={'tip': (1.0, 0.5)}")
     curves = edge_curves(mesh, surface)
     figure = new_figure(7.5, plane_height(7.5, curves))
     axes = figure.subplots()
@@ -102,6 +109,9 @@ def field_chart(
     -------
     Path
     """
+    drawable(mesh, surface)
+    texts(label=label, title=title)
+    flag("show_mesh", show_mesh)
     curves = edge_curves(mesh, surface)
     figure = new_figure(7.5, plane_height(7.5, curves))
     axes = figure.subplots()
@@ -139,6 +149,7 @@ def histories_chart(
     -------
     Path
     """
+    texts(ylabel=ylabel, title=title, xlabel=xlabel)
     panels = panels_of(times, histories)
     columns = 1 if len(panels) <= 3 else 2
     rows = -(-len(panels) // columns)

@@ -58,7 +58,7 @@ def read_collection(path: Path) -> list[tuple[float, Path]]:
 
 def _next_key(keys: list[tuple[float | None, float]], state: Solution) -> tuple[float | None, float]:
     if not isinstance(state, Solution):
-        raise InputError(f"state {len(keys)}: give Solutions, not {type(state).__name__}")
+        raise InputError(f"states: state {len(keys)}: give Solutions, not {type(state).__name__}")
     before = keys[-1][0] if keys else None
     if state.time is not None and before is not None and not state.time > before:
         raise InputError(f"state {len(keys)}: time {state.time} s follows {before} s; give states in the order of "

@@ -5,14 +5,25 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, finite
+from skancf.arguments import mapping
+from skancf.errors import InputError, finite, shown
 
 Curves = dict[str, tuple[np.ndarray, np.ndarray]]
 
 
+def curves_of(curves: Any) -> Curves:
+    """Curves of a mapping from label to pair."""
+    mapping("curves", curves, "labels and pairs, as in {'adaptive': (n_dofs, errors)}")
+    return {label: curve(label, pair) for label, pair in curves.items()}
+
+
 def curve(label: str, pair: Any) -> tuple[np.ndarray, np.ndarray]:
     """Two arrays of the same length."""
-    x, y = (finite(f"{label!r}", part) for part in pair)
+    try:
+        first, second = pair
+    except (TypeError, ValueError) as wrong:
+        raise InputError(f"{label!r}: {shown(pair)} is no pair; give two lists of the same length") from wrong
+    x, y = finite(f"{label!r}", first), finite(f"{label!r}", second)
     if x.ndim != 1 or x.shape != y.shape or not len(x):
         raise InputError(f"{label!r}: values of shape {y.shape} against {x.shape}; give two lists of the same length")
     return x, y
@@ -20,6 +31,7 @@ def curve(label: str, pair: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def panels_of(times: Any, histories: Mapping[str, Any]) -> list[tuple[str, Curves]]:
     """Names and curves of panels; one without a name for a mapping that is not nested."""
+    mapping("histories", histories, "labels and values, as in {'tip': values}")
     if not histories:
         raise InputError("histories: there are none to draw; give at least one")
     nested = [isinstance(part, Mapping) for part in histories.values()]

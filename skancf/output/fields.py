@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skancf.errors import InputError
+from skancf.errors import InputError, shown
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import STRESSES, Solution
 
@@ -26,8 +26,8 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
 
 
 def check_name(name: str) -> str:
-    if name not in NAMES:
-        raise InputError(f"field = {name!r}: no such field; there are {', '.join(NAMES)}")
+    if not isinstance(name, str) or name not in NAMES:
+        raise InputError(f"field = {shown(name)}: no such field; there are {', '.join(NAMES)}")
     return name
 
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.atomic import AnyPath, check_file, replacing
+from skancf.arguments import mapping, text, whole
+from skancf.atomic import AnyPath, as_path, check_file, replacing
 from skancf.errors import InputError, number
 from skancf.output.collection import read_collection, write_collection
 from skancf.output.fields import von_mises
@@ -67,11 +68,15 @@ def write(
 
     The time of a state without one is its load factor if these increase, else its number.
     """
+    whole("subdivisions", subdivisions)
+    if depths is not None:
+        for name, z in mapping("depths", depths, "names and depths, as in depths={'top': 0.005}").items():
+            number(f"depths[{text('depths', name)!r}]", z)
     if isinstance(states, Solution):
         file = check_file(path, ".vtu")
         write_state(states, file, subdivisions, depths)
         return file
-    if not isinstance(states, Iterable):
+    if not isinstance(states, Iterable) or isinstance(states, str | bytes):
         what = type(states).__name__
         raise InputError(f"states: give a Solution or a sequence of them, as motion.states or result.path, not {what}")
     return write_collection(
@@ -123,7 +128,7 @@ def read(path: AnyPath) -> Any:
     InputError
         For a file that is not there, or is no such file.
     """
-    file = Path(path)
+    file = as_path("file", path)
     if not file.is_file():
         raise InputError(f"file '{file}': there is no such file")
     if file.suffix.lower() == ".pvd":

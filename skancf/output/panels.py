@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, finite, vector
+from skancf.arguments import having
+from skancf.errors import InputError, finite, unit_vector, vector
 
 
 def draw_cells(
@@ -35,13 +36,14 @@ def draw_cells(
     """
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+    having("axes", axes, ("add_collection3d", "set_axis_off"), "axes of matplotlib with projection='3d'")
     corners, shades = finite("cells", cells), finite("colours", colours).copy()
     if corners.ndim != 3 or corners.shape[1:] != (4, 3) or shades.shape not in [(len(corners), 3), (len(corners), 4)]:
         raise InputError(f"cells of shape {corners.shape} with colours of shape {shades.shape}: give (m, 4, 3) corners and "
                          "a colour for each")  # fmt: skip
     seen = corners * vector("stretch", stretch, 3)
     normals = np.cross(seen[:, 2] - seen[:, 0], seen[:, 3] - seen[:, 1])
-    unit = vector("light", light, 3) / np.linalg.norm(light)
+    unit = unit_vector("light", light)
     sizes = np.linalg.norm(normals, axis=1)
     facing = np.abs(normals @ unit) / np.where(sizes > 0, sizes, 1.0)
     shades[:, :3] *= (0.65 + 0.35 * facing)[:, None]

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import STATE, flag, instance, texts, whole
 from skancf.atomic import AnyPath, check_file, replacing
-from skancf.errors import InputError, finite, number, positive, vector
+from skancf.errors import InputError, number, positive, shown, vector
 from skancf.output.colours import colour_limits, colour_map
 from skancf.output.fields import check_name, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet
@@ -17,6 +18,8 @@ from skancf.output.sampling import grid, sample_surface
 from skancf.solution import Solution
 
 DARK, GREY = "#202020", "#9a9a9a"
+MOST_PIXELS = 16_384
+"""In one direction; graphics drivers draw no larger pictures."""
 FEW_CELLS = 20_000
 """Elements are cut into up to 12 x 12 cells, fewer where that would be more cells than this."""
 
@@ -64,6 +67,7 @@ class Look:
 
     def __post_init__(self) -> None:
         check_name(self.field)
+        number("z", self.z)
         number("scale", self.scale)
         if np.hypot(*vector("view", self.view, 3)[:2]) == 0:
             raise InputError(f"view = {self.view}: look a little from the side, not along z: (0, -0.01, 1)")
@@ -71,8 +75,11 @@ class Look:
             raise InputError(f"limits = {self.limits}: give the smaller value first")
         if self.subdivisions is not None:
             grid(self.subdivisions)
-        for pixels in finite("size", self.size):
-            positive("size", pixels, "pixels")
+        for name in ("show_mesh", "show_undeformed"):
+            flag(name, getattr(self, name))
+        texts(title=self.title)
+        for pixels in vector("size", self.size, 2):
+            whole("size", pixels, most=MOST_PIXELS, floats=True)
 
 
 @dataclass(frozen=True)
@@ -148,6 +155,8 @@ def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: f
     """
     file, style = check_file(path, ".gif"), Look(**{"size": (700, 500), **look})
     positive("seconds_per_frame", seconds_per_frame, "s")
+    if isinstance(states, Solution) or not isinstance(states, Iterable) or isinstance(states, str | bytes):
+        raise InputError(f"states = {shown(states)}: give a sequence of Solutions, as motion.states")
     frames = [_frame(state, style) for state in states]
     if not frames:
         raise InputError("states: there are none to draw; give at least one")
@@ -164,6 +173,7 @@ def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: f
 
 
 def _frame(solution: Solution, style: Look) -> Frame:
+    instance("solution", solution, Solution, STATE)
     few = int(np.clip(np.sqrt(FEW_CELLS / solution.system.geometry.n_elements), 2, 12))
     k = few if style.subdivisions is None else style.subdivisions
     colours = values(solution, style.field, k, style.z)

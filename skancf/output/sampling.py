@@ -5,7 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skancf.errors import InputError
+from skancf.arguments import STATE, instance, whole
+from skancf.errors import number
+from skancf.memory import require_much
 from skancf.solution import Solution
 
 
@@ -71,9 +73,8 @@ class Samples(Surface):
 
 def grid(subdivisions: int) -> Grid:
     """The reference square cut into ``subdivisions`` squared cells."""
-    k = subdivisions
-    if isinstance(k, bool) or not isinstance(k, int | np.integer) or k < 1:
-        raise InputError(f"subdivisions = {k!r}: give a whole number of at least 1, the cells along an element's edge")
+    k = whole("subdivisions", subdivisions)
+    require_points(k, 1)
     eta, xi = np.meshgrid(*[np.linspace(0, 1, k + 1)] * 2, indexing="ij")
     number = np.arange((k + 1) ** 2).reshape(k + 1, k + 1)
     corners = (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1])
@@ -85,9 +86,23 @@ def grid(subdivisions: int) -> Grid:
     )
 
 
+def require_points(subdivisions: int, n_elements: int) -> None:
+    """Refuse so many cells along an element's edge that their points would not fit into memory."""
+    n = n_elements * (whole("subdivisions", subdivisions) + 1) ** 2
+    require_much(EACH * n, f"subdivisions = {subdivisions}", f"a surface of {n} points", "take fewer")
+
+
+EACH = 300
+"""Bytes of a point with its cell, displacement, strain and stress."""
+
+
 def sample_surface(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Surface:
     """Positions, displacements and velocities of a state; see :func:`sample`."""
+    instance("solution", solution, Solution, STATE)
+    require_points(subdivisions, solution.system.geometry.n_elements)
     cut, geometry = grid(subdivisions), solution.system.geometry
+    if number("z", z):
+        solution.system.problem.section.layer_at(z)
     first = np.arange(geometry.n_elements)[:, None] * cut.points.shape[1]
     theory, local, side = geometry.theory, geometry.local(solution.q.reshape(-1, 4, 3)), geometry.side
     inside, table = geometry.inside(cut.points), geometry.theory.position_table(cut.points)[0]
@@ -114,6 +129,8 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: float = 0.0) ->
 
 def sample_strain(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Strain and stress (n, 6) at the points of :func:`sample`."""
+    instance("solution", solution, Solution, STATE)
+    require_points(subdivisions, solution.system.geometry.n_elements)
     points = grid(subdivisions).points
     return solution.strains(points, z).reshape(-1, 6), solution.stresses(points, z).reshape(-1, 6)
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import instance, mapping, texts
 from skancf.atomic import AnyPath
 from skancf.dynamics.spectrum import Spectrum, natural_frequencies
 from skancf.errors import InputError, positive
@@ -52,7 +53,11 @@ def spectrum_chart(
     InputError
         Without spectra, and for spectra that are zero everywhere.
     """
-    drawn = {"": spectra} if isinstance(spectra, Spectrum) else dict(spectra)
+    texts(title=title, ylabel=ylabel)
+    example = "a Spectrum, or labels and spectra, as in {'tip': sk.spectrum(times, values)}"
+    drawn = {"": spectra} if isinstance(spectra, Spectrum) else dict(mapping("spectra", spectra, example))
+    for label, each in drawn.items():
+        instance(f"spectra[{label!r}]", each, Spectrum, "a Spectrum")
     if not drawn:
         raise InputError("spectra: there are none to draw; give at least one")
     largest = max(float(each.total.max()) for each in drawn.values())

@@ -7,8 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import mapping
 from skancf.atomic import AnyPath, check_file, replacing
-from skancf.errors import InputError
+from skancf.errors import InputError, shown
+
+
+def _column(title: Any, values: Any) -> np.ndarray:
+    try:
+        return np.asarray(values)
+    except ValueError as wrong:
+        raise InputError(f"columns[{title!r}] = {shown(values)}: give a list of numbers ({wrong})") from wrong
 
 
 def save_table(path: AnyPath, columns: Mapping[str, Any]) -> Path:
@@ -30,7 +38,8 @@ def save_table(path: AnyPath, columns: Mapping[str, Any]) -> Path:
     InputError
         For columns of different lengths, none at all, or a file that cannot be written.
     """
-    arrays = {title: np.asarray(column) for title, column in columns.items()}
+    mapping("columns", columns, "titles and columns, as in {'u3 (m)': values}")
+    arrays = {title: _column(title, column) for title, column in columns.items()}
     shapes = {title: array.shape for title, array in arrays.items()}
     if not shapes or any(len(shape) != 1 for shape in shapes.values()) or len(set(shapes.values())) > 1:
         raise InputError(f"columns have shapes {shapes}: give at least one, each a list of the same length")

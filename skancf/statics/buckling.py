@@ -6,12 +6,14 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator
 
+from skancf.arguments import choice
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution
+from skancf.statics.asked import check_asked
 from skancf.statics.causes import require_support
-from skancf.statics.modes import checked_count, free_directions, lanczos, moved_along
+from skancf.statics.modes import check_tolerance, checked_count, free_directions, lanczos, moved_along, nth
 from skancf.statics.tangents import linear_tangent, warn_if_skew
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
@@ -45,7 +47,7 @@ class BucklingResult:
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""
         start = Solution(self.linear.system, self.linear.system.undeformed.copy(), load_factor=0.0)
-        return moved_along(start, self.shapes[i], size)
+        return moved_along(start, nth(self.shapes, i), size)
 
 
 def buckling(
@@ -79,8 +81,9 @@ def buckling(
     OutOfDepth
         Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found.
     """
-    if signs not in ("positive", "both"):
-        raise InputError(f"signs = {signs!r}: choose 'positive' or 'both'")
+    check_asked(system, backend)
+    check_tolerance(tolerance)
+    choice("signs", signs, ("positive", "both"))
     n = checked_count(n, system.constraints)
     require_support(system)
     start, constraints = system.undeformed, system.constraints

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from skancf.arguments import instance, whole
 from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
 from skancf.solution import probe
@@ -50,7 +51,8 @@ class StepLength:
     cut: float = 2.0
 
     def __post_init__(self) -> None:
-        for name in ("smallest", "largest", "easy"):
+        whole("easy", self.easy, floats=True)
+        for name in ("smallest", "largest"):
             positive(name, getattr(self, name))
         if not 0 < self.smallest <= 1 <= self.largest:
             raise InputError(
@@ -95,6 +97,7 @@ class ArcLength:
     def __post_init__(self) -> None:
         if number("first", self.first) == 0:
             raise InputError("first = 0: give the load factor of the first step")
+        instance("steps", self.steps, StepLength, "a StepLength")
 
     def on(self, system: Any, q: np.ndarray) -> Measure:
         return _Arc(system.mass, float(np.sign(self.first)))
@@ -134,6 +137,7 @@ class DisplacementControl:
         _check_place(self.at, self.direction)
         if not 0 < number("first", self.first) <= 1:
             raise InputError(f"first = {self.first}: a part of the whole way, more than 0 and at most 1")
+        instance("steps", self.steps, StepLength, "a StepLength")
 
     def on(self, system: Any, q: np.ndarray) -> Measure:
         row = displacement_row(system, self.at, self.direction)

@@ -2,11 +2,13 @@
 
 import numpy as np
 
+from skancf.arguments import instance
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, InputError, number, positive
+from skancf.errors import DidNotConverge, number
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
-from skancf.solution import Solution, require_same_mesh
+from skancf.solution import Solution
+from skancf.statics.asked import check_asked
 from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
@@ -65,13 +67,11 @@ def solve(
     InputError
         When a rigid motion is free.
     """
+    check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
+                follow=follow, relax=relax, progress=progress)  # fmt: skip
     number("load_factor", load_factor)
-    if control is not None and not isinstance(control, HalveAndGrow):
-        raise InputError(f"control = {control!r}: give a HalveAndGrow, or call trace for paths by another control")
-    positive("rtol", rtol)
-    positive("max_iterations", max_iterations)
-    if start is not None:
-        require_same_mesh(system, start)
+    if control is not None:
+        instance("control", control, HalveAndGrow, "a HalveAndGrow, or call trace for paths by another control")
     require_support(system)
     result = equilibrium(
         system, load_factor, control=control, start=start, rtol=rtol, max_iterations=max_iterations, mixed=mixed,
@@ -127,6 +127,7 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     InputError
         When a rigid motion is free.
     """
+    check_asked(system, backend)
     require_support(system)
     return warn_if_thick(small_deflection(system, backend=backend))
 

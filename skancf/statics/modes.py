@@ -5,12 +5,15 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh
 
+from skancf.arguments import whole
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, InputError, positive
+from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
+from skancf.memory import require_much
 from skancf.solution import Solution, require_same_mesh
+from skancf.statics.asked import check_asked
 from skancf.statics.soft import factor_shifted
 from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.thinness import warn_if_mass_is_off
@@ -58,7 +61,7 @@ class Modes:
 
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The equilibrium moved along mode ``i``, for pictures; ``size`` is the largest displacement of a node (m)."""
-        return moved_along(self.state, self.shapes[i], size)
+        return moved_along(self.state, nth(self.shapes, i), size)
 
 
 def modes(
@@ -89,8 +92,10 @@ def modes(
     OutOfDepth
         Where loads follow a free edge: only the symmetric part of K is taken, and flutter is not found.
     """
+    check_asked(system, backend)
     if state is not None:
-        require_same_mesh(system, state)
+        require_same_mesh(system, state, "state")
+    check_tolerance(tolerance)
     warn_if_mass_is_off(system)
     n = checked_count(n, system.constraints)
     stiffness = state_tangent(system, state)
@@ -179,15 +184,34 @@ def lanczos(matrix: LinearOperator, **options: Any) -> tuple[np.ndarray, np.ndar
             f"Lanczos' method found {len(none.eigenvalues)} of {options['k']} eigenvalues; ask for fewer, or allow a larger "
             f"tolerance than {options['tol']}"
         ) from none
+    except ArpackError as broken:
+        raise DidNotConverge(f"Lanczos' method broke down ({broken}): stiffness or mass is zero to rounding, or too large; "
+                             "give the problem in units in which its numbers are of moderate size") from broken  # fmt: skip
     return values, vectors.T
+
+
+def nth(shapes: np.ndarray, i: int) -> np.ndarray:
+    """One of some shapes; from the last one on where i is negative."""
+    if not -len(shapes) <= whole("i", i, least=-len(shapes)) < len(shapes):
+        raise InputError(f"i = {i}: there are {len(shapes)} modes, numbered from 0; ask for more by n")
+    return np.asarray(shapes[int(i)])
 
 
 def checked_count(n: int, constraints: Constraints) -> int:
     """n as a whole number from one to the number of free coordinates, or InputError."""
-    positive("n", n)
-    if int(n) != n or n > constraints.n_free:
+    n = whole("n", n, floats=True)
+    if n > constraints.n_free:
         raise InputError(f"n = {n}: give a whole number of modes, at most the {constraints.n_free} free coordinates")
-    return int(n)
+    # Lanczos' method keeps two vectors for each mode and one more; without room for it all are found.
+    each = 3 * constraints.fixed.size if 2 * (n + 1) < constraints.n_free else 4 * constraints.n_free
+    require_much(8 * n * each, f"n = {n} modes of {constraints.fixed.size} unknowns", "their shapes", "ask for fewer")
+    return n
+
+
+def check_tolerance(tolerance: float) -> None:
+    """InputError for what is no relative accuracy of eigenvalues, from zero (rounding) to less than one."""
+    if not 0 <= number("tolerance", tolerance) < 1:
+        raise InputError(f"tolerance = {tolerance}: give the relative accuracy of the eigenvalues, less than one")
 
 
 def free_directions(constraints: Constraints) -> np.ndarray:

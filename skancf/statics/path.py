@@ -6,10 +6,11 @@ import numpy as np
 
 from skancf.assembly.system import System
 from skancf.checks import Check, failures
-from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, positive
+from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, shown
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
-from skancf.solution import Solution, require_same_mesh
+from skancf.solution import Solution
+from skancf.statics.asked import check_asked
 from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.events import LIMIT, Event, events_between
@@ -124,16 +125,13 @@ def trace(
     InputError
         When a rigid motion is free, nothing loads the structure, or the controlled displacement does not move with the load.
     """
-    positive("rtol", rtol)
-    positive("max_iterations", max_iterations)
-    positive("steps", steps)
-    if start is not None:
-        require_same_mesh(system, start)
+    check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
+                mixed=mixed, progress=progress)  # fmt: skip
     require_support(system)
     at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
     control = ArcLength() if control is None else control
     if not isinstance(control, ArcLength | DisplacementControl):
-        raise InputError(f"control = {control!r}: give an ArcLength or a DisplacementControl")
+        raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")
     if not (system.external_force(at.q).any() or system.prescribed().any()):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:

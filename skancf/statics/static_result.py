@@ -3,6 +3,7 @@
 import warnings
 from dataclasses import dataclass
 
+from skancf.arguments import whole
 from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, positive
 from skancf.solution import Solution
@@ -21,7 +22,8 @@ class HalveAndGrow:
     easy: int = 5
 
     def __post_init__(self) -> None:
-        for name in ("first", "smallest", "cut", "growth", "easy"):
+        whole("easy", self.easy, floats=True)
+        for name in ("first", "smallest", "cut", "growth"):
             positive(name, getattr(self, name))
         if not self.cut > 1:
             raise InputError(f"cut = {self.cut}: a failed step must become shorter, give a number greater than one")

@@ -1,6 +1,6 @@
 """Theories: which strains are made of the position field."""
 
-from skancf.errors import InputError
+from skancf.errors import InputError, shown
 from skancf.theories.full import Full
 from skancf.theories.kirchhoff import Kirchhoff
 from skancf.theories.theory import Theory
@@ -12,11 +12,11 @@ def theory_named(theory: "str | Theory") -> Theory:
     """A theory from its name, with its defaults, or the theory itself."""
     if isinstance(theory, str):
         if theory not in ALL:
-            raise InputError(f"theory = {theory!r}: unknown; there is {sorted(ALL)}")
+            raise InputError(f"theory = {shown(theory)}: unknown; there is {sorted(ALL)}")
         made: Theory = ALL[theory]()
         return made
     if not isinstance(theory, tuple(ALL.values())):
-        raise InputError(f"theory = {theory!r}: give a name, one of {sorted(ALL)}, or an object such as Full()")
+        raise InputError(f"theory = {shown(theory)}: give a name, one of {sorted(ALL)}, or an object such as Full()")
     return theory
 
 

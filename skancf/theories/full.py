@@ -15,9 +15,9 @@ from functools import cached_property
 
 import numpy as np
 
+from skancf.arguments import flag, whole
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import ancf_functions, of_points
-from skancf.errors import InputError
 from skancf.materials import Section
 from skancf.surfaces import Surface, normal
 from skancf.vectors import cross
@@ -124,8 +124,9 @@ class Full:
     twist = False
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.n_thickness, int) and self.n_thickness >= 1):
-            raise InputError(f"n_thickness = {self.n_thickness}: give a whole number of Gauss points, 2 or more to bend")
+        flag("assumed", self.assumed)
+        # Of many points the search for their places takes long, and no section needs them.
+        object.__setattr__(self, "n_thickness", whole("n_thickness", self.n_thickness, most=64))
 
     @cached_property
     def rows(self) -> np.ndarray:

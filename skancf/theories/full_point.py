@@ -5,17 +5,16 @@ two of them, so that the derivative of the strain :math:`V_a \cdot V_x` with res
 is an array (9, 9, n_points).
 """
 
-from numba import njit
 
-from skancf.compiled import INNER
+from skancf.compiled import INNER, compiled
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def sum4(s, a, t, b, u, c, v, d):
     """s a + t b + u c + v d for vectors a, b, c, d."""
     return (
@@ -25,7 +24,7 @@ def sum4(s, a, t, b, u, c, v, d):
     )
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def in_plane(x, y):
     """The symmetric bilinear form of the nine in-plane strains at two jets: e0, e1, e2, each 11, 22, 2 x 12."""
     return (
@@ -41,7 +40,7 @@ def in_plane(x, y):
     )
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def in_plane_force(v, s):
     """Derivative of stress . strain with respect to the four vectors of the jet."""
     a, b, c, d = v
@@ -53,7 +52,7 @@ def in_plane_force(v, s):
     )
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def stress_changes(law, p, i, j, k, l, v):
     """Derivatives of the nine stresses with respect to a vector of the jet, whose strains are i, j, k, l; 9 vectors."""
     a, b, c, d = v
@@ -70,7 +69,7 @@ def stress_changes(law, p, i, j, k, l, v):
     )
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def force_change(v, w0, w1, w2, w3, geometric):
     """Derivative of the force on one vector of the jet with respect to another: the 3 x 3 block, row by row.
 
@@ -89,7 +88,7 @@ def force_change(v, w0, w1, w2, w3, geometric):
     return x, y, z
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def store(of_a, of_b, at_b, at_a, block):
     """Components 11, 22, 33, 12, 13, 23 of a block (a, b) into H[a] at b and of its transpose into H[b] at a."""
     x, y, z = block
@@ -99,7 +98,7 @@ def store(of_a, of_b, at_b, at_a, block):
     of_b[3, at_a], of_b[4, at_a], of_b[5, at_a] = y[0], z[0], z[1]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def in_plane_stiffness(law, p, v, s, H):
     """Second derivative of the in-plane energy with respect to the jet, into H (4, 6, 64): jet, component, jet and point."""
     # Zero, but not as a literal: the compiler makes a new function for each literal argument.

@@ -21,6 +21,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
+from skancf.arguments import flag
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import hermite_functions, of_points
 from skancf.surfaces import Surface
@@ -74,6 +75,9 @@ class Kirchhoff:
 
     name = "kirchhoff"
     twist = True
+
+    def __post_init__(self) -> None:
+        flag("assumed", self.assumed)
 
     @cached_property
     def rows(self) -> np.ndarray:

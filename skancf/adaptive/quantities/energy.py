@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from skancf.arguments import STATE, instance
 from skancf.solution import Solution
 
 
@@ -23,10 +24,12 @@ class StrainEnergy:
 
     def value(self, state: Solution) -> float:
         """The energy."""
+        instance("state", state, Solution, STATE)
         return float(state.strain_energy)
 
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
+        instance("state", state, Solution, STATE)
         system, start = state.system, state.system.undeformed
         if state.linear:
             force, held = system.stiffness() @ (state.q - start), system.held_back_force(start, state.time)

@@ -5,6 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
+from skancf.arguments import STATE, instance
 from skancf.solution import Solution
 
 
@@ -33,6 +34,7 @@ class Smooth(ABC):
 
     def value(self, state: Solution) -> float:
         """J of a state."""
+        instance("state", state, Solution, STATE)
         if not state.linear:
             return self._value(state, state.q)
         start = state.system.undeformed
@@ -40,6 +42,7 @@ class Smooth(ABC):
 
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
+        instance("state", state, Solution, STATE)
         return self._gradient(state, state.system.undeformed if state.linear else state.q)
 
     @abstractmethod

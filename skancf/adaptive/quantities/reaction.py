@@ -5,6 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from skancf.arguments import STATE, instance
 from skancf.assembly.system import System
 from skancf.errors import unit_vector
 from skancf.solution import Solution
@@ -45,10 +46,12 @@ class Reaction:
 
     def value(self, state: Solution) -> float:
         """The force in a state of rest."""
+        instance("state", state, Solution, STATE)
         return float(state.reactions(self.where) @ unit_vector("direction", self.direction))
 
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
+        instance("state", state, Solution, STATE)
         system, motion = state.system, self._motion(state.system)
         held = system.constraints.fixed_part(motion)
         if state.linear:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
+from skancf.arguments import choice
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import InputError, finite, vector
@@ -53,8 +54,7 @@ class SectionForce(Smooth):
     within: tuple[Range, Range] | None = None
 
     def __post_init__(self) -> None:
-        if self.component not in COMPONENTS:
-            raise InputError(f"component = {self.component!r}: choose one of {list(COMPONENTS)}")
+        choice("component", self.component, COMPONENTS)
         if self.at is not None:
             vector("at", self.at, 2)
             if self.within is not None:

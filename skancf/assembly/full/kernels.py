@@ -3,18 +3,14 @@
 In-plane strains are taken at the integration points. Shear and thickness strains are taken at sampling points and
 interpolated to the integration points; for the plain element the sampling points are the integration points and the
 interpolation is the identity. Arrays have points last, so that inner loops run over points.
-
-The cache of compiled kernels looks at each kernel's own file. After an edit of a function that another file's kernel uses,
-``make kernels`` removes the cache.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from skancf.assembly.local import gather
-from skancf.compiled import INNER, OPTIONS
+from skancf.compiled import INNER, OPTIONS, compiled
 from skancf.theories.full import N_IN_PLANE, N_STRAINS
 from skancf.theories.full_point import in_plane
 
@@ -62,7 +58,7 @@ class Rule(NamedTuple):
     coupled: bool
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def in_plane_jets(rule, local, out):
     """r_1, r_2, d_1, d_2 at the integration points: out (4, 3, 16)."""
     out[:] = 0.0
@@ -78,7 +74,7 @@ def in_plane_jets(rule, local, out):
                     out[2 + j, i, p] += v * rule.director[a, j, p]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def sample_jets(rule, local, out):
     """r_1, r_2, d_1, d_2, d at the sampling points: out (n_samples, 5, 3)."""
     for s in range(out.shape[0]):
@@ -95,7 +91,7 @@ def sample_jets(rule, local, out):
             out[s, 0, i], out[s, 1, i], out[s, 2, i], out[s, 3, i], out[s, 4, i] = r1, r2, d1, d2, d
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def vectors(x, p):
     """The jet at a point as tuples."""
     return (
@@ -104,7 +100,7 @@ def vectors(x, p):
     )  # fmt: skip
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def strains(rule, x, y, sx, sy, reference, eps):
     """The strains' symmetric bilinear form at two jets less the undeformed strains: eps (14, 16)."""
     for p in range(N_POINTS):
@@ -130,7 +126,7 @@ def strains(rule, x, y, sx, sy, reference, eps):
                 row[p] += value * weight[p]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def apply_law(rule, law, eps, stress):
     """Stress (14, 16) with the weights."""
     stress[:] = 0.0
@@ -143,7 +139,7 @@ def apply_law(rule, law, eps, stress):
                 stress[l, p] += law[m, p] * eps[k, p]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def collect(rule, stress, sampled):
     """Stresses of the sampled strains, by the transposed interpolation: sampled (n_rows,)."""
     for r in range(rule.sample_rows.shape[0]):
@@ -157,7 +153,7 @@ def collect(rule, stress, sampled):
         sampled[r] = total
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, out):
     """Strain and stress extrapolated linearly along ``change``, strain(q) + B(q) change; the stress has the weights.
 

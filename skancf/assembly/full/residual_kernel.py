@@ -5,10 +5,9 @@ elements of a batch last, and inner loops run over them, which keeps the vector 
 """
 
 import numpy as np
-from numba import njit
 
 from skancf.assembly.full.kernels import N_POINTS, N_SAMPLED
-from skancf.compiled import INNER, OPTIONS
+from skancf.compiled import INNER, OPTIONS, compiled
 from skancf.theories.full import N_IN_PLANE, N_STRAINS
 
 LANES = 32
@@ -16,7 +15,7 @@ INLINED = {**INNER, "inline": "always"}
 """Compiled as one function, which takes a quarter less time than one by one."""
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def gather_batch(base, stop, order, q, maps, elements, local, classes):
     """Local vectors (16, 3, lanes) of the elements order[base:stop]; returns whether all are of one class."""
     lanes = local.shape[2]
@@ -37,7 +36,7 @@ def gather_batch(base, stop, order, q, maps, elements, local, classes):
     return same
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def scatter_batch(base, stop, order, force, maps, out):
     """Adds the forces on the local vectors (16, 3, lanes) to out (n_nodes, 4, 3)."""
     for lane in range(min(force.shape[2], stop - base)):
@@ -49,7 +48,7 @@ def scatter_batch(base, stop, order, force, maps, out):
                 out[n, kind, i] += v * force[a, i, lane]
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def point_jets(rule, p, local, x):
     """r_1, r_2, d_1, d_2 at integration point p: x (4, 3, lanes)."""
     lanes = x.shape[2]
@@ -68,7 +67,7 @@ def point_jets(rule, p, local, x):
                 x[3, i, l] += t2 * local[12 + a, i, l]
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def sample_jets_batch(rule, local, x):
     """r_1, r_2, d_1, d_2, d at the sampling points: x (n_samples, 5, 3, lanes)."""
     lanes = x.shape[3]
@@ -90,7 +89,7 @@ def sample_jets_batch(rule, local, x):
                     x[s, 4, i, l] += t * local[12 + a, i, l]
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def sampled_strains(rule, x, out):
     """Shear and thickness strains at their sampling points: out (n_rows, lanes)."""
     lanes = out.shape[1]
@@ -103,7 +102,7 @@ def sampled_strains(rule, x, out):
             )
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def point_strains(rule, p, x, sampled, eps):
     """The 14 strains at integration point p before the undeformed ones are subtracted: eps (14, lanes)."""
     lanes = eps.shape[1]
@@ -130,7 +129,7 @@ def point_strains(rule, p, x, sampled, eps):
                 eps[N_IN_PLANE + k, l] += weight * sampled[r, l]
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def point_stresses(rule, p, eps, elements, classes, same, stress):
     """Stress (14, lanes) with the weights at integration point p; subtracts the undeformed strains from eps."""
     lanes = eps.shape[1]
@@ -161,7 +160,7 @@ def point_stresses(rule, p, eps, elements, classes, same, stress):
                 stress[j, l] += elements.law[classes[l], m, p] * eps[k, l]
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def point_forces(rule, p, x, stress, sampled, f, force):
     """Adds the force of point p to force (16, 3, lanes), and its shear and thickness stresses to sampled (n_rows, lanes)."""
     lanes = stress.shape[1]
@@ -190,7 +189,7 @@ def point_forces(rule, p, x, stress, sampled, f, force):
                 sampled[r, l] += weight * stress[N_IN_PLANE + k, l]
 
 
-@njit(**INLINED)
+@compiled(**INLINED)
 def sample_forces(rule, x, sampled, f, force):
     """Adds the forces of the sampled stresses (n_rows, lanes) to force (16, 3, lanes)."""
     lanes = sampled.shape[1]
@@ -218,7 +217,7 @@ def sample_forces(rule, x, sampled, f, force):
                         force[12 + a, i, l] += t1 * f[s, 2, i, l] + t2 * f[s, 3, i, l] + t * f[s, 4, i, l]
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def residual(start, stop, order, q, rule, maps, elements, out):
     """Internal force of the elements order[start:stop], added to out (n_nodes, 4, 3)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
@@ -243,7 +242,7 @@ def residual(start, stop, order, q, rule, maps, elements, out):
         scatter_batch(base, stop, order, force, maps, out)
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def force_of(start, stop, order, q, stresses, rule, maps, elements, out):
     """Force of given stresses (n_elements, 14, 16), which have the weights, added to out (n_nodes, 4, 3)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.assembly.classes import classes, rounding_of
 from skancf.assembly.geometry import Geometry
 from skancf.materials import Section
+from skancf.memory import require_shapes
 from skancf.theories.full import N_IN_PLANE, R1, R2, TERMS, Full, local_frame, section_stiffness
 from skancf.vectors import cross
 
@@ -48,6 +49,7 @@ def build_sections(geometry: Geometry, section: Section) -> Sections:
     theory = cast(Full, geometry.theory)
     points, weights = theory.quadrature
     representative, shape = classes(*_shape_key(geometry))
+    require_shapes(len(representative), theory.name)
     local = geometry.undeformed_local[representative]
     jets = theory.jets(local, points)
     first = geometry.tangents(points, representative)

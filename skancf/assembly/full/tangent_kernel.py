@@ -1,19 +1,18 @@
 """Compiled tangent of theory `full`; strains and tables are those of :mod:`skancf.assembly.full.kernels`."""
 
 import numpy as np
-from numba import njit
 
 from skancf.assembly.full.kernels import N_POINTS, collect, in_plane_jets, sample_jets, vectors
 from skancf.assembly.local import gather, prefetch_blocks, scatter_tangent
 from skancf.assembly.panels import add_panel, aligned, set_panel
-from skancf.compiled import INNER, OPTIONS
+from skancf.compiled import INNER, OPTIONS, compiled
 from skancf.theories.full import N_IN_PLANE
 from skancf.theories.full_point import in_plane_force, in_plane_stiffness
 
 COMPONENTS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]])
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def in_plane_stress(stress, p):
     return (
         stress[0, p], stress[1, p], stress[2, p], stress[3, p], stress[4, p],
@@ -21,7 +20,7 @@ def in_plane_stress(stress, p):
     )  # fmt: skip
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def sampled_gradient(rule, sx, B):
     """Gradient of the sampled strains with respect to the local vectors: B (n_rows, 48), components outermost."""
     for r in range(rule.sample_rows.shape[0]):
@@ -42,7 +41,7 @@ def sampled_gradient(rule, sx, B):
                         row[12 + a] += other * rule.sample_director[2, s, a]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def sampled_geometric(rule, sampled, G):
     """Stress . second derivative of the sampled strains: G (16, 16), the same for the three components."""
     G[:] = 0.0
@@ -62,7 +61,7 @@ def sampled_geometric(rule, sampled, G):
                     G[12 + a, 12 + b] += half * stress * (other[a] * d[b] + d[a] * other[b])
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def coupling(rule, law, x, X):
     """X (n_rows, 48): change of the sampled stresses with the local vectors through the in-plane strains."""
     X[:] = 0.0
@@ -92,7 +91,7 @@ def coupling(rule, law, x, X):
                                     X[r, 16 * i + 12 + a] += w * rule.director[a, j, p]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def unpack(rule, law, square):
     """The in-plane law as an array (9, 9, 16), of which the entries that are zero are left alone."""
     for m in range(rule.pairs.shape[0]):
@@ -102,7 +101,7 @@ def unpack(rule, law, square):
                 square[k, l, p] = square[l, k, p] = law[m, p]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def add_in_plane(rule, H, W, of_d, Y):
     """Adds table^T H table, with the tables of the functions of r on the right, to Y (96, 16), rows component and function.
 
@@ -120,7 +119,7 @@ def add_in_plane(rule, H, W, of_d, Y):
                 set_panel(4, 2 * N_POINTS, rule.director_columns, 0, 4, 1, W, 16 * c, 96, of_d, 64 * c, 16)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def sampled_stiffness(e, rule, elements, B, MB):
     """MB = law of the sampled strains times their gradient B (n_rows, 48)."""
     c = elements.shape[e]
@@ -144,7 +143,7 @@ def sampled_stiffness(e, rule, elements, B, MB):
                         MB[N_POINTS * l + s, a] += weight * B[N_POINTS * k + s, a]
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
     """Tangent with the given stresses (n_elements, 14, 16), added to out (n_blocks, 12, 12)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]

@@ -2,30 +2,29 @@
 formulas are those of :func:`skancf.theories.kirchhoff_point.discrete_gradient`."""
 
 import numpy as np
-from numba import njit
 
 from skancf.assembly.local import gather, scatter_force
 from skancf.assembly.thin.kernels import N_POINTS, forces_of_jets, jets
-from skancf.compiled import INNER, OPTIONS
+from skancf.compiled import INNER, OPTIONS, compiled
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def cross(a, b):
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def inner(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def mixed(s, a, t, b):
     """s a + t b."""
     return s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def pair(x, y, k, p):
     """Middle and change of jet k at point p."""
     at = 16 * k + p
@@ -33,7 +32,7 @@ def pair(x, y, k, p):
     return mixed(0.5, a, 0.5, b), mixed(1.0, b, -1.0, a)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def bending_between(a, b, c, da, db, dc, J, bending, on_J):
     """Factors of the changes of r_1, r_2 and sum M r_ab in the change of M . r_ab . n, as
     :func:`skancf.theories.kirchhoff_point.discrete_gradient` has them; ``bending`` is the mean of M . r_ab . n."""
@@ -58,7 +57,7 @@ def bending_between(a, b, c, da, db, dc, J, bending, on_J):
     return f_a, f_b, mixed(1.0 / J, f_c, 0.0, f_c)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def forces_between(rule, x, y, stress, f, turned, force):
     """Forces (16, 3) on the local vectors that do the work of stresses on the change of the strains from x to y, exactly;
     ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
@@ -88,7 +87,7 @@ def forces_between(rule, x, y, stress, f, turned, force):
     forces_of_jets(rule, f, turned, force)
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def force_between(start, stop, order, q0, q1, stress, rule, maps, out):
     """Force of given stresses (n_elements, 6, 16), which have the weights, on the way from q0 to q1, added to out."""
     local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))

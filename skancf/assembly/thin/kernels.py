@@ -7,11 +7,10 @@ run over points.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from skancf.assembly.local import gather, scatter_force
 from skancf.assembly.panels import add_panel, set_panel
-from skancf.compiled import INNER, OPTIONS
+from skancf.compiled import INNER, OPTIONS, compiled
 
 N_POINTS = 16
 
@@ -52,14 +51,14 @@ class Rule(NamedTuple):
     pairs: np.ndarray
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def jets(rule, local, x):
     """r_1, r_2, r_11, r_22, r_12 at the points: x (3, 80), jet by jet."""
     for at in range(0, 80, 16):
         set_panel(3, 16, local, 0, 3, 1, rule.table, at, 80, x, at, 80)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def surface(x, n, duals, gamma):
     """Unit normal (3, 16), dual vectors (2, 3, 16) and Christoffel symbols (3, 2, 16) of the jets."""
     for p in range(N_POINTS):
@@ -80,7 +79,7 @@ def surface(x, n, duals, gamma):
                                   + duals[g, 2, p] * x[2, at + p])  # fmt: skip
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def strains(x, n, reference, eps):
     """Membrane strains and curvature changes less the undeformed ones: eps (6, 16)."""
     for p in range(N_POINTS):
@@ -101,7 +100,7 @@ def strains(x, n, reference, eps):
         eps[5, p] = -2.0 * k12 - reference[5, p]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def add_change(x, y, n, gamma, eps):
     """Adds the change of the strains, linear in the change of the jets y (3, 80)."""
     for i in range(3):
@@ -115,7 +114,7 @@ def add_change(x, y, n, gamma, eps):
             eps[5, p] -= 2.0 * normal * (y[i, 64 + p] - gamma[2, 0, p] * da - gamma[2, 1, p] * db)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def section(rule, assumed, law, rest, eps, hat, extra, stress):
     """Stresses (6, 16), with the weights, that do work on the strains at the points.
 
@@ -148,7 +147,7 @@ def section(rule, assumed, law, rest, eps, hat, extra, stress):
         add_panel(1, N_POINTS, hat, 16 * c, 1, 0, rule.transposed, 768 * assumed + 256 * c, 16, stress, 16 * c, 16)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def forces_of_jets(rule, f, turned, force):
     """Forces (16, 3) on the local vectors of those on the jets, f (3, 80); ``turned`` (3, 16) is scratch."""
     set_panel(3, 80, f, 0, 1, 80, rule.jets, 0, 16, turned, 0, 16)
@@ -157,7 +156,7 @@ def forces_of_jets(rule, f, turned, force):
             force[a, i] = turned[i, a]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def forces(rule, x, n, gamma, stress, f, turned, force):
     """Forces (16, 3) on the local vectors; ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
     for i in range(3):
@@ -173,7 +172,7 @@ def forces(rule, x, n, gamma, stress, f, turned, force):
     forces_of_jets(rule, f, turned, force)
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, out):
     """Strain and stress extrapolated linearly along ``change``, strain(q) + B(q) change; the stress has the weights.
 
@@ -199,7 +198,7 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
             strain_out[e] = eps
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def residual(start, stop, order, q, rule, maps, elements, out):
     """Internal force, added to out (n_nodes, 4, 3)."""
     local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
@@ -218,7 +217,7 @@ def residual(start, stop, order, q, rule, maps, elements, out):
         scatter_force(e, force, maps, out)
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def force_of(start, stop, order, q, stress, rule, maps, out):
     """Force of given stresses (n_elements, 6, 16), which have the weights, added to out (n_nodes, 4, 3)."""
     local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))

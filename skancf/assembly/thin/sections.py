@@ -7,6 +7,7 @@ import numpy as np
 from skancf.assembly.classes import classes, rounding_of
 from skancf.assembly.geometry import Geometry
 from skancf.materials import Section
+from skancf.memory import require_shapes
 from skancf.theories.kirchhoff import covariant_to_local, local_frame, rest_factors
 from skancf.theories.kirchhoff_point import dot, strain
 
@@ -56,6 +57,7 @@ def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
     plain = at_pole if geometry.theory.assumed else np.ones_like(at_pole)
     key, rounding = _shape_key(geometry)
     representative, shape = classes(np.hstack([key, plain[:, None]]), rounding)
+    require_shapes(len(representative), geometry.theory.name)
     jets = geometry.theory.jets(geometry.undeformed_local[representative], points)
     turn, area = covariant_to_local(jets, geometry.tangents(points, representative), geometry.side[representative])
     areas = area * weights

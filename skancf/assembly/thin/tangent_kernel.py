@@ -11,12 +11,11 @@ share.
 """
 
 import numpy as np
-from numba import njit
 
 from skancf.assembly.local import gather, prefetch_blocks, scatter_tangent
 from skancf.assembly.panels import add_panel, aligned, set_panel
 from skancf.assembly.thin.kernels import N_POINTS, jets, surface
-from skancf.compiled import INNER, OPTIONS
+from skancf.compiled import INNER, OPTIONS, compiled
 
 FIRST = np.array([0, 0, 0, 1, 1, 2, 1, 2, 2])
 SECOND = np.array([0, 1, 2, 1, 2, 2, 0, 0, 1])
@@ -31,7 +30,7 @@ HALF = 8
 """Points whose rows of A are in the cache at a time."""
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def unpack(rule, law, square):
     """The law, with the signs and factors of the gradients, as an array (6, 6, 16)."""
     square[:] = 0.0
@@ -42,7 +41,7 @@ def unpack(rule, law, square):
             square[k, l, p] = square[l, k, p] = factor * law[m, p]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def second_by_second(rule, square, gamma, scratch, S):
     """N_k D_kl N_l at each point, of N_k less gamma times the first derivatives: S (16, 256); scratch (6, 16)."""
     for p in range(N_POINTS):
@@ -55,7 +54,7 @@ def second_by_second(rule, square, gamma, scratch, S):
             set_panel(8, 3, scratch, a, 16, 1, scratch, 48, 16, S, 256 * p + 16 * a, 16)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def kept_law(rule, square, rest, C):
     """C (16, 16), half the law of the coefficients of the assumed strains with that of the rest; the membrane law becomes
     that of the rest."""
@@ -72,7 +71,7 @@ def kept_law(rule, square, rest, C):
                 square[k, l, p] *= scale
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def membrane_forces(x, square, z):
     """Law times gradients of the membrane strains, less the tables: z (2, 9, 16), first derivative, strain and component."""
     for k in range(3):
@@ -83,7 +82,7 @@ def membrane_forces(x, square, z):
                 z[1, 3 * k + j, p] = square[k, 1, p] * v + square[k, 2, p] * u
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def coefficients(x, n, duals, gamma, square, stress, shared, z, E, scratch):
     """E (2, 5, 9, 16): of N_J in A^g, by g and J. S has the second derivatives alone if ``shared`` is 1, all if it is 0."""
     cross, on, H, bending = scratch[:6], scratch[6:8], scratch[8:12], scratch[12]
@@ -123,7 +122,7 @@ def coefficients(x, n, duals, gamma, square, stress, shared, z, E, scratch):
                 E[g, 4, c, p] = tilt * 2.0 * stress[5, p] + nn * cross[3 * g + 2, p]
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def membrane_gradient(rule, x, of_first, M):
     """Gradients of the membrane strains: M (48, 48), rows point and strain, columns component and function.
 
@@ -138,7 +137,7 @@ def membrane_gradient(rule, x, of_first, M):
         set_panel(9, 2, of_first, p, 144, 16, rule.jets, 16 * p, 256, M, 144 * p, 16)
 
 
-@njit(**INNER)
+@compiled(**INNER)
 def membrane_rest(rule, n, gamma, square, z, coupled, T):
     """T (48, 48), rows as those of M: what the curvatures add to the membrane stresses, less those of ``z``."""
     of_jets = np.empty((5, 9, N_POINTS))
@@ -158,7 +157,7 @@ def membrane_rest(rule, n, gamma, square, z, coupled, T):
         set_panel(9, 5 if coupled else 2, of_jets, p, 144, 16, rule.jets, 16 * p, 256, T, 144 * p, 16)
 
 
-@njit(**OPTIONS)
+@compiled(**OPTIONS)
 def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
     """Tangent with the given stresses (n_elements, 6, 16), added to out (n_blocks, 12, 12)."""
     local, x = np.empty((16, 3)), aligned(3, 80)

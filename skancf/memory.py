@@ -22,13 +22,50 @@ def available() -> int | None:
     return min(limits) if limits else None
 
 
-def require(needed: int, unknowns: int, what: str) -> None:
-    """Raise :class:`~skancf.errors.NotEnoughMemory` where ``needed`` bytes are not available."""
+def require(needed: int, subject: str, what: str, way_out: str = WAY_OUT) -> None:
+    """Raise :class:`~skancf.errors.NotEnoughMemory` where ``needed`` bytes are not available.
+
+    ``subject`` is how much was asked for, as in "5000 unknowns", and ``what`` needs the memory.
+    """
     left = available()
     if left is not None and needed > left:
         raise NotEnoughMemory(
-            f"{unknowns} unknowns: {what} needs {needed / 1e9:.3g} GB, and {left / 1e9:.3g} GB are available; {WAY_OUT}"
+            f"{subject}: {what} needs {_gigabytes(needed)} GB, and {left / 1e9:.3g} GB are available; {way_out}"
         )
+
+
+def _gigabytes(needed: int) -> str:
+    return f"{needed / 1e9:.3g}" if needed < 10**300 else "more than 1e291"
+
+
+SMALL = 1 << 26
+"""Bytes that are not asked about: to read what is available takes longer than to solve a small problem."""
+
+
+def require_much(needed: int, subject: str, what: str, way_out: str = WAY_OUT) -> None:
+    """:func:`require`, where ``needed`` is more than a small problem takes."""
+    if needed > SMALL:
+        require(needed, subject, what, way_out)
+
+
+MESH, SYSTEM = 400, {"kirchhoff": 9200, "full": 12_500}
+"""Bytes for each element of a mesh, and of a system on it by theory; measured on equal elements, the least there are."""
+SHAPE = {"kirchhoff": 13_000, "full": 330_000}
+"""Bytes that an undeformed element of another shape than those before takes more while a system is set up; measured."""
+
+
+def require_mesh(n_elements: int, each: int = SYSTEM["kirchhoff"]) -> None:
+    """Refuse a mesh of so many elements on which no system would fit; :data:`MESH` of bytes each where some are cut out."""
+    many = f"{n_elements}" if n_elements < 10**12 else f"{min(n_elements, 10**300):.3g}"
+    require_much(each * n_elements, f"{many} elements", "a mesh" if each == MESH else "a mesh with a system on it")
+
+
+def require_shapes(n_shapes: int, theory: str) -> None:
+    """Refuse a mesh of so many elements of different shapes whose laws would not fit into memory."""
+    require_much(
+        SHAPE[theory] * n_shapes, f"{n_shapes} elements of different shapes", f"the set-up of theory '{theory}'",
+        f"take equal elements (sk.meshes.uniform, or a quadtree of it), which share what they need; {WAY_OUT}",
+    )  # fmt: skip
 
 
 def _left_of_machine() -> Iterator[int]:

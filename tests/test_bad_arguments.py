@@ -1,0 +1,170 @@
+"""Ordinary mistakes in every argument of every public function: named by an error of the library, never a raw exception."""
+
+import inspect
+from typing import Any
+
+import numpy as np
+import pytest
+from mistakes import Call, Fault, Scene, answer, calls, fault, faults, mistakes, parameters
+
+import skancf as sk
+from skancf.output.pictures import Look
+
+LEAST = 1500
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch) -> None:
+    """Names of files and folders by mistake are those of a folder that nobody misses."""
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory) -> Scene:
+    return Scene(tmp_path_factory.mktemp("mistakes"))
+
+
+def test_every_mistake_is_named(scene, capsys):
+    number, wrong = faults(scene)
+    assert number > 10 * LEAST
+    assert not wrong, "\n".join(map(str, wrong))
+
+
+def test_valid_calls_succeed(scene, capsys):
+    for name, call in calls(scene).items():
+        _, error = answer(call)
+        assert error is None, f"{name}: {error!r}"
+
+
+ELSEWHERE = {
+    # Surfaces, supports and loads, with tests of their own.
+    "AnnulusSector", "Cone", "CylinderSector", "HyperbolicParaboloid", "MappedSurface", "Parallelogram", "Plane",
+    "Rectangle", "SphereSector", "Clamp", "Dashpot", "DrivenClamp", "Foundation", "NoRotation", "Pin", "Prescribed",
+    "Roller", "SimpleSupport", "Spring", "Symmetry", "DiskForce", "EdgeImpulse", "EdgeLoad", "EdgeMoment",
+    "FollowerPressure", "Gravity", "Impulse", "LineLoad", "MovingForce", "MovingLine", "PointForce",
+    "SurfaceLoad", "Temperature",
+    # Results, which the library makes.
+    "AdaptiveResult", "BucklingResult", "Carried", "Change", "Check", "Ledger", "Modes", "Motion", "PathResult", "Spectrum",
+    "StaticResult", "Samples", "MeshQuadTree",
+    # Without arguments.
+    "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
+    "ElementQuadHermite",
+    # By the arguments of Look.
+    "picture", "animation",
+}  # fmt: skip
+
+
+def qualified_name(call: Call) -> str:
+    return getattr(call.function, "__qualname__", type(call.function).__name__ + ".__call__")
+
+
+def test_no_public_function_is_left_out(scene):
+    tried = {qualified_name(call).split(".")[0] for call in calls(scene).values()}
+    for room in (sk, sk.meshes, sk.output):
+        for name in room.__all__:
+            public = getattr(room, name)
+            if not callable(public) or (isinstance(public, type) and issubclass(public, Exception)):
+                continue
+            assert name in tried | ELSEWHERE, f"{name}: give it a valid call in tests/mistakes.py"
+
+
+def test_no_argument_is_left_out(scene):
+    """Of functions; of methods those that are called, by all names that they have."""
+    given: dict[str, set[str]] = {}
+    known: dict[str, set[str]] = {}
+    for call in calls(scene).values():
+        name = qualified_name(call)
+        given.setdefault(name, set()).update(call.arguments)
+        known[name] = parameters(call.function)
+    left = {name: known[name] - given[name] for name in known}
+    # Places are the business of the mesh, and tested with supports.
+    allowed = {"simulate": {"rho_inf"}, "find_regions": set(), "Reaction": {"where"}}
+    assert {n: a - allowed.get(n, set()) for n, a in left.items() if a - allowed.get(n, set())} == {}
+
+
+# ---------------------------------------------------------------------------------- the search itself can find something
+
+
+def loose(n: int = 1, at: tuple[float, float] = (0.0, 0.0)) -> float:
+    """A function with the faults that are looked for."""
+    return float("nan") if float(n) < 0 else float(n) * at[0]
+
+
+@pytest.mark.parametrize(
+    ("mistake", "what"),
+    [("none", "raw TypeError"), ("text", "was taken"), ("inf", "was taken"), ("minus", "not finite"), ("half", None)],
+)
+def test_the_search_finds(scene, mistake, what):
+    call = Call(loose, {"n": 1, "at": (1.0, 1.0)}, kinds={"n": "number"})
+    found = fault("loose", call, "n", mistake, mistakes(scene)[mistake])
+    assert (found is None) is (what is None)
+    assert what is None or what in found.what
+
+
+def test_a_message_must_name_the_argument(scene):
+    def unnamed(n: int) -> None:
+        raise sk.InputError("something is wrong with it")
+
+    found = fault("unnamed", Call(unnamed, {"n": 1}), "n", "none", None)
+    assert isinstance(found, Fault)
+    assert "does not name" in found.what
+
+
+# ------------------------------------------------------------------------------------------- what a message should say
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda s: sk.modes(s.system, state=s.result), r"state = .*\.solution"),
+        (lambda s: sk.solve(s.problem), r"system = .*problem\.on\(mesh\)"),
+        (lambda s: sk.solve(s.solution), r"system = .*has one as its \.system"),
+        (lambda s: sk.solve(sk.Problem), r"system = .*class Problem"),
+        (lambda s: s.problem.on(s.system), r"mesh = .*has one as its \.mesh"),
+        (lambda s: sk.recovery(s.result), r"solution = .*has one as its \.solution"),
+        (lambda s: sk.adapt(s.system, sk.Displacement((0.5, 0.5))), r"problem = .*has one as its \.problem"),
+        (lambda s: sk.Isotropic("0.01", 0.3, 1.0), r"young = '0\.01': not a number, but text"),
+        (lambda s: sk.Isotropic(1e6, 0.3, np.ma.array(1.0, mask=True)), "density.*masked"),
+        (lambda s: sk.Isotropic(10**400, 0.3, 1.0), "young = 1000.*too large"),
+        (lambda s: sk.simulate(s.system, 1.0, velocity=sk.RigidVelocity), "velocity"),
+        (lambda s: sk.output.picture(s.result, s.folder / "p.png"), r"solution = .*\.solution"),
+        (lambda s: sk.output.animation(s.solution, s.folder / "p.gif"), "states = .*motion.states"),
+        (lambda s: sk.output.animation([s.result], s.folder / "p.gif"), "solution = .*"),
+        (lambda s: Look(size=(10**6, 10)), "size = .*16384"),
+        (lambda s: sk.output.read(b"kept.vtu"), "file = b'kept.vtu'"),
+        (lambda s: sk.meshes.load("a\0b"), "no path"),
+    ],
+)  # fmt: skip
+def test_messages_name_value_and_way_out(scene, call, says):
+    with pytest.raises(sk.InputError, match=f"(?s){says}"):
+        call(scene)
+
+
+def test_numbers_of_many_kinds_are_numbers():
+    """What is refused is text, not exactness: fractions, decimals, small floats and integers of numpy."""
+    from decimal import Decimal
+    from fractions import Fraction
+
+    for one in (1, 1.0, Fraction(2, 2), Decimal("1.0"), np.float32(1), np.int8(1), np.array(1.0)):
+        assert sk.Ramp(one).duration == one
+    assert sk.meshes.Region([Fraction(1, 2), 0], np.ones(2)).centre == [0.5, 0]
+
+
+@pytest.mark.parametrize("value", [None, "1", [1.0, 2.0], float("nan"), 1j])
+def test_a_history_that_gives_no_number(scene, value):
+    def history(time: float) -> Any:
+        return value
+
+    pulled = sk.Problem(scene.surface, 0.01, scene.material, [sk.Clamp("left")], [sk.Gravity(history=history)])
+    motion = None
+    with pytest.raises(sk.InputError, match="history at t = 0"):
+        motion = sk.simulate(pulled.on(scene.mesh, "kirchhoff"), 0.01, dt=0.01, progress=False)
+    assert motion is None
+
+
+def test_unexpected_names_are_python_s_own_error(scene):
+    with pytest.raises(TypeError, match="loadfactor"):
+        sk.solve(scene.system, loadfactor=1.0)
+    with pytest.raises(TypeError, match="'radus'"):
+        sk.stress_regions(scene.solution, radus=1.0)
+    assert "radius" in inspect.signature(sk.find_regions).parameters

@@ -101,7 +101,9 @@ def test_a_process_is_refused_what_it_writes_itself(tmp_path):
 
     def again(state):
         if state.time > 0.01 and not tried:
-            tried.append(pytest.raises(InputError, run, tmp_path, True))
+            with pytest.raises(InputError) as refused:
+                run(tmp_path, True)
+            tried.append(refused)
         return 0.0
 
     assert run(tmp_path, record=again).status is MotionStatus.FINISHED

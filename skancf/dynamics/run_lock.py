@@ -61,8 +61,8 @@ class RunLock:
             try:
                 taken, owner = _lock(file), _read(file)
                 if taken is False:
-                    raise InputError(f"folder '{self.path.parent}': {_named(owner)} is writing its run into it; wait for its "
-                                     "end, or choose another folder. read_motion reads it meanwhile")  # fmt: skip
+                    raise InputError(f"folder '{self.path.parent}': {_named(owner)} is writing its run into it; wait for "
+                                     "its end, or choose another folder. read_motion reads it meanwhile")  # fmt: skip
                 if not self._is_there(file):
                     continue  # the one before took its file away after it was opened here
                 self._refuse_far(owner, taken)

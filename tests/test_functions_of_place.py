@@ -178,3 +178,26 @@ def test_loads_on_a_named_line_inside(theory):
 def test_mistakes(supports, loads, words):
     with pytest.raises(sk.InputError, match=words):
         on_plate(supports, loads)
+
+
+def disk_at(surface, at, radius, mesh):
+    system = on_plate([], [sk.DiskForce(at, radius, (0.0, 0.0, 1.0))], surface=surface, mesh=mesh)
+    return system, system.external_force(system.undeformed).reshape(-1, 4, 3)
+
+
+def test_a_disk_is_round_where_the_parameters_bend():
+    """Near the middle of a disc in polar parameters: its second moments are those of a disc."""
+    disc = sk.AnnulusSector(0.05, 1.0, 2 * pi, closed=True)
+    mesh, radius = sk.meshes.uniform(disc, 8, 16), 0.2
+    centre = disc.position(np.array([0.3]), np.array([0.0]))[:, 0]
+    system, _ = disk_at(disc, (0.3, 0.0), radius, mesh)
+    at = disc.position(*system.load_places()) - centre[:, None]
+    # Rings of equal area at their mean radius squared.
+    assert np.allclose(at[:2] @ at[:2].T / at.shape[1], radius**2 / 4 * np.eye(2), atol=1e-9)
+
+
+@pytest.mark.parametrize("at", [(0.1, 1.0), (0.0, 0.0)])
+def test_a_disk_over_a_pole_is_refused(at):
+    disc = sk.AnnulusSector(0.0, 1.0, 2 * pi, closed=True)
+    with pytest.raises(sk.InputError, match=r"disk at .*pole"):
+        disk_at(disc, at, 0.2, sk.meshes.uniform(disc, 4, 8))

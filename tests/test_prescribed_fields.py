@@ -115,6 +115,16 @@ def test_a_tube_twisted_by_its_ends_turns(theory):
     assert np.abs(turned).max() > 1e-5
 
 
+@pytest.mark.parametrize("u", [lambda x, y: np.sin(y) ** 2, lambda x, y: 1 - np.cos(y), lambda x, y: np.exp(np.sin(y))])
+def test_a_seam_is_no_contradiction_and_a_jump_there_is(u):
+    tube = sk.CylinderSector(0.5, 1.0, 2 * np.pi, closed=True)
+    mesh = sk.meshes.uniform(tube, 2, 6)
+    assert sk.Problem(tube, 0.05, MATERIAL, [sk.Prescribed("left", (u, u, None))]).on(mesh, "kirchhoff").prescribed().any()
+    jump = [sk.Prescribed("left", (lambda x, y: y, None, None))]
+    with pytest.raises(sk.InputError, match="prescribe different values"):
+        sk.Problem(tube, 0.05, MATERIAL, jump).on(mesh, "kirchhoff")
+
+
 @pytest.mark.parametrize("build, words", [
     (lambda: sk.Prescribed("left"), "nothing is prescribed"),
     (lambda: sk.Prescribed("left", lambda x, y: x), "must return three components"),

@@ -1,6 +1,7 @@
 """Loads: forces, moments, pressure and temperature, each with an optional function of time; impulses.
 
-Statics takes every load at its full amplitude times the load factor; dynamics multiplies it by ``history(t)``.
+Statics takes every load as it is given times the load factor, which is what full amplitude means: ``history``, whatever its
+largest or last value is, counts in dynamics only, which multiplies the load by ``history(t)``.
 """
 
 from skancf.loads.acting import Load

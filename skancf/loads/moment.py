@@ -134,7 +134,7 @@ def _on_nodes(
     kept = geometry.ties.node_of >= 0
     np.add.at(on_nodes, geometry.ties.node_of[kept], shares[kept])
     nodes = np.flatnonzero(on_nodes.any(axis=1))
-    corners = np.array([geometry.corner_of(node) for node in nodes], dtype=int).reshape(-1, 2)
+    corners = np.array([geometry.corner_of(int(node)) for node in nodes], dtype=np.int64).reshape(-1, 2)
     tables = np.zeros((len(nodes), 16))
     tables[np.arange(len(nodes)), geometry.theory.rows[corners[:, 1], 3]] = 1.0
     return corners[:, 0], tables, on_nodes[nodes]

@@ -30,6 +30,8 @@ from skancf.vectors import cross
 
 N_EDGE = 9
 """Points on an edge at which functions are differentiated: exact to degree eight."""
+NOISE = 1e-13
+"""Of the largest value of a function, what counts as zero."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ class Prescribed(Support):
         None leaves a direction free; a function of the parameters (x, y) gives one component, or three of them, of which
         those that are None are free.
     history : callable, optional
-        Factor as a function of time.
+        Factor as a function of time, in dynamics; statics takes the values as they are given, times the load factor.
     rotation : (3,) or callable, optional
         :math:`\theta` about the axes of space, a constant or a function of (x, y) that returns (3, ...).
 
@@ -96,7 +98,7 @@ class Prescribed(Support):
         rows = []
         for axis, u in zip(np.eye(3), self._components(geometry), strict=True):
             if u is not None:
-                rows += fields.rows(place, axis, lambda at, u=u: values_at("displacement", u, at))  # type: ignore[misc]
+                rows += fields.rows(place, axis, lambda at, u=u: values_at("displacement", u, at))
         return rows if self.rotation is None else rows + self._rotated(geometry, place, fields)
 
     def _components(self, geometry: Geometry) -> list[Any]:
@@ -183,7 +185,7 @@ class Fields:
     def nodal(self, function: Any) -> np.ndarray:
         """Values at the nodes of the place, (..., n_mesh_nodes); zero elsewhere."""
         nodes = np.array(list(self.place), dtype=int)
-        found = np.asarray(function(self.geometry.mesh.p[:, nodes]))
+        found = _without_noise(np.asarray(function(self.geometry.mesh.p[:, nodes])), 0.0)
         out = np.zeros((*found.shape[:-1], self.geometry.mesh.p.shape[1]))
         out[..., nodes] = found
         return out
@@ -192,20 +194,28 @@ class Fields:
         """For each node of the place the derivatives along its directions, in the parameter plane."""
         if not self.ends.size:
             return {node: [] for node in self.place}
-        found = np.asarray(function(self.at)) @ self.weights.T
+        values = np.asarray(function(self.at))
+        found = _without_noise(values @ self.weights.T, float(np.abs(values).max()))
         sizes = np.linalg.norm(self.along, axis=0)
         units, found = self.along / sizes, found / sizes[:, None]
-        of_node: dict[tuple[int, int], list[float]] = {}
+        of_node: dict[tuple[Any, ...], list[float]] = {}
         for k, pair in enumerate(self.ends.T.tolist()):
             for end, node in enumerate(pair):
-                for number, along in enumerate(self.place.get(node, ())):
-                    cosine = float(units[:, k] @ along)
-                    if abs(cosine) > 1 - 1e-8:
-                        of_node.setdefault((node, number), []).append(float(np.sign(cosine) * found[k, end]))
-        return {
-            node: [float(np.mean(of_node[node, number])) for number in range(len(directions))]
-            for node, directions in self.place.items()
-        }
+                key, sign = self._line(node, units[:, k])
+                of_node.setdefault(key, []).append(sign * float(found[k, end]))
+        out: dict[int, list[float]] = {}
+        for node, directions in self.place.items():
+            lines = [self._line(node, along) for along in directions]
+            out[node] = [sign * float(np.mean(of_node[key])) for key, sign in lines]
+        return out
+
+    def _line(self, node: int, along: np.ndarray) -> tuple[tuple[Any, ...], float]:
+        """A line through a node, the same from both sides of a seam, and the sign of a direction along it."""
+        own = int(self.geometry.ties.node_of[node])
+        seen = (own, -1) if own >= 0 and own not in self.geometry.ties.poles else (own, node)
+        x, y = np.round(along, 6).tolist()
+        sign = 1.0 if (x, y) > (0.0, 0.0) else -1.0
+        return (*seen, sign * x + 0.0, sign * y + 0.0), sign
 
     def rows(self, place: Edges, direction: np.ndarray, function: Any) -> list[Row]:
         """Positions moved in a direction of space as a function says, with the slopes along the edges of the place."""
@@ -218,3 +228,9 @@ class Fields:
                 for t, slope in zip(tangents, slopes[node], strict=True)
             ]
         return rows
+
+
+def _without_noise(values: np.ndarray, scale: float) -> np.ndarray:
+    """Rounding of what is zero would contradict that of the same place seen from elsewhere, as on a seam."""
+    size = max(scale, float(np.abs(values).max(initial=0.0)))
+    return np.where(np.abs(values) < NOISE * size, 0.0, values)

@@ -17,7 +17,7 @@ from skancf.materials import Damping, Laminate, Law, Section, section_of
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
-from skancf.thinness import Choice, choose
+from skancf.thinness import Choice, choose, warn_if_full_is_off
 
 
 @dataclass(frozen=True)
@@ -109,6 +109,8 @@ class Problem:
         return system
 
     def _on(self, mesh: skfem.MeshQuad, theory: Theory) -> System:
+        if not theory.twist:
+            warn_if_full_is_off(self.section)
         assembly = assemble(Geometry(mesh, self.surface, theory), self.section)
         constraints, prescription = constrain(assembly.geometry, self.supports)
         loads = [load.on(assembly) for load in self.loads]

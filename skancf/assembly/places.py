@@ -5,7 +5,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 import skfem
+from scipy.sparse.csgraph import connected_components
 
 from skancf.assembly.ties import SAME, Ties
 from skancf.errors import InputError, vector
@@ -13,6 +15,8 @@ from skancf.surfaces import Interval, Surface, closed_directions
 
 Found = tuple[np.ndarray, np.ndarray]
 NONE = np.empty(0, dtype=int)
+OPENINGS = "openings"
+"""Name of the edges of all openings, those of one are ``"opening 1"`` and so on."""
 
 
 class Places:
@@ -42,7 +46,9 @@ class Places:
         return facets
 
     def names(self) -> list[str]:
-        return sorted({*(self.mesh.boundaries or {}), "boundary", "corners"})
+        """Names that this mesh has."""
+        holes = [OPENINGS, *(f"opening {k + 1}" for k in range(len(self.openings)))] if self.openings else []
+        return sorted({*(self.mesh.boundaries or {}), "boundary", "corners", *holes})
 
     def points_and_facets(self, where: Any) -> Found:
         """Nodes and boundary facets of a name, points, or a function of (x, y); never without a node.
@@ -72,10 +78,15 @@ class Places:
                 raise InputError(f"boundary {name!r} has no edge on this mesh; the mesh's own names are at fault")
             return self._with_unknowns(self.ends(facets)), facets[~self._at_a_pole(facets)]
         if name == "boundary":
-            if not len(self.boundary):
+            if not len(self.outline):
                 raise InputError("place 'boundary': this surface has none, it is closed all around; give a point (x, y) or "
                                  "a function of (x, y)")  # fmt: skip
-            return np.unique(self.ends(self.boundary)), self.boundary
+            return np.unique(self.ends(self.outline)), self.outline
+        if name in (OPENINGS, *(f"opening {k + 1}" for k in range(len(self.openings)))):
+            if not self.openings:
+                raise InputError(f"place 'openings': this mesh has none; it has {self.names()}")
+            facets = np.concatenate(self.openings) if name == OPENINGS else self.openings[int(name.split()[1]) - 1]
+            return np.unique(self.ends(facets)), facets
         if name == "corners":
             if not len(self.corners):
                 raise InputError("place 'corners': this surface has none, no node belongs to one element only; give a point "
@@ -121,6 +132,32 @@ class Places:
             for end in (low, high):
                 inner |= (np.abs(at - end) <= SAME * (high - low)).all(axis=0)
         return np.asarray(facets[~inner])
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Facets on the boundary that are on no opening."""
+        inside = np.concatenate([NONE, *self.openings])
+        return np.asarray(self.boundary[~np.isin(self.boundary, inside)])
+
+    @cached_property
+    def openings(self) -> list[np.ndarray]:
+        """Facets around each opening: connected edges that reach no bound of the parameters, by their lowest x, y."""
+        ends, p = self.mesh.facets[:, self.boundary], self.mesh.p
+        numbers = np.where(self.ties.node_of >= 0, self.ties.node_of, self.ties.node_of.max() + 1 + np.arange(p.shape[1]))
+        nodes = numbers[ends]
+        size = int(numbers.max()) + 1
+        graph = sp.coo_matrix((np.ones(nodes.shape[1]), nodes), shape=(size, size))
+        part = connected_components(graph, directed=False)[1][nodes[0]]
+        open_axes = [axis for axis in (0, 1) if axis not in self.closed_bounds()]
+        low, high = p.min(axis=1), p.max(axis=1)
+        found = []
+        for k in np.unique(part):
+            facets = self.boundary[part == k]
+            at = p[:, self.mesh.facets[:, facets]].reshape(2, -1)
+            slack = SAME * (high - low)
+            if all((at[a] > low[a] + slack[a]).all() and (at[a] < high[a] - slack[a]).all() for a in open_axes):
+                found.append((tuple(np.round((at.min(axis=1) - low) / (high - low), 9)), facets))
+        return [facets for _, facets in sorted(found, key=lambda item: item[0])]
 
     def closed_bounds(self) -> dict[int, Interval]:
         """Bounds of the parameters that are closed, by their number."""

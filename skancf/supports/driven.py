@@ -22,7 +22,10 @@ class DrivenClamp(Support):
     .. math:: r(t) = c + R(\varphi(t)) (X - c) + u(t), \qquad r_{,k}(t) = R(\varphi(t)) X_{,k},
 
     the same for :math:`r_{,xy}` and :math:`r_{,z}`, for any angle. The position at time t is R times the undeformed place: a
-    run from rest begins with an angle and a displacement of zero. In statics the body stands at rest there.
+    run from rest begins with an angle and a displacement of zero.
+
+    Statics has no time. It takes the body where it is at the time ``static``; without one it stands at the undeformed place,
+    and :class:`~skancf.OutOfDepth` is warned. Modes and buckling modes are about a body that stands still in any case.
 
     Unlike on the edge of a :class:`Clamp`, all nodal vectors follow, so the surface does not stretch at these nodes. The
     place may be an edge, single points, or a whole part of the surface, a hub for example.
@@ -39,6 +42,8 @@ class DrivenClamp(Support):
         :math:`\varphi(t)` (rad). Default: the body does not turn.
     displacement : callable, optional
         u(t), three components (m). Default: none.
+    static : float, optional
+        The time (s) whose angle and displacement statics takes, at a load factor of one.
 
     Raises
     ------
@@ -57,10 +62,13 @@ class DrivenClamp(Support):
     through: tuple[float, float, float] = (0.0, 0.0, 0.0)
     angle: Callable[[float], float] | None = None
     displacement: Callable[[float], Any] | None = None
+    static: float | None = None
 
     def __post_init__(self) -> None:
         unit_vector("axis", self.axis, "a body turns about an axis; give its direction")
         vector("through", self.through, 3)
+        if self.static is not None:
+            number("static", self.static)
         for name, example in (("angle", "lambda t: 0.5 * t**2"), ("displacement", "lambda t: (0.0, 0.0, 0.1 * t**2)")):
             value = getattr(self, name)
             if value is not None and not callable(value):
@@ -72,7 +80,7 @@ class DrivenClamp(Support):
     def histories(self) -> tuple[Any, ...]:
         """cos - 1 and sin if it turns, and the displacements along x, y and z if it moves."""
         motion = RigidMotion(self.angle, self.displacement)
-        return tuple(Component(motion, k) for k in self._components)
+        return tuple(Component(motion, k, self.static) for k in self._components)
 
     @property
     def _components(self) -> list[int]:
@@ -118,10 +126,21 @@ class RigidMotion:
 class Component:
     """One of the functions of time of a rigid motion."""
 
-    at_rest = 0.0
+    def __init__(self, motion: RigidMotion, number: int, static: float | None):
+        self.motion, self.number, self.static = motion, number, static
 
-    def __init__(self, motion: RigidMotion, number: int):
-        self.motion, self.number = motion, number
+    @property
+    def at_rest(self) -> float:
+        """What statics takes."""
+        return 0.0 if self.static is None else self(self.static)
+
+    @property
+    def without_time(self) -> str | None:
+        """What is said where it is asked for without a time; None where that is known."""
+        if self.static is not None:
+            return None
+        return ("DrivenClamp: statics has no time, the body is taken at its undeformed place; say which time is meant by "
+                "static=..., or take a Clamp or Prescribed")  # fmt: skip
 
     def __call__(self, time: float) -> float:
         return float(self.motion.at(time)[self.number])

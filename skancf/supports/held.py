@@ -1,14 +1,12 @@
-"""Supports that hold nodal coordinates, or move them as prescribed."""
+"""Supports that hold nodal coordinates."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, finite, unit_vector
-from skancf.history import History, check_history
+from skancf.errors import InputError, unit_vector
 from skancf.supports.conditions import (
     FOURTH,
     R_X,
@@ -166,36 +164,3 @@ class Symmetry(Support):
         x, y = np.linalg.lstsq(slopes.T, out, rcond=None)[0]
         rows.append(Row(node, condition({FOURTH: 1.0}, out)))
         return rows + [Row(node, condition({R_X: x, R_Y: y}, v), own=own) for v in (tangent, normal)]
-
-
-@dataclass(frozen=True)
-class Prescribed(Support):
-    """Displacement given in some directions of space, free in the others.
-
-    Parameters
-    ----------
-    where
-        Place.
-    displacement : three of float or None
-        None leaves a direction free.
-    history : callable, optional
-        Factor as a function of time.
-    """
-
-    where: Any
-    displacement: tuple[float | None, float | None, float | None]
-    history: History | None = None
-
-    def __post_init__(self) -> None:
-        check_history(self.history)
-        if not isinstance(self.displacement, Sequence) or len(self.displacement) != 3:
-            raise InputError(f"displacement = {self.displacement}: give three entries, None where it is free")
-        finite("displacement", [u for u in self.displacement if u is not None])
-
-    def rows(self, geometry: Geometry) -> list[Row]:
-        rows, place = [], edges(geometry, self.where)
-        for axis, u in zip(np.eye(3), self.displacement, strict=True):
-            if u is not None:
-                held = held_along(place, axis[None])
-                rows += [row._replace(value=u) if np.any(row.a[:3]) else row for row in held]
-        return rows

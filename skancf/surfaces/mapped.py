@@ -16,8 +16,8 @@ ROUNDING = 1e-9
 # What tells a wrong function (a seam that gapes or kinks, derivatives of something else) from inexact differences,
 # relative to the largest value.
 MISTAKE = 1e-4
-# Names that every mesh gives to its whole boundary and to its corners.
-TAKEN = ("boundary", "corners")
+# Names that every mesh gives to its outer boundary, its corners and its openings.
+TAKEN = ("boundary", "corners", "openings")
 
 
 @dataclass(frozen=True)
@@ -179,4 +179,5 @@ def _check_names(sides: Any) -> None:
     if not strings or len(sides) != 4 or len(set(sides)) != 4:
         raise InputError(f"sides = {sides}: give four different names, for x = min, x = max, y = min and y = max")
     if set(sides) & set(TAKEN):
-        raise InputError(f"sides = {sides}: {' and '.join(TAKEN)} mean all sides and all corners; choose other names")
+        raise InputError(f"sides = {sides}: {' and '.join(TAKEN[:2])} mean all sides and all corners, "
+                         f"{TAKEN[2]} the edges of openings; choose other names")  # fmt: skip

@@ -3,11 +3,11 @@
 from math import pi
 from typing import Any, NamedTuple
 
-from fuzz.case import Mesh
-from fuzz.shapes import barrel, torus
 from hypothesis import strategies as st
 
 import skancf as sk
+from fuzz.case import Mesh
+from fuzz.shapes import barrel, torus
 
 
 def among(*values: Any) -> st.SearchStrategy[Any]:

@@ -5,14 +5,14 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from hypothesis import strategies as st
+
+import skancf as sk
 from fuzz import bodies, conditions
 from fuzz.bodies import among, decades
 from fuzz.case import Case
 from fuzz.shapes import extent
 from fuzz.transforms import in_units, needs_axes
-from hypothesis import strategies as st
-
-import skancf as sk
 
 
 class Range(NamedTuple):

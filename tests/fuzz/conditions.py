@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from fuzz.bodies import FRACTIONS, Section, among
-from fuzz.case import Mesh, place
-from fuzz.shapes import open_sides
 from hypothesis import strategies as st
 
 import skancf as sk
+from fuzz.bodies import FRACTIONS, Section, among
+from fuzz.case import Mesh, place
+from fuzz.shapes import open_sides
 
 DIRECTIONS = among((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.0, 0.8), (1.0, -2.0, 0.5))
 KINDS = among("soft", "hard")

@@ -3,12 +3,13 @@
 from typing import Any
 
 import numpy as np
+
 from fuzz.case import Case
-from fuzz.judge import bounded, nodal, rounding, sizes, softness, solved, stored
+from fuzz.judge import bounded, nodal, rounding, sizes, solved, stored, unsure
 from fuzz.transforms import in_frame, in_units
 
-CLOSE = 1e-7
-"""Factors of another matrix: eps times its condition, a body on soft springs included."""
+CLOSE = 1e-9
+"""Sums in another order, besides what rounding may do to the answer."""
 
 
 def agree(one: Any, two: Any, shown: np.ndarray, what: str, energy: float) -> None:
@@ -16,7 +17,7 @@ def agree(one: Any, two: Any, shown: np.ndarray, what: str, energy: float) -> No
     error, scale = CLOSE + rounding(one) + rounding(two), stored(one).max() + stored(two).max()
     here = one.displacements
     gap, size = float(np.abs(here - shown).max()), float(np.abs(here).max())
-    bounded(f"displacements {what}", gap, (error + softness(one)) * size + 4 * scale)
+    bounded(f"displacements {what}", gap, error * size + unsure(one) + 4 * scale)
     # Of a heated body that is free to expand the energy is a difference of these two.
     energies = abs(one.strain_energy) + one.system.thermal_energy()
     lost = scale * sizes(nodal(one.system.external_force(one.system.undeformed))[:, 0])

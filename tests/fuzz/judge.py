@@ -11,6 +11,7 @@ import numpy as np
 from hypothesis import reject
 
 import skancf as sk
+from skancf.linear import DirectSolver
 
 REFUSALS = re.compile("|".join([
     "supports leave free",  # a rigid motion
@@ -88,11 +89,16 @@ def rounding(solution: sk.Solution) -> float:
     return terms / energy if energy else 0.0
 
 
-def softness(solution: sk.Solution) -> float:
-    """Rounding of displacements: that of membrane forces, eps of E h, moves what bends with E h^3 / L^2."""
-    problem = solution.system.problem
-    size = float(np.ptp(nodal(solution.system.undeformed)[:, 0], axis=0).max())
-    return 10 * EPS * (size / float(np.ptp(problem.section.z))) ** 2
+def unsure(solution: sk.Solution) -> float:
+    """How far rounding of K u, by eps of its terms with signs by chance, moves nodes: a measured condition (m)."""
+    system, change = solution.system, change_of(solution)
+    terms = EPS * (abs(system.stiffness().to_scipy()) @ np.abs(change))
+    rng = np.random.default_rng(0)
+    with DirectSolver(system.pattern, system.constraints) as solver:
+        solver.factor(system.stiffness())
+        moved = [solver.solve(terms * rng.choice([-1.0, 1.0], terms.size)) for _ in range(3)]
+    # Each entry of K is a sum of about a hundred terms itself.
+    return 100 * float(np.abs(nodal(np.concatenate(moved))[:, 0]).max())
 
 
 def nodal(vector: np.ndarray) -> np.ndarray:

@@ -4,11 +4,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+
+import skancf as sk
 from fuzz.case import Case
 from fuzz.judge import EPS, bounded, change_of, nodal, rounding, sizes, solved, stored
 from fuzz.resultants import resultant
-
-import skancf as sk
 
 CLOSE = 1e-9
 """Two sums of the same numbers in another order, with some thousand terms and three digits in hand."""

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from fuzz import conditions, invariance, linear, nonlinear, vibration, wrong
-from fuzz.bodies import AFFINE, among
-from fuzz.cases import EVERYTHING, NONLINEAR, UNITS, Frame, Range, cases, framed, free_bodies, parted
 from hypothesis import strategies as st
 
 import skancf as sk
+from fuzz import conditions, invariance, linear, nonlinear, vibration, wrong
+from fuzz.bodies import AFFINE, among
+from fuzz.cases import EVERYTHING, NONLINEAR, UNITS, Frame, Range, cases, framed, free_bodies, parted
 
 
 class Property(NamedTuple):

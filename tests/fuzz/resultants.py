@@ -3,10 +3,10 @@
 from typing import Any
 
 import numpy as np
-from fuzz.case import Case
 from numpy.polynomial.legendre import leggauss
 
 import skancf as sk
+from fuzz.case import Case
 
 NODES, WEIGHTS = leggauss(8)
 NODES, WEIGHTS = (NODES + 1) / 2, WEIGHTS / 2

@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from hypothesis import HealthCheck, Phase, given, seed, settings
+
 from fuzz.properties import Property
-from hypothesis import HealthCheck, given, seed, settings
 
 PROFILE: dict[str, Any] = {
     "database": None, "deadline": None, "print_blob": False, "report_multiple_bugs": False,
@@ -34,7 +35,7 @@ PROPERTIES[{name!r}].holds(
 '''
 
 
-def run(name: str, of: Property, examples: int | None = None, chance: int | None = None) -> None:
+def run(name: str, of: Property, examples: int | None = None, chance: int | None = None, shrink: bool = True) -> None:
     """Failure unless the property holds: always the same examples, or those of a seed."""
     last: list[Any] = []
 
@@ -42,7 +43,9 @@ def run(name: str, of: Property, examples: int | None = None, chance: int | None
         last[:] = [example]
         of.holds(example)
 
-    test = settings(max_examples=examples or of.examples, derandomize=chance is None, **PROFILE)(given(of.given)(holds))
+    phases = [Phase.generate, Phase.shrink] if shrink else [Phase.generate]
+    options = {**PROFILE, "phases": phases, "derandomize": chance is None}
+    test = settings(max_examples=examples or of.examples, **options)(given(of.given)(holds))
     if chance is not None:
         test = seed(chance)(test)
     try:

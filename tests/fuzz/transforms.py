@@ -4,10 +4,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from fuzz.case import Case
-from fuzz.shapes import Moved
 
 import skancf as sk
+from fuzz.case import Case
+from fuzz.shapes import Moved
 
 ON_PARAMETERS = {
     sk.Rectangle: (1, 1), sk.Parallelogram: (1, 1), sk.HyperbolicParaboloid: (1, 1), sk.CylinderSector: (1, 0),

@@ -4,11 +4,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+
+import skancf as sk
 from fuzz.case import Case
 from fuzz.judge import EPS, bounded, stated
 from fuzz.transforms import in_frame, in_units
-
-import skancf as sk
 
 CLOSE = 1e-7
 """Lanczos' method is asked for 1e-10 of the eigenvalues, three digits more."""

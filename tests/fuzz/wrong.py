@@ -3,10 +3,10 @@
 from typing import Any
 
 import pytest
-from fuzz.bodies import among
 from hypothesis import strategies as st
 
 import skancf as sk
+from fuzz.bodies import among
 
 GOOD: list[tuple[Any, dict[str, Any]]] = [
     (sk.Rectangle, {"length_x": 1.0, "length_y": 2.0, "origin": (0.0, 1.0)}),

@@ -34,7 +34,8 @@ def main() -> int:
             if time.monotonic() > end:
                 break
         rounds += 1
-    print(f"{rounds} rounds of {ROUND} examples, {failures} failures; " + ", ".join(f"{n} {k}" for k, n in seen.most_common()))
+    counts = ", ".join(f"{n} {what}" for what, n in seen.most_common())
+    print(f"{rounds} rounds of {ROUND} examples, {failures} failures; {counts}")
     return failures
 
 

@@ -1,5 +1,6 @@
 """Strategies for surfaces, sections and meshes, about one metre large."""
 
+from itertools import combinations
 from math import pi
 from typing import Any, NamedTuple
 
@@ -74,12 +75,12 @@ def laws(draw: Any, young: float, kind: str | None = None) -> Any:
     if kind == "orthotropic":
         weak = draw(among(0.5, 0.1, 1.0))
         return sk.Orthotropic(
-            (young, weak * young, weak * young), (0.25, 0.2, 0.3), (0.3 * young, 0.3 * young, 0.2 * young), density, angle, law,
-            expansion=(expansion, 2 * expansion, 0.0),
+            (young, weak * young, weak * young), (0.25, 0.2, 0.3), (0.3 * young, 0.3 * young, 0.2 * young), density, angle,
+            law, expansion=(expansion, 2 * expansion, 0.0),
         )  # fmt: skip
     entries = draw(st.lists(st.integers(-3, 3), min_size=15, max_size=15))
     rows = [[0.0] * 6 for _ in range(6)]
-    for k, (i, j) in enumerate((i, j) for i in range(6) for j in range(i)):
+    for k, (i, j) in enumerate(combinations(range(6), 2)):
         # Dominant diagonals keep the law definite; those of shear are about a third.
         rows[i][j] = rows[j][i] = 0.02 * young * entries[k]
     for i in range(6):
@@ -108,7 +109,7 @@ FRACTIONS = among(0.5, 0.25, 0.1, 0.87, 1 / 3, 0.0, 1.0)
 
 @st.composite
 def meshes(draw: Any, surface: Any, plain: bool = False, most: int = 4) -> Mesh:
-    """Two to ``most`` elements along a side, more around a closed one; with hanging nodes or an opening, unless ``plain``."""
+    """Two to ``most`` elements along a side, more around a closed one; hanging nodes or an opening unless ``plain``."""
     rows = []
     for closed, (low, high) in zip(surface.closed, surface.bounds, strict=True):
         turn = closed or (high - low > 3 and not hasattr(surface, "length_x"))

@@ -21,7 +21,8 @@ class Mesh:
 
     def on(self, surface: Any, numbering: int | None = None) -> skfem.MeshQuad:
         """The mesh of a surface; with a seed, its nodes, elements and corners are numbered by chance."""
-        x, y = (low + np.array(part) * (high - low) for part, (low, high) in zip((self.x, self.y), surface.bounds, strict=True))
+        (x0, x1), (y0, y1) = surface.bounds
+        x, y = x0 + np.array(self.x) * (x1 - x0), y0 + np.array(self.y) * (y1 - y0)
         holes = []
         if self.opening:
             i0, i1, j0, j1 = self.opening

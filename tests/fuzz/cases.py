@@ -116,7 +116,8 @@ def parted(draw: Any, **options: Any) -> tuple[Case, Case]:
     outer = [sk.Pin(names[3])] if draw(st.booleans()) else []
     mirrored = [sk.Pin(names[2]), *outer] if outer else []
     theory = draw(among("kirchhoff", "full"))
+    of = section.thickness, section.material
     return (
-        Case(sk.Problem(half, section.thickness, section.material, [held, sk.Symmetry(names[2]), *outer], loads), mesh, theory),
-        Case(sk.Problem(whole, section.thickness, section.material, [held, *mirrored], loads), both, theory),
+        Case(sk.Problem(half, *of, [held, sk.Symmetry(names[2]), *outer], loads), mesh, theory),
+        Case(sk.Problem(whole, *of, [held, *mirrored], loads), both, theory),
     )

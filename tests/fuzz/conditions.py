@@ -23,7 +23,7 @@ def nodes(draw: Any, surface: Any, mesh: Mesh) -> tuple[float, float]:
 
 @st.composite
 def supports(draw: Any, surface: Any, mesh: Mesh, section: Section, moved: bool = True, springs: bool = True) -> list[Any]:
-    """One that mostly holds the body alone, and up to two more; unless ``moved`` is false some displacement is prescribed."""
+    """One that mostly holds the body alone, and up to two more; some displacement is prescribed if ``moved``."""
     sides = open_sides(surface)
     out = draw(_holding(sides, surface, mesh, section, springs))
     for _ in range(draw(st.integers(0, 2))):

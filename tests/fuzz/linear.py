@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from hypothesis import assume
 
 import skancf as sk
 from fuzz.case import Case
@@ -84,7 +85,8 @@ def reciprocity(pair: tuple[Case, Any]) -> None:
     own = [float(f @ (change_of(s))) for f, s in zip(forces, (one, two), strict=True)]
     # By Cauchy and Schwarz neither work is larger than this mean of their own.
     size = float(np.sqrt(abs(own[0] * own[1])))
-    lost = sum(float(np.abs(f) @ (stored(s) + 300 * EPS * np.abs(change_of(s)).max())) for f, s in zip(forces, (two, one), strict=True))
+    unknown = [stored(s) + 300 * EPS * np.abs(change_of(s)).max() for s in (two, one)]
+    lost = sum(float(np.abs(f) @ u) for f, u in zip(forces, unknown, strict=True))
     bounded("difference of works", abs(works[0] - works[1]), (CLOSE + rounding(one) + rounding(two)) * size + lost)
 
 
@@ -114,6 +116,8 @@ def _same_energy(of: sk.Solution, one: np.ndarray, two: np.ndarray, parts: list[
 
 def nested(case: Case) -> None:
     """Conforming functions on a refined mesh hold those of the coarse one: dead loads do not do less work there."""
+    # A hard roller that does not hold w has no tilt at nodes only: functions of a coarse mesh need not obey on a fine one.
+    assume(not any(isinstance(support, sk.Roller) and support.kind == "hard" for support in case.problem.supports))
     coarse, fine = solved(case), solved(replace(case, mesh=case.mesh.halved()))
     error = CLOSE + rounding(coarse) + rounding(fine)
     bounded("energy lost on the finer mesh", coarse.strain_energy - fine.strain_energy, error * abs(fine.strain_energy))

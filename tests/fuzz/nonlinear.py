@@ -25,7 +25,7 @@ def answered(case: Case, **options: Any) -> StaticResult:
 
 
 def honest(case: Case) -> None:
-    """Converged means balanced, near an exact equilibrium, and stable unless said otherwise; what is not converged says why."""
+    """Converged means balanced, at rest, and stable unless said otherwise; what is not converged says why."""
     result = answered(case)
     found = result.solution
     assert np.isfinite(found.q).all() and np.isfinite(found.strain_energy), "a result that is not finite"

@@ -40,7 +40,10 @@ def _surface(surface: Any, s: float) -> Any:
 
 def _material(material: Any, s: float, f: float) -> Any:
     if isinstance(material, sk.Laminate):
-        layers = [replace(lay, material=_material(lay.material, s, f), thickness=s * lay.thickness) for lay in material.layers]
+        layers = [
+            replace(layer, material=_material(layer.material, s, f), thickness=s * layer.thickness)
+            for layer in material.layers
+        ]
         return sk.Laminate(layers, s * material.offset)
     pressure, density = f / s**2, material.density * f / s**4
     if isinstance(material, sk.Anisotropic):

@@ -6,15 +6,17 @@ VENV   ?= .venv
 SIZE   ?= full
 OUT    ?= out
 SET    ?= all
+FUZZ_MINUTES ?= 60
 BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
 
-.PHONY: help demo test lint types docs peers bench guard check kernels clean
+.PHONY: help demo test fuzz lint types docs peers bench guard check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
 	@echo "make test    run the tests"
+	@echo "make fuzz    problems made by chance, until FUZZ_MINUTES=60 are over; what fails is kept in $(OUT)/fuzz as Python"
 	@echo "make docs    build the documentation into docs/_build/html"
 	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
 	@echo "make bench   speed against accuracy, beside those that are installed, and what each part costs (an hour; SET=quick: 5 minutes)"
@@ -40,6 +42,9 @@ demo: $(READY)
 
 test: $(READY)
 	$(BIN)/python -m pytest
+
+fuzz: $(READY)
+	PYTHONPATH=tests $(BIN)/python -m fuzz --minutes $(FUZZ_MINUTES) --out $(OUT)/fuzz
 
 lint: $(READY)
 	$(BIN)/python -m ruff check skancf tests demos benchmarks docs

@@ -69,7 +69,8 @@ class Look:
 
     def __post_init__(self) -> None:
         check_name(self.field)
-        number("z", self.z)
+        if not (self.z is None or isinstance(self.z, str)):
+            number("z", self.z)
         number("scale", self.scale)
         if np.hypot(*vector("view", self.view, 3)[:2]) == 0:
             raise InputError(f"view = {self.view}: look a little from the side, not along z: (0, -0.01, 1)")

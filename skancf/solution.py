@@ -18,6 +18,7 @@ from skancf.thinness import BILINEAR, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 Depth = float | str
+DEPTHS = ("top", "middle", "bottom")
 """A height z (m), or ``"top"``, ``"middle"`` or ``"bottom"``."""
 # Strains of both faces that differ by no more than this part of the largest are one: there is no depth to choose.
 SAME = 1e-3
@@ -323,7 +324,7 @@ def depth_of(section: Section, z: Depth) -> float:
     """A height in a section (m), given as a number or a name; InputError outside of the faces."""
     if isinstance(z, str):
         bottom, top = section.z[[0, -1]].tolist()
-        named = {"top": top, "middle": 0.5 * (bottom + top), "bottom": bottom}
+        named = dict(zip(DEPTHS, (top, 0.5 * (bottom + top), bottom), strict=True))
         if z not in named:
             raise InputError(f"z = {z!r}: give a depth (m), or one of {', '.join(map(repr, named))}")
         return float(named[z])

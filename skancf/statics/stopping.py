@@ -62,9 +62,9 @@ class Pull:
         return 0.5 * float((q - self.anchor) @ self.force(q))
 
 
-def is_rigid(energy: float, sizes: np.ndarray, way: np.ndarray) -> bool:
+def is_rigid(energy: float, sizes: np.ndarray, way: np.ndarray, part: float = RIGID) -> bool:
     """Is a strain energy no more than the rounding of a way, given the absolute diagonal of the stiffness against it?"""
-    return bool(energy <= RIGID * float(sizes @ (way * way)))
+    return bool(energy <= part * float(sizes @ (way * way)))
 
 
 class Verdict(NamedTuple):

@@ -10,7 +10,7 @@ from skancf.checks import Check
 from skancf.errors import SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.statics.newton import factored
-from skancf.statics.stopping import ROUNDING, is_rigid, work
+from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, work
 from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
@@ -19,6 +19,8 @@ BALANCE = 1e-6
 TIMES, LEAST = 10.0, 1e-7
 """A residual of so many times the asked tolerance fails; a smaller tolerance than the second is not checked."""
 POLISHES = 3
+RIGID_PRODUCT = 1e-13
+"""As RIGID, for an energy that is a product of the stiffness and a change, not made of strains."""
 
 
 @dataclass(frozen=True)
@@ -160,7 +162,8 @@ class Balance:
 
     def is_rigid(self, sizes: np.ndarray) -> bool:
         """Whether supports alone move the body, and without strain: nothing but rounding is left to be balanced."""
-        return self.pushed and not self.loads.any() and is_rigid(self.energy, sizes, self.way)
+        part = RIGID_PRODUCT if self.moved is self.way else RIGID
+        return self.pushed and not self.loads.any() and is_rigid(self.energy, sizes, self.way, part)
 
     @cached_property
     def drive(self) -> tuple[float, float]:

@@ -50,7 +50,7 @@ class Solution:
     time: float | None = None
     load_factor: float = 1.0
     linear: bool = False
-    small: np.ndarray | None = field(default=None, repr=False)
+    small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.system, System):
@@ -68,8 +68,10 @@ class Solution:
             number("load_factor", self.load_factor)
         if type(self.linear) is not bool:
             flag("linear", self.linear)
-        if self.small is not None and not np.array_equal(self.system.undeformed + self.small, self.q):
-            object.__setattr__(self, "small", None)  # that of another state, which this one is a copy of
+        if self.small is not None:
+            small = vector("small", self.small, n)
+            # That of another state, which this one is a copy of, is dropped.
+            object.__setattr__(self, "small", small if np.array_equal(self.system.undeformed + small, self.q) else None)
 
     @property
     def change(self) -> np.ndarray:

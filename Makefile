@@ -21,7 +21,7 @@ help:
 	@echo "make docs    build the documentation into docs/_build/html"
 	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
 	@echo "make bench   speed against accuracy, beside those that are installed, and what each part costs (an hour; SET=quick: 5 minutes)"
-	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s; BASE=commit: beside that commit, 5 %)"
+	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s)"
 	@echo "             BASE=COMMIT: more than 5 % slower than that commit? both measured in turns (under 5 minutes)"
 	@echo "make check   lint and types"
 	@echo "make kernels forget the compiled kernels (after an edit of a constant that one uses from a file without kernels)"

@@ -1,16 +1,58 @@
-"""What a user's own functions of place return, checked."""
+"""What a user's own functions of place and time return, checked."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, finite
+from skancf.errors import InputError, finite, shown
 
 ONE_POINT = (TypeError, ValueError)
 """What functions of numbers, such as ``math.sin`` or ``1.0 if x > 0 else 0.0``, raise when they are given arrays."""
 
 WORDS = {2: "two", 3: "three"}
+
+
+def is_function(value: Any) -> bool:
+    """Whether a value is to be called; a class is none of a user's functions."""
+    return callable(value) and not isinstance(value, type)
+
+
+def called(name: str, function: Callable[..., Any], *arguments: Any) -> Any:
+    """What a user's function returns; what it raises passes through with a note that names the argument."""
+    try:
+        return function(*arguments)
+    except Exception as wrong:
+        wrong.add_note(_note(name))
+        raise
+
+
+def true_at(name: str, function: Callable[..., Any], at: np.ndarray) -> np.ndarray:
+    """Where a user's function of place is true, of points (2, n): (n,) bool.
+
+    Truth values will do, and whole numbers; a function that cannot take arrays is called point by point.
+
+    Raises
+    ------
+    InputError
+        For other values, and another number of them. What the function itself raises passes through with a note.
+    """
+    try:
+        found = function(*at)
+    except ONE_POINT as wrong:
+        found = [_at_one(name, function, point, wrong) for point in at.T.tolist()]
+    except Exception as wrong:
+        wrong.add_note(_note(name))
+        raise
+    try:
+        array = np.asarray(found)
+    except ValueError:
+        array = np.array(None)  # ragged
+    whole = array.dtype.kind in "biu" or (array.dtype.kind == "f" and bool(np.isin(array, (0.0, 1.0)).all()))
+    if not whole or array.shape not in ((), at.shape[1:]):
+        raise InputError(f"{name}: the function of (x, y) returned {shown(found)}; it must return True or False for each "
+                         f"point, here {at.shape[1:]}, as in lambda x, y: abs(x) < 1e-9")  # fmt: skip
+    return np.broadcast_to(array.astype(bool), at.shape[1:])
 
 
 def values_at(name: str, given: Any, at: np.ndarray, components: int | None = None) -> np.ndarray:
@@ -40,7 +82,7 @@ def values_at(name: str, given: Any, at: np.ndarray, components: int | None = No
         passes through with a note that names the argument.
     """
     points = at.shape[1:]
-    if not callable(given):
+    if not is_function(given):
         return _spread(name, given, points, components)
     try:
         found = given(*at)
@@ -59,15 +101,19 @@ def _note(name: str) -> str:
 def _point_by_point(
     name: str, function: Callable[..., Any], at: np.ndarray, components: int | None, first: Exception
 ) -> np.ndarray:
-    """The function called with numbers; if it fails again, the first exception tells why."""
-    try:
-        found = [function(*point) for point in at.reshape(len(at), -1).T.tolist()]
-    except Exception as wrong:
-        wrong.add_note(_note(name))
-        raise wrong from first
+    found = [_at_one(name, function, point, first) for point in at.reshape(len(at), -1).T.tolist()]
     size = () if components is None else (components,)
     values = [_spread(name, value, (), components) for value in found]
     return np.array(values).reshape(-1, *size).T.reshape(*size, *at.shape[1:])
+
+
+def _at_one(name: str, function: Callable[..., Any], point: Sequence[float], first: Exception) -> Any:
+    """The function called with numbers; if it fails again, the first exception tells why."""
+    try:
+        return function(*point)
+    except Exception as wrong:
+        wrong.add_note(_note(name))
+        raise wrong from first
 
 
 def _spread(name: str, value: Any, points: tuple[int, ...], components: int | None) -> np.ndarray:

@@ -48,7 +48,9 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     for history in chain.from_iterable(support.histories for support in supports):
         if not any(history is known for known in histories):
             histories.append(history)
-    conditions = [_conditions(geometry, support, histories) for support in supports]
+    conditions = []
+    for support in supports:  # no comprehension: a frame of its own in some Pythons would shift where warnings point
+        conditions.append(_conditions(geometry, support, histories))
     if geometry.theory.twist:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]

@@ -1,7 +1,9 @@
 """Which nodes and edges of a mesh a place means: see :mod:`skancf.supports.conditions`."""
 
 from collections.abc import Callable, Sequence
+from decimal import Decimal
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -10,13 +12,20 @@ import skfem
 from scipy.sparse.csgraph import connected_components
 
 from skancf.assembly.ties import SAME, Ties
-from skancf.errors import InputError, vector
+from skancf.errors import InputError, shown, vector
+from skancf.functions import is_function, true_at
 from skancf.surfaces import Interval, Surface, closed_directions
 
 Found = tuple[np.ndarray, np.ndarray]
 NONE = np.empty(0, dtype=int)
 OPENINGS = "openings"
 """Name of the edges of all openings, those of one are ``"opening 1"`` and so on."""
+
+
+def _is_row(where: Any) -> bool:
+    if isinstance(where, np.ndarray):
+        return where.ndim > 0
+    return isinstance(where, Sequence) and not isinstance(where, bytes)
 
 
 class Places:
@@ -42,7 +51,7 @@ class Places:
         """Numbers of the boundary facets that ``where`` means."""
         facets = self.points_and_facets(where)[1]
         if not len(facets):
-            raise InputError(f"{where!r} means no edge of the boundary; known names: {self.names()}")
+            raise InputError(f"where = {shown(where)} means no edge of the boundary; known names: {self.names()}")
         return facets
 
     def names(self) -> list[str]:
@@ -58,16 +67,22 @@ class Places:
         InputError
             For a place that is none of these, an unknown name, and a place without a node.
         """
+        try:
+            return self._meant(where)
+        except InputError as wrong:
+            raise InputError(f"where = {shown(where)}: {wrong}") from wrong
+
+    def _meant(self, where: Any) -> Found:
         if isinstance(where, str):
             return self._named(where)
-        if callable(where):
+        if is_function(where):
             return self._where_true(where)
-        if not (isinstance(where, Sequence | np.ndarray) and len(where)):
-            raise InputError(f"place {where!r}: give the name of a boundary, one of {self.names()}, a point (x, y), a list "
-                             "of names and points, or a function of (x, y)")  # fmt: skip
-        if all(isinstance(x, int | float | np.number) for x in where):
+        if not (_is_row(where) and len(where)):
+            raise InputError(f"place {shown(where)}: give the name of a boundary, one of {self.names()}, a point (x, y), a "
+                             "list of names and points, or a function of (x, y)")  # fmt: skip
+        if all(isinstance(x, Real | Decimal) for x in where):
             return np.array([self.node_at(where)]), NONE
-        nodes, facets = zip(*[self.points_and_facets(place) for place in where], strict=True)
+        nodes, facets = zip(*[self._meant(place) for place in where], strict=True)
         return np.unique(np.concatenate(nodes)), np.unique(np.concatenate(facets))
 
     def _named(self, name: str) -> Found:
@@ -96,7 +111,7 @@ class Places:
 
     def _where_true(self, function: Callable[[np.ndarray, np.ndarray], Any]) -> Found:
         """A node is meant where the function is true at any of its places in the parameter plane."""
-        mask = np.broadcast_to(np.asarray(function(*self.mesh.p), dtype=bool), self.mesh.p.shape[1:])
+        mask = true_at("where", function, self.mesh.p)
         if not mask.any():
             raise InputError("the function given as a place is true at no node; give a tolerance, as in "
                              "lambda x, y: abs(x) < 1e-9")  # fmt: skip

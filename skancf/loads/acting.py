@@ -91,7 +91,7 @@ class Spread(NamedTuple):
 def check_distributed(force: Any, history: Any) -> None:
     """InputError for a force that is neither three numbers nor a function, or a history that is no function."""
     check_history(history)
-    if not callable(force):
+    if not functions.is_function(force):
         vector("force", force, 3)
 
 

@@ -9,7 +9,7 @@ from skancf.assembly import local
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, vector
-from skancf.functions import values_at
+from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
 from skancf.theories.kirchhoff_point import R1, R2, dual, unit_normal
@@ -49,7 +49,7 @@ class EdgeMoment:
 
     def __post_init__(self) -> None:
         check_history(self.history)
-        if not callable(self.moment):
+        if not is_function(self.moment):
             vector("moment", self.moment, 3)
 
     def on(self, assembly: Assembly) -> Acting:

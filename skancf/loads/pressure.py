@@ -10,7 +10,7 @@ from skancf.assembly.pressure_kernel import pressure_stiffness
 from skancf.assembly.protocols import Assembly
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import number
-from skancf.functions import values_at
+from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
 
@@ -52,12 +52,12 @@ class FollowerPressure:
     history: History | None = None
 
     def __post_init__(self) -> None:
-        if not callable(self.pressure):
+        if not is_function(self.pressure):
             number("pressure", self.pressure)
         check_history(self.history)
 
     def on(self, assembly: Assembly) -> Acting:
-        if callable(self.pressure):
+        if is_function(self.pressure):
             return VaryingPressure(assembly, self.pressure, self.history)
         return PressureOnSurface(assembly, self.pressure, self.history)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, finite
-from skancf.functions import values_at
+from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
 
@@ -31,7 +31,7 @@ class Temperature:
     def __post_init__(self) -> None:
         check_history(self.history)
         for name, value in (("change", self.change), ("gradient", self.gradient)):
-            if not callable(value) and np.ndim(finite(name, value)):
+            if not is_function(value) and np.ndim(finite(name, value)):
                 raise InputError(f"{name} = {value}: give one number or a function of (x, y)")
 
     def on(self, assembly: Assembly) -> "Heating":

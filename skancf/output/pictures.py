@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import STATE, flag, instance, texts, whole
+from skancf.arguments import STATE, choice, flag, instance, texts, whole
 from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, number, positive, shown, vector
 from skancf.output.colours import colour_limits, colour_map
@@ -69,7 +69,9 @@ class Look:
 
     def __post_init__(self) -> None:
         check_name(self.field)
-        if self.z is not None and not (isinstance(self.z, str) and self.z in DEPTHS):
+        if isinstance(self.z, str):
+            choice("z", self.z, DEPTHS)
+        elif self.z is not None:
             number("z", self.z)
         number("scale", self.scale)
         if np.hypot(*vector("view", self.view, 3)[:2]) == 0:

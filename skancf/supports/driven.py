@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, number, unit_vector, vector
+from skancf.errors import InputError, number, shown, unit_vector, vector
+from skancf.functions import called, is_function
 from skancf.supports.conditions import FOURTH, R, Row, Support, condition, edges
 
 
@@ -71,8 +72,8 @@ class DrivenClamp(Support):
             number("static", self.static)
         for name, example in (("angle", "lambda t: 0.5 * t**2"), ("displacement", "lambda t: (0.0, 0.0, 0.1 * t**2)")):
             value = getattr(self, name)
-            if value is not None and not callable(value):
-                raise InputError(f"{name} = {value!r}: give a function of time, as in {name}={example}")
+            if value is not None and not is_function(value):
+                raise InputError(f"{name} = {shown(value)}: give a function of time, as in {name}={example}")
         if self.angle is None and self.displacement is None:
             raise InputError("DrivenClamp without angle and displacement: give one of them, or use a Clamp")
 
@@ -115,10 +116,10 @@ class RigidMotion:
         if self._last is None or self._last[0] != time:
             out = np.zeros(5)
             if self.angle is not None:
-                turn = number(f"angle at t = {time}", self.angle(time))
+                turn = number(f"angle at t = {time}", called("angle", self.angle, time))
                 out[:2] = -2 * sin(turn / 2) ** 2, sin(turn)
             if self.displacement is not None:
-                out[2:] = vector(f"displacement at t = {time}", self.displacement(time), 3)
+                out[2:] = vector(f"displacement at t = {time}", called("displacement", self.displacement, time), 3)
             self._last = time, out
         return self._last[1]
 

@@ -8,13 +8,13 @@ import numpy as np
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, unit_vector, vector
-from skancf.functions import values_at
+from skancf.functions import is_function, values_at
 from skancf.supports.conditions import Support
 
 
 def check_factors(name: str, value: Any) -> None:
     """InputError unless it is a function, or three numbers of which none is negative and one is positive."""
-    if callable(value):
+    if is_function(value):
         return
     k = vector(name, value, 3)
     if (k < 0).any() or not k.any():
@@ -138,7 +138,7 @@ class Foundation(Support):
     direction: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
-        if not callable(self.stiffness):
+        if not is_function(self.stiffness):
             positive("stiffness", self.stiffness, "N/m3")
         if self.direction is not None:
             unit_vector("direction", self.direction, "a foundation needs a direction in which it pushes")

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, unit_vector
+from skancf.errors import InputError, shown, unit_vector
+from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import (
     FOURTH,
     R_X,
@@ -29,8 +30,8 @@ from skancf.vectors import cross
 
 
 def checked_kind(kind: str) -> str:
-    if kind not in ("soft", "hard"):
-        raise InputError(f"kind = {kind!r}: a simple support is 'soft' (the director is free to tilt along the edge) "
+    if not isinstance(kind, str) or kind not in ("soft", "hard"):
+        raise InputError(f"kind = {shown(kind)}: a simple support is 'soft' (the director is free to tilt along the edge) "
                          "or 'hard' (it is not)")  # fmt: skip
     return kind
 
@@ -42,7 +43,7 @@ class Pin(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        return held_along(edges(geometry, self.where), np.eye(3))
+        return held_along(edges_or_points("Pin", geometry, self.where), np.eye(3))
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Clamp(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        place = edges(geometry, self.where)
+        place = edges_or_points("Clamp", geometry, self.where)
         return held_along(place, np.eye(3)) + no_turn_about(geometry, place) + no_drilling(geometry, place)
 
 
@@ -92,7 +93,7 @@ class SimpleSupport(Support):
         checked_kind(self.kind)
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        place = edges(geometry, self.where)
+        place = edges_or_points("SimpleSupport", geometry, self.where)
         rows = held_along(place, np.eye(3))
         return rows + no_tilt_along(geometry, place) if self.kind == "hard" else rows
 
@@ -129,7 +130,7 @@ class Roller(Support):
         unit_vector("direction", self.direction, "a roller needs a direction in which it holds")
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        place, direction = edges(geometry, self.where), unit_vector("direction", self.direction)
+        place, direction = edges_or_points("Roller", geometry, self.where), unit_vector("direction", self.direction)
         rows = held_along(place, direction[None])
         if self.kind != "hard":
             return rows

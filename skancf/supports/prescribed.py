@@ -8,9 +8,10 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebpts2, chebvander
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, finite, vector
-from skancf.functions import values_at
+from skancf.errors import InputError, finite, shown, vector
+from skancf.functions import is_function, values_at
 from skancf.history import History, check_history
+from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import (
     FOURTH,
     R_X,
@@ -21,7 +22,6 @@ from skancf.supports.conditions import (
     Support,
     across,
     condition,
-    edges,
     single_points,
     slopes_or_tangents,
 )  # fmt: skip
@@ -81,19 +81,19 @@ class Prescribed(Support):
 
     def __post_init__(self) -> None:
         check_history(self.history)
-        if self.rotation is not None and not callable(self.rotation):
+        if self.rotation is not None and not is_function(self.rotation):
             vector("rotation", self.rotation, 3)
-        if callable(self.displacement):
+        if is_function(self.displacement):
             return
-        if not isinstance(self.displacement, Sequence | np.ndarray) or len(self.displacement) != 3:
-            raise InputError(f"displacement = {self.displacement}: give three entries, None where it is free, or a function "
-                             "of (x, y)")  # fmt: skip
-        finite("displacement", [u for u in self.displacement if u is not None and not callable(u)])
+        if not _three(self.displacement):
+            raise InputError(f"displacement = {shown(self.displacement)}: give three entries, None where it is free, or a "
+                             "function of (x, y)")  # fmt: skip
+        finite("displacement", [u for u in self.displacement if u is not None and not is_function(u)])
         if self.rotation is None and all(u is None for u in self.displacement):
             raise InputError("displacement = (None, None, None): nothing is prescribed; give a component or a rotation")
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        place = edges(geometry, self.where)
+        place = edges_or_points("Prescribed", geometry, self.where)
         fields = Fields(geometry, self.where, place)
         rows = []
         for axis, u in zip(np.eye(3), self._components(geometry), strict=True):
@@ -104,14 +104,14 @@ class Prescribed(Support):
     def _components(self, geometry: Geometry) -> list[Any]:
         """A number or a function of (x, y) for each direction, None where it is free."""
         whole = self.displacement
-        if not callable(whole):
+        if not is_function(whole):
             return list(whole)
         try:
             first = whole(*geometry.mesh.p[:, 0].tolist())
         except Exception:  # it may need arrays; what else is wrong with it is told where it is evaluated
             first = (0.0, 0.0, 0.0)
-        if not isinstance(first, Sequence | np.ndarray) or len(first) != 3:
-            raise InputError(f"displacement returns {first!r}: a function of (x, y) must return three components, None "
+        if not _three(first):
+            raise InputError(f"displacement returns {shown(first)}: a function of (x, y) must return three components, None "
                              "where it is free; give three entries if each has a function of its own")  # fmt: skip
         free = [u is None for u in first]
 
@@ -165,6 +165,13 @@ class Prescribed(Support):
                 for kind in (R_X, R_Y)
             ]
         return rows
+
+
+def _three(value: Any) -> bool:
+    """Whether it has three entries in an order."""
+    if isinstance(value, np.ndarray):
+        return value.shape[:1] == (3,)
+    return isinstance(value, Sequence) and len(value) == 3
 
 
 class Fields:

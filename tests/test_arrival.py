@@ -283,6 +283,41 @@ def test_a_pillow_is_inflated():
     assert heights == sorted(heights) and heights[0] > 0.05
 
 
+# --- dents and twisted laminates -------------------------------------------------------------------------------------
+
+
+def pinched_tube(n, theory):
+    """An eighth of a tube with free ends, pinched in the middle until its walls are bent through."""
+    surface = sk.CylinderSector(0.1, 0.12, pi / 2, start=pi / 2)
+    problem = sk.Problem(
+        surface, 1e-3, sk.Isotropic(3e9, 0.35, 1200.0),
+        [sk.Symmetry("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+        [sk.PointForce((0.12, pi / 2), (0.0, 0.0, -40.0))],
+    )  # fmt: skip
+    return problem.on(sk.meshes.uniform(surface, n, n), theory), lambda s: -s.displacement((0.12, pi / 2))[2]
+
+
+def cured_strip(n, theory):
+    """An antisymmetric angle-ply strip that cooling twists, under a force at its end."""
+    ply = sk.Orthotropic((140e9, 10e9, 10e9), (0.3, 0.3, 0.3), (5e9, 5e9, 3e9), 1600.0, expansion=(0.0, 3e-5, 3e-5))
+    laminate = sk.Laminate([sk.Layer(ply, 2.5e-4, angle) for angle in (pi / 6, -pi / 6)])
+    problem = sk.Problem(sk.Rectangle(0.4, 0.05), None, laminate, [sk.Clamp("left")],
+                         [sk.Temperature(-120.0), sk.EdgeLoad("right", (0.0, 0.0, 4.0))])  # fmt: skip
+    return problem.on(sk.meshes.uniform(problem.surface, 4 * n, n // 2), theory), lambda s: s.displacement((0.4, 0.05))[2]
+
+
+@pytest.mark.parametrize("make", [pinched_tube, cured_strip])
+@pytest.mark.parametrize("theory", THEORIES)
+def test_tubes_and_laminates_arrive_on_every_mesh(make, theory):
+    found = []
+    for n in (4, 6, 8, 12):
+        system, probe = make(n, theory)
+        result = sk.solve(system)
+        assert result.status is Status.CONVERGED and result.negative_pivots == 0, (n, result.message)
+        found.append(probe(result.solution))
+    assert found[-1] == pytest.approx(found[-2], rel=0.03 if theory == "kirchhoff" else 0.08), found
+
+
 # --- what must not matter, and cost ----------------------------------------------------------------------------------
 
 

@@ -6,6 +6,7 @@ VENV   ?= .venv
 SIZE   ?= full
 OUT    ?= out
 SET    ?= all
+BASE   ?=
 FUZZ_MINUTES ?= 60
 BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
@@ -21,6 +22,7 @@ help:
 	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
 	@echo "make bench   speed against accuracy, beside those that are installed, and what each part costs (an hour; SET=quick: 5 minutes)"
 	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s)"
+	@echo "             BASE=COMMIT: more than 5 % slower than that commit? both measured in turns (under 5 minutes)"
 	@echo "make check   lint and types"
 	@echo "make kernels forget the compiled kernels (after an edit of a constant that one uses from a file without kernels)"
 	@echo "make clean   remove the virtual environment, caches and $(OUT)/"
@@ -65,7 +67,7 @@ bench: $(READY)
 	$(BIN)/python -m benchmarks.bench $(SET)
 
 guard: $(READY)
-	$(BIN)/python benchmarks/guard.py check
+	$(BIN)/python benchmarks/$(if $(BASE),guard_commits.py $(BASE),guard.py check)
 
 kernels:
 	find skancf -name '*.nb[ic]' -delete

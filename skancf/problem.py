@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import skfem
@@ -16,6 +15,7 @@ from skancf.errors import InputError, positive, shown
 from skancf.loads import Load
 from skancf.materials import Damping, Laminate, Law, Section, section_of
 from skancf.memory import SYSTEM, require_mesh
+from skancf.meshes.snap import onto_bounds
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
@@ -102,7 +102,8 @@ class Problem:
         """
         instance("mesh", mesh, skfem.MeshQuad, MESH)
         tolerance = positive("tolerance", tolerance)
-        self._check_bounds(mesh)
+        bounds = getattr(self.surface, "bounds", None)
+        mesh = mesh if bounds is None else onto_bounds(mesh, bounds)
         if isinstance(theory, str) and theory == "auto":
             return self._on_chosen(mesh, tolerance)
         return self._on(mesh, theory_named(theory))
@@ -130,17 +131,6 @@ class Problem:
         elastic = [part for support in self.supports for part in support.springs(assembly)]
         dashpots = [part for support in self.supports for part in support.dashpots(assembly)]
         return System(assembly, constraints, prescription, loads, elastic, dashpots, problem=self)
-
-    def _check_bounds(self, mesh: skfem.MeshQuad) -> None:
-        bounds: Any = getattr(self.surface, "bounds", None)
-        if bounds is None:
-            return
-        for name, values, (low, high) in zip("xy", mesh.p, bounds, strict=True):
-            slack = 1e-9 * (high - low)
-            outside = np.flatnonzero((values < low - slack) | (values > high + slack))
-            if outside.size:
-                raise InputError(f"mesh node {outside[0]}: {name} = {values[outside[0]]} is outside the surface, which "
-                                 f"spans {low} to {high}; the mesh lives in the parameter plane")  # fmt: skip
 
 
 SMALLEST_EXTENT, LARGEST_EXTENT = 1e-25, 1e12

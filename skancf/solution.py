@@ -1,7 +1,7 @@
 """Fields, stresses, energies and reactions of one state of a system."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
@@ -18,6 +18,7 @@ from skancf.thinness import BILINEAR, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 Depth = float | str
+DEPTHS = ("top", "middle", "bottom")
 """A height z (m), or ``"top"``, ``"middle"`` or ``"bottom"``."""
 # Strains of both faces that differ by no more than this part of the largest are one: there is no depth to choose.
 SAME = 1e-3
@@ -39,6 +40,8 @@ class Solution:
         Factor of all loads, in statics.
     linear : bool
         A small-deflection answer, in equilibrium with the tangent of the undeformed state.
+    small : (n_dofs,) array or None
+        Its change from the undeformed coordinates: their sum keeps only the digits that positions have.
     """
 
     system: System
@@ -47,6 +50,7 @@ class Solution:
     time: float | None = None
     load_factor: float = 1.0
     linear: bool = False
+    small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.system, System):
@@ -64,16 +68,25 @@ class Solution:
             number("load_factor", self.load_factor)
         if type(self.linear) is not bool:
             flag("linear", self.linear)
+        if self.small is not None:
+            small = vector("small", self.small, n)
+            # That of another state, which this one is a copy of, is dropped.
+            object.__setattr__(self, "small", small if np.array_equal(self.system.undeformed + small, self.q) else None)
+
+    @property
+    def change(self) -> np.ndarray:
+        """Nodal coordinates less the undeformed ones, (n_dofs,): of a small-deflection answer with all digits it has."""
+        return self.q - self.system.undeformed if self.small is None else self.small
 
     @property
     def displacements(self) -> np.ndarray:
         """Displacements of the nodes of the mesh, (3, n_mesh_nodes) (m)."""
-        change = (self.q - self.system.undeformed).reshape(-1, 4, 3)
+        change = self.change.reshape(-1, 4, 3)
         return np.asarray(self.system.geometry.at_mesh_nodes(change)[:, 0].T)
 
     def displacement(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ (self.q - self.system.undeformed).reshape(-1, 3)
+        out = probe(self.system, at) @ self.change.reshape(-1, 3)
         if depth := self._depth(z):
             out = out + depth * (self._normals(at) - self._undeformed._normals(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
@@ -185,7 +198,7 @@ class Solution:
         """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
         if not self.linear:
             return quantity(self.q)
-        return self.system.linearised(quantity, self.q - self.system.undeformed)
+        return self.system.linearised(quantity, self.change)
 
     def shear_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         """Transverse shear forces Q1, Q2 per length that balance the moments, theory `kirchhoff`: (n_elements, 2, n) (N/m).
@@ -257,7 +270,7 @@ class Solution:
     def strain_energy(self) -> float:
         """Strain energy (J), that of the stress: free expansion has none."""
         if self.linear:
-            return self.system.linear_energy(self.q - self.system.undeformed, self.load_factor, self.time)
+            return self.system.linear_energy(self.change, self.load_factor, self.time)
         return self.system.strain_energy(self.q, self.load_factor, self.time)
 
     @property
@@ -266,7 +279,7 @@ class Solution:
 
         A temperature change is no load from outside, and does none.
         """
-        system, change = self.system, self.q - self.system.undeformed
+        system, change = self.system, self.change
         if self.linear:
             return 0.5 * self.load_factor * float(system.applied_force(system.undeformed) @ change)
         return self.load_factor * float(system.applied_force(self.q, self.time) @ change)
@@ -296,12 +309,12 @@ class Solution:
         system = self.system
         if self.linear:
             start = system.undeformed
-            residual = system.stiffness() @ (self.q - start) - self.load_factor * system.external_force(start)
+            residual = system.stiffness() @ self.change - self.load_factor * system.external_force(start)
         else:
             residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
         support = system.constraints.fixed_part(residual)
         if system.foundation is not None:
-            support = support - system.foundation @ (self.q - system.undeformed)
+            support = support - system.foundation @ self.change
         forces = support.reshape(-1, 4, 3)[:, 0]
         return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
 
@@ -313,7 +326,7 @@ def depth_of(section: Section, z: Depth) -> float:
     """A height in a section (m), given as a number or a name; InputError outside of the faces."""
     if isinstance(z, str):
         bottom, top = section.z[[0, -1]].tolist()
-        named = {"top": top, "middle": 0.5 * (bottom + top), "bottom": bottom}
+        named = dict(zip(DEPTHS, (top, 0.5 * (bottom + top), bottom), strict=True))
         if z not in named:
             raise InputError(f"z = {z!r}: give a depth (m), or one of {', '.join(map(repr, named))}")
         return float(named[z])

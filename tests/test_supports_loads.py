@@ -543,6 +543,18 @@ def test_mistakes_are_named(case):
         make()
 
 
+def test_a_hard_roller_in_the_surface_is_refused_where_the_normal_follows_the_edge():
+    """It would hold the slope of the edge at nodes alone, and less on finer meshes."""
+    problem = sk.Problem(sk.Rectangle(2.0, 1.0), 0.02, sk.Isotropic(1e9, 0.3, 1.0),
+                         [sk.Clamp("left"), sk.Roller("top", (1.0, 0.0, 0.0), kind="hard")])  # fmt: skip
+    mesh = sk.meshes.uniform(problem.surface, 4, 2)
+    with pytest.raises(sk.InputError, match=r"kind='hard'.*hold the deflection too"):
+        problem.on(mesh, "kirchhoff")
+    assert problem.on(mesh, "full").n_dofs
+    upright = sk.Problem(problem.surface, 0.02, problem.material, [sk.Clamp("left"), sk.Roller("top", kind="hard")])
+    assert upright.on(mesh, "kirchhoff").n_dofs
+
+
 # ----------------------------------------------------------------------------------------------- points in a row on an edge
 
 HOLDERS = [

@@ -15,9 +15,10 @@ from skancf.elements.nodal import nodal_jacobian, require_aligned
 from skancf.elements.quad_ancf import gauss
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, vector
-from skancf.meshes import check_mesh
+from skancf.meshes.check import check_mesh_on
 from skancf.meshes.finder import Finder, element_finder
 from skancf.surfaces import Surface, check_regular, normal
+from skancf.surfaces.contradictions import check_derivatives
 from skancf.theories import Theory
 
 TURNED_OVER = -0.6
@@ -47,7 +48,8 @@ class Geometry(Places):
     """
 
     def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Theory):
-        check_mesh(mesh)
+        check_mesh_on(mesh, getattr(surface, "bounds", None))
+        check_derivatives(surface, mesh.p[:, mesh.t].mean(axis=1), np.ptp(mesh.p, axis=1))
         if theory.twist:
             require_aligned(mesh)
         self.mesh, self.surface, self.theory = mesh, surface, theory

@@ -6,6 +6,7 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError
+from skancf.meshes.outline import check_edges, check_outline, check_places, overlapping
 
 # Twice a corner's triangle over the square of the longest edge. Rounding of coordinates of order one leaves about
 # 1e-16; a rectangle of aspect ratio 1e6 still has 1e-6.
@@ -15,7 +16,7 @@ INSIDE = 1e-6
 
 
 def check_mesh(mesh: Any) -> None:
-    r"""Every element is a convex quad and every node belongs to one.
+    r"""Every element is a convex quad, every node belongs to one, and the elements cover one region once.
 
     With corners :math:`p_0 \ldots p_3` in the order of ``mesh.t``, the bilinear map of the reference square has the
     Jacobian :math:`J_i \propto (p_{i+1} - p_i) \times (p_i - p_{i-1})` at corner i. All four must have the same sign,
@@ -26,9 +27,16 @@ def check_mesh(mesh: Any) -> None:
     ------
     InputError
         For anything that is not a ``skfem.MeshQuad`` with straight edges, points that are not finite, a quad that is
-        not convex or has no area (its number and corners are named), nodes without an element, and nodes in the middle of
-        another element's edge, where the surface would be torn.
+        not convex or has no area (its number and corners are named), nodes without an element, nodes in the middle of
+        another element's edge, where the surface would be torn, two nodes at one place, elements that overlap or are
+        there twice, and pieces that no edge joins.
     """
+    check_mesh_on(mesh, None)
+
+
+def check_mesh_on(mesh: Any, bounds: Any) -> None:
+    """:func:`check_mesh`, and that the mesh covers the bounds of a surface, where it has bounds, but for holes and edges
+    named ``"opening"``."""
     if not isinstance(mesh, skfem.MeshQuad) or isinstance(mesh, skfem.MeshQuad2):
         raise InputError(f"mesh is a {type(mesh).__name__}: give a skfem.MeshQuad (straight edges; "
                          "a curved shape belongs into the surface, not into the mesh)")
@@ -41,8 +49,12 @@ def check_mesh(mesh: Any) -> None:
     if unused.size:
         raise InputError(f"{unused.size} nodes belong to no element (first: {unused[0]}): their unknowns would have no "
                          "stiffness; mesh.remove_unused_nodes() drops them")
+    # A quadtree's elements are joined by construction.
     if not hasattr(mesh, "hanging"):
+        check_edges(mesh)
+        check_places(mesh)
         _check_joined(mesh)
+    check_outline(mesh, bounds)
 
 
 def _check_joined(mesh: skfem.MeshQuad) -> None:
@@ -58,9 +70,9 @@ def _check_joined(mesh: skfem.MeshQuad) -> None:
     torn = np.flatnonzero(off < INSIDE)
     if torn.size:
         x, y = mesh.p[:, node[torn[0]]]
-        raise InputError(f"node {node[torn[0]]} at ({x:.6g}, {y:.6g}) lies inside the edge of an element that does not have "
-                         "it: the surface would be torn there; give both sides the same nodes, or refine a "
-                         "sk.meshes.quadtree")
+        raise InputError(overlapping(mesh) or f"node {node[torn[0]]} at ({x:.6g}, {y:.6g}) lies inside the edge of an "
+                         "element that does not have it: the surface would be torn there; give both sides the "
+                         "same nodes, or refine a sk.meshes.quadtree")
 
 
 def _by_direction(half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

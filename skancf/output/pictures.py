@@ -15,7 +15,7 @@ from skancf.output.colours import colour_limits, colour_map
 from skancf.output.fields import check_name, place, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet
 from skancf.output.sampling import grid, sample_surface
-from skancf.solution import Depth, Solution
+from skancf.solution import DEPTHS, Depth, Solution
 
 DARK, GREY = "#202020", "#9a9a9a"
 MOST_PIXELS = 16_384
@@ -70,7 +70,7 @@ class Look:
     def __post_init__(self) -> None:
         check_name(self.field)
         if isinstance(self.z, str):
-            choice("z", self.z, ("top", "middle", "bottom"))
+            choice("z", self.z, DEPTHS)
         elif self.z is not None:
             number("z", self.z)
         number("scale", self.scale)

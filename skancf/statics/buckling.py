@@ -136,7 +136,7 @@ def buckling(
         message = _coarse(system, stiffness, shapes[:n])
     note = group_note("load factor", 1.0 / np.abs(inverse), n, cut)
     warn_of_failures(checks)
-    linear = Solution(system, start + answer, linear=True)
+    linear = Solution(system, start + answer, linear=True, small=answer)
     return BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
 
 

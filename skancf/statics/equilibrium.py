@@ -160,4 +160,4 @@ def small_deflection(system: System, load_factor: float = 1.0, *, backend: str =
         if worst.value > OPEN:
             raise DidNotConverge(message)
         warnings.warn(message, OutOfDepth, stacklevel=3)
-    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True)
+    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True, small=change)

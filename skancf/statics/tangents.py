@@ -49,7 +49,7 @@ def state_tangent(system: System, state: Solution | None) -> BlockMatrix:
     if state is None:
         return system.stiffness()
     if state.linear:
-        return linear_tangent(system, state.q - system.undeformed, state.load_factor)
+        return linear_tangent(system, state.change, state.load_factor)
     return system.tangent(state.q, factor=state.load_factor)
 
 

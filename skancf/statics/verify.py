@@ -10,7 +10,7 @@ from skancf.checks import Check
 from skancf.errors import SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.statics.newton import factored
-from skancf.statics.stopping import ROUNDING, work
+from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, work
 from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
@@ -19,6 +19,8 @@ BALANCE = 1e-6
 TIMES, LEAST = 10.0, 1e-7
 """A residual of so many times the asked tolerance fails; a smaller tolerance than the second is not checked."""
 POLISHES = 3
+RIGID_PRODUCT = 1e-13
+"""As RIGID, for an energy that is a product of the stiffness and a change, not made of strains."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ def verify(
 
 def _residual(balance: "Balance", correction: np.ndarray, sizes: np.ndarray, rtol: float) -> Measured:
     """The residual in the energy norm of the exact tangent, relative to that of the strain."""
-    counts = balance.energy > 0 and balance.drive[0] > 0
+    counts = balance.energy > 0 and balance.drive[0] > 0 and not balance.is_rigid(sizes)
     rounding = ROUNDING * float(np.sqrt(sizes @ balance.moved**2 / balance.energy)) if counts else 0.0
     norm = float(np.sqrt(work(correction, balance.free) / balance.energy)) if counts else 0.0
     return Measured("residual in the energy norm, of that of the strain", norm, max(TIMES * rtol, LEAST), rounding)
@@ -148,7 +150,7 @@ class Balance:
         drive, lever = self.drive
         force, moment = self.left()
         terms = self.energy + float(np.abs(self.internal) @ np.abs(way))
-        if not (drive and terms):
+        if not (drive and terms) or self.is_rigid(sizes):
             return ()
         lost = float(np.sqrt(noise @ noise)) / drive
         lost_work = float(np.sqrt((noise * way) @ (noise * way))) / terms
@@ -157,6 +159,11 @@ class Balance:
             Measured("sum of moments of loads and reactions, of the loads", moment / (drive * lever), BALANCE, lost),
             Measured("work of the residual on the way, of the forces'", work(self.free, way) / terms, BALANCE, lost_work),
         )
+
+    def is_rigid(self, sizes: np.ndarray) -> bool:
+        """Whether supports alone move the body, and without strain: nothing but rounding is left to be balanced."""
+        part = RIGID_PRODUCT if self.moved is self.way else RIGID
+        return self.pushed and not self.loads.any() and is_rigid(self.energy, sizes, self.way, part)
 
     @cached_property
     def drive(self) -> tuple[float, float]:

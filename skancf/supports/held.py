@@ -98,6 +98,10 @@ class SimpleSupport(Support):
         return rows + no_tilt_along(geometry, place) if self.kind == "hard" else rows
 
 
+IN_PLANE = 1e-3
+"""Cosine between a direction and the normal below which it lies in the surface."""
+
+
 @dataclass(frozen=True)
 class Roller(Support):
     """Positions held in one direction of space only (by default z).
@@ -110,6 +114,11 @@ class Roller(Support):
         Direction in which it is held.
     kind : {"soft", "hard"}
         As for :class:`SimpleSupport`.
+
+    Raises
+    ------
+    InputError
+        On a mesh: in theory `kirchhoff`, for a hard one in a direction that lies in the surface.
     """
 
     where: Any
@@ -121,9 +130,17 @@ class Roller(Support):
         unit_vector("direction", self.direction, "a roller needs a direction in which it holds")
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        place = edges_or_points("Roller", geometry, self.where)
-        rows = held_along(place, unit_vector("direction", self.direction)[None])
-        return rows + no_tilt_along(geometry, place) if self.kind == "hard" else rows
+        place, direction = edges_or_points("Roller", geometry, self.where), unit_vector("direction", self.direction)
+        rows = held_along(place, direction[None])
+        if self.kind != "hard":
+            return rows
+        if geometry.theory.twist and any(abs(geometry.normal_at(node) @ direction) < IN_PLANE for node in place):
+            raise InputError(
+                f"Roller({self.where!r}, {self.direction}, kind='hard'): in theory 'kirchhoff' the normal tilts along an "
+                "edge as the edge itself does, and this direction, in the surface, leaves the edge free to bend: hold the "
+                "deflection too, take kind='soft', or theory 'full'"
+            )
+        return rows + no_tilt_along(geometry, place)
 
 
 @dataclass(frozen=True)

@@ -93,7 +93,8 @@ def _system(case: Case) -> Any:
 
 
 def _stable(result: StaticResult) -> bool:
-    return result.status is Status.CONVERGED and result.negative_pivots == 0
+    """Converged without having buckled or snapped, after which there may be several stable states."""
+    return result.status is Status.CONVERGED and result.negative_pivots == 0 and not result.message
 
 
 SMALL = 0.005

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from itertools import chain
 from typing import Any
 
@@ -48,9 +49,8 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     for history in chain.from_iterable(support.histories for support in supports):
         if not any(history is known for known in histories):
             histories.append(history)
-    conditions = []
-    for support in supports:  # no comprehension: a frame of its own in some Pythons would shift where warnings point
-        conditions.append(_conditions(geometry, support, histories))  # noqa: PERF401
+    # No comprehension: it has a frame of its own in some Pythons, which would shift where warnings point.
+    conditions = list(map(partial(_conditions, geometry, histories=histories), supports))
     if geometry.theory.twist:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]

@@ -5,7 +5,8 @@ there), or a function of (x, y) that is true at the nodes meant. Names are those
 the outer boundary, which the edges of openings are no part of, ``"openings"`` for those, ``"opening 1"`` and so on for one
 of them, in the order of their lowest x and then y, and ``"corners"``.
 
-Points are single points, however many there are: between them slopes are free. A name means edges, and so does a function
+Points are single points, however many there are: between them slopes are free, and of three or more in a row along an edge
+:class:`~skancf.OutOfDepth` is warned by supports that hold positions. A name means edges, and so does a function
 of (x, y) where it is true at both ends of one: slopes along them are held too.
 """
 

@@ -250,6 +250,22 @@ def test_a_quadtree_of_single_precision():
     mesh = uniform(RING, 3, 7)
     tree = quadtree(skfem.MeshQuad(mesh.p.astype(np.float32), mesh.t), RING).refined([2])
     assert put(RING, tree).n_nodes < tree.p.shape[1]
+    blind = quadtree(skfem.MeshQuad((mesh.p * (1 + 4e-8)).astype(np.float32), mesh.t))
+    plate = sk.Problem(RING, 0.01, sk.Isotropic(1e5, 0.3, 1.0))
+    with pytest.raises(InputError, match=r"outside the surface.*quadtree\(mesh, surface\)"):
+        plate.on(blind)
+
+
+def test_what_to_do_with_a_mesh_that_cannot_be_adapted():
+    mesh = uniform(PLATE, 4, 4)
+    p = mesh.p.copy()
+    p[:, np.setdiff1d(np.arange(p.shape[1]), mesh.boundary_nodes())] += 0.05
+    plate = sk.Problem(PLATE, 0.05, sk.Isotropic(1e5, 0.3, 1.0), [sk.SimpleSupport("boundary")], [sk.SurfaceLoad((0, 0, 1.0))])
+    wrong = made(mesh, p)
+    with pytest.raises(InputError, match=r"a quadtree.* needs sides along x and y.*without adapting") as told:
+        sk.adapt(plate, sk.Displacement(at=(0.5, 3.5)), mesh=wrong, theory="full")
+    assert "or take theory" not in str(told.value)
+    plate.on(wrong, theory="full")
 
 
 # --- derivatives -----------------------------------------------------------------------------------------------------

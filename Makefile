@@ -6,19 +6,23 @@ VENV   ?= .venv
 SIZE   ?= full
 OUT    ?= out
 SET    ?= all
+BASE   ?=
+FUZZ_MINUTES ?= 60
 BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
 
-.PHONY: help demo test lint types docs peers bench guard check kernels clean
+.PHONY: help demo test fuzz lint types docs peers bench guard check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
 	@echo "make test    run the tests"
+	@echo "make fuzz    problems made by chance, until FUZZ_MINUTES=60 are over; what fails is kept in $(OUT)/fuzz as Python"
 	@echo "make docs    build the documentation into docs/_build/html"
 	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
 	@echo "make bench   speed against accuracy, beside those that are installed, and what each part costs (an hour; SET=quick: 5 minutes)"
 	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s)"
+	@echo "             BASE=COMMIT: more than 5 % slower than that commit? both measured in turns (under 5 minutes)"
 	@echo "make check   lint and types"
 	@echo "make kernels forget the compiled kernels (after an edit of a constant that one uses from a file without kernels)"
 	@echo "make clean   remove the virtual environment, caches and $(OUT)/"
@@ -41,6 +45,9 @@ demo: $(READY)
 test: $(READY)
 	$(BIN)/python -m pytest
 
+fuzz: $(READY)
+	PYTHONPATH=tests $(BIN)/python -m fuzz --minutes $(FUZZ_MINUTES) --out $(OUT)/fuzz
+
 lint: $(READY)
 	$(BIN)/python -m ruff check skancf tests demos benchmarks docs
 
@@ -60,7 +67,7 @@ bench: $(READY)
 	$(BIN)/python -m benchmarks.bench $(SET)
 
 guard: $(READY)
-	$(BIN)/python benchmarks/guard.py check
+	$(BIN)/python benchmarks/$(if $(BASE),guard_commits.py $(BASE),guard.py check)
 
 kernels:
 	find skancf -name '*.nb[ic]' -delete

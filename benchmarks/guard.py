@@ -4,6 +4,7 @@
     python benchmarks/guard.py check
 
 ``check`` measures again, prints stored figures beside new ones, and exits with 1 where one is more than 20 % larger.
+``guard_commits.py`` tells 5 %: it measures a commit and the working tree in turns.
 
 Figures do not depend on the mood of the machine. Counts (calls of functions, Newton iterations, loaded modules) are the same
 in every run. Ratios are CPU time over that of a calibration of a like mix, which runs in turns with it: what slows one
@@ -27,7 +28,7 @@ import subprocess
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,8 @@ import numba
 import numpy as np
 import scipy
 from llvmlite.binding import get_host_cpu_name
+
+import skancf as sk
 
 STORED = Path(__file__).parent / "results" / "guard.json"
 SLOWER = 0.2
@@ -184,61 +187,95 @@ def modules() -> int:
     return int(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout)
 
 
-def all_figures() -> Figures:
-    import skancf as sk
-    from skancf.linear import DirectSolver
-
-    strip = sk.Problem(
+@cache
+def strip() -> sk.Problem:
+    return sk.Problem(
         sk.Rectangle(10.0, 1.0), 0.1, sk.Isotropic(1.2e6, 0.0, 1.0), supports=[sk.Clamp("left")],
         loads=[sk.EdgeLoad("right", (0.0, 0.0, 4.0))],
     )  # fmt: skip
-    plate = sk.Problem(
+
+
+@cache
+def plate() -> sk.Problem:
+    return sk.Problem(
         sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(1e7, 0.3, 1e3), supports=[sk.Clamp("boundary")],
         loads=[sk.SurfaceLoad((0.0, 0.0, -1.0))],
     )  # fmt: skip
 
-    def on(problem: sk.Problem, nx: int, ny: int, theory: str = "kirchhoff") -> Any:
-        return problem.on(sk.meshes.uniform(problem.surface, nx, ny), theory)
 
-    def bent(theory: str) -> float:
-        return float(sk.solve(on(strip, 8, 1, theory)).unwrap().displacement((10.0, 0.5))[2])
+def on(problem: sk.Problem, nx: int, ny: int, theory: str = "kirchhoff") -> Any:
+    return problem.on(sk.meshes.uniform(problem.surface, nx, ny), theory)
 
-    def small_deflection() -> float:
-        return float(sk.solve_linear(on(plate, 8, 8)).displacement((0.5, 0.5))[2])
 
-    figures: Figures = {}
-    for theory in ("kirchhoff", "full"):
-        system = on(plate, 12, 12, theory)
-        q = system.undeformed + 1e-4 * np.random.default_rng(0).standard_normal(system.n_dofs)
-        stresses = system.stresses(q)
-        figures[f"residual, {theory}"] = Ratio(partial(repeated, 4, system.internal_force, q), compiled())
-        figures[f"stresses, {theory}"] = Ratio(partial(repeated, 4, system.stresses, q), compiled())
-        figures[f"tangent, {theory}"] = Ratio(partial(system.tangent, q, stresses), compiled())
-        figures[f"strip bent, {theory}"] = Ratio(partial(bent, theory), both())
-        figures[f"calls, strip bent, {theory}"] = calls(partial(bent, theory))
-    system = on(plate, 12, 12)
+def bent(theory: str) -> float:
+    return float(sk.solve(on(strip(), 8, 1, theory)).unwrap().displacement((10.0, 0.5))[2])
+
+
+def small_deflection() -> float:
+    return float(sk.solve_linear(on(plate(), 8, 8)).displacement((0.5, 0.5))[2])
+
+
+def motion() -> Work:
+    return partial(sk.simulate, on(plate(), 4, 4), 0.02, dt=0.005, progress=False)
+
+
+def estimate() -> Work:
+    mesh = sk.meshes.quadtree(sk.meshes.uniform(plate().surface, 2, 2))
+    state = sk.solve_linear(plate().on(mesh, "kirchhoff"))
+    return partial(sk.goal_estimate, state, sk.Displacement(at=(0.5, 0.5)))
+
+
+def kernel(method: str, theory: str) -> Ratio:
+    system = on(plate(), 12, 12, theory)
+    q = system.undeformed + 1e-4 * np.random.default_rng(0).standard_normal(system.n_dofs)
+    if method == "tangent":
+        return Ratio(partial(system.tangent, q, system.stresses(q)), compiled())
+    return Ratio(partial(repeated, 4, getattr(system, method), q), compiled())
+
+
+def linear(method: str) -> Ratio:
+    from skancf.linear import DirectSolver
+
+    system = on(plate(), 12, 12)
     matrix, force = system.stiffness(), system.external_force(system.undeformed)
     solver = DirectSolver(system.pattern, system.constraints)
     solver.factor(matrix)
-    figures["factor"] = Ratio(partial(solver.factor, matrix), dense())
-    figures["solve"] = Ratio(partial(repeated, 3, solver.solve, force), dense())
-    figures["set-up, 8 elements"] = Ratio(partial(on, strip, 8, 1), python())
-    figures["calls, set-up, 8 elements"] = calls(partial(on, strip, 8, 1))
-    figures["set-up, 1024 elements"] = Ratio(partial(on, plate, 32, 32), python())
-    figures["small deflection"] = Ratio(small_deflection, both())
-    figures["calls, small deflection"] = calls(small_deflection)
-    moving = partial(sk.simulate, on(plate, 4, 4), 0.02, dt=0.005, progress=False)
-    figures["four steps in time"] = Ratio(moving, both())
-    figures["calls, four steps in time"] = calls(moving)
-    state = sk.solve_linear(plate.on(sk.meshes.quadtree(sk.meshes.uniform(plate.surface, 2, 2)), "kirchhoff"))
-    estimate = partial(sk.goal_estimate, state, sk.Displacement(at=(0.5, 0.5)))
-    figures["estimate"] = Ratio(estimate, both())
-    figures["calls, estimate"] = calls(estimate)
-    figures["iterations, strip bent"] = Count(lambda: int(sk.solve(on(strip, 8, 1)).iterations))
+    work = {"factor": partial(solver.factor, matrix), "solve": partial(repeated, 3, solver.solve, force)}
+    return Ratio(work[method], dense())
+
+
+def imports() -> Ratio:
     libraries = partial(child, "import numpy, numba, scipy.sparse.linalg")
-    figures["import"] = Ratio(partial(child, "import skancf"), libraries, clock=time_of_children)
-    figures["modules loaded"] = Count(modules)
-    return figures
+    return Ratio(partial(child, "import skancf"), libraries, clock=time_of_children)
+
+
+def recipes() -> dict[str, Callable[[], Ratio | Count]]:
+    """What makes each figure, by name: one that cannot be made leaves the others."""
+    made: dict[str, Callable[[], Ratio | Count]] = {}
+    for theory in ("kirchhoff", "full"):
+        made[f"residual, {theory}"] = partial(kernel, "internal_force", theory)
+        made[f"stresses, {theory}"] = partial(kernel, "stresses", theory)
+        made[f"tangent, {theory}"] = partial(kernel, "tangent", theory)
+        work = partial(bent, theory)
+        made[f"strip bent, {theory}"] = partial(lambda work: Ratio(work, both()), work)
+        made[f"calls, strip bent, {theory}"] = partial(calls, work)
+    made["factor"], made["solve"] = partial(linear, "factor"), partial(linear, "solve")
+    made["set-up, 8 elements"] = lambda: Ratio(partial(on, strip(), 8, 1), python())
+    made["calls, set-up, 8 elements"] = lambda: calls(partial(on, strip(), 8, 1))
+    made["set-up, 1024 elements"] = lambda: Ratio(partial(on, plate(), 32, 32), python())
+    made["small deflection"] = lambda: Ratio(small_deflection, both())
+    made["calls, small deflection"] = lambda: calls(small_deflection)
+    made["four steps in time"] = lambda: Ratio(motion(), both())
+    made["calls, four steps in time"] = lambda: calls(motion())
+    made["estimate"] = lambda: Ratio(estimate(), both())
+    made["calls, estimate"] = lambda: calls(estimate())
+    made["iterations, strip bent"] = lambda: Count(lambda: int(sk.solve(on(strip(), 8, 1)).iterations))
+    made["import"], made["modules loaded"] = imports, lambda: Count(modules)
+    return made
+
+
+def all_figures() -> Figures:
+    return {name: recipe() for name, recipe in recipes().items()}
 
 
 def repeated(times: int, function: Callable[..., Any], *arguments: Any) -> None:
@@ -300,20 +337,52 @@ def check(figures: Figures, stored: Path, seconds: float = SECONDS) -> int:
             if now <= (1 + SLOWER) * before:
                 break
             now = min(now, figure.value(seconds))
-        change = now / before - 1
-        late = change > SLOWER
-        print(f"{name:<32}{before:>12.6g}{now:>12.6g}{change:>+10.1%}{'  SLOWER' if late else ''}", flush=True)
+        late = now > (1 + SLOWER) * before
+        print(row(name, before, now, late), flush=True)
         slower += [name] if late else []
-    print(f"slower by more than {SLOWER:.0%}: {', '.join(slower) or 'nothing'}")
+    return told(slower, f"{SLOWER:.0%}")
+
+
+def row(name: str, before: float, now: float, late: bool, more: str = "") -> str:
+    return f"{name:<32}{before:>12.6g}{now:>12.6g}{now / before - 1:>+10.1%}{more}{'  SLOWER' if late else ''}"
+
+
+def told(slower: list[str], allowed: str) -> int:
+    """Say what is slower; the exit code."""
+    print(f"slower by more than {allowed}: {', '.join(slower) or 'nothing'}")
     return 1 if slower else 0
+
+
+def one_pass(made: dict[str, Callable[[], Ratio | Count]], seconds: float) -> dict[str, dict[str, Any]]:
+    """Every figure once, ``{"ratios": ..., "counts": ..., "failed": ...}``; of one that raises, the message."""
+    found: dict[str, dict[str, Any]] = {"ratios": {}, "counts": {}, "failed": {}}
+    for name, recipe in made.items():
+        try:
+            figure = recipe()
+            found["ratios" if isinstance(figure, Ratio) else "counts"][name] = figure.value(seconds)
+        except Exception as error:  # noqa: PERF203
+            found["failed"][name] = f"{type(error).__name__}: {error}"[:200]
+    return found
+
+
+def figures(tree: Path, seconds: float) -> int:
+    """A line of JSON with the figures of the package in this folder, for ``guard_commits.py``."""
+    if tree.resolve() not in Path(sk.__file__).resolve().parents:
+        print(f"{sk.__file__} is imported, which is not below {tree}", file=sys.stderr)
+        return 1
+    print(json.dumps(one_pass(recipes(), seconds)))
+    return 0
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("command", choices=["measure", "check"])
+    parser.add_argument("command", choices=["measure", "check", "figures"], metavar="{measure,check}")
     parser.add_argument("--stored", type=Path, default=STORED)
     parser.add_argument("--seconds", type=float, default=SECONDS, help="for each ratio, in each pass")
+    parser.add_argument("--tree", type=Path, default=Path.cwd(), help=argparse.SUPPRESS)
     arguments = parser.parse_args()
+    if arguments.command == "figures":
+        return figures(arguments.tree, arguments.seconds)
     command = {"measure": measure, "check": check}[arguments.command]
     return command(all_figures(), arguments.stored, arguments.seconds)
 

@@ -66,6 +66,7 @@ from skancf.loads import (
     MovingForce,
     MovingLine,
     PointForce,
+    PointMoment,
     SurfaceLoad,
     Temperature,
 )
@@ -191,6 +192,7 @@ __all__ = [
     "Pin",
     "Plane",
     "PointForce",
+    "PointMoment",
     "Prescribed",
     "Problem",
     "Pulse",

@@ -10,6 +10,7 @@ import numpy as np
 
 from skancf.arguments import choice, function
 from skancf.errors import InputError, finite, number, positive, shown
+from skancf.functions import called
 
 History = Callable[[float], float]
 
@@ -33,7 +34,7 @@ def amplitude(history: History | None, time: float | None) -> float:
     """
     if history is None or time is None:
         return float(getattr(history, "at_rest", 1.0))
-    value = history(time)
+    value = called("history", history, time)
     if isinstance(value, float) and isfinite(value):
         return float(value)
     try:

@@ -19,7 +19,7 @@ from skancf.meshes.snap import onto_bounds
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
-from skancf.thinness import Choice, choose
+from skancf.thinness import Choice, choose, warn_if_full_is_off
 
 
 @dataclass(frozen=True)
@@ -121,6 +121,8 @@ class Problem:
 
     def _on(self, mesh: skfem.MeshQuad, theory: Theory) -> System:
         require_mesh(mesh.nelements, SYSTEM[theory.name])
+        if not theory.twist:
+            warn_if_full_is_off(self.section)
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)
         assembly = assemble(geometry, self.section)

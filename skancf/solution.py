@@ -1,7 +1,7 @@
 """Fields, stresses, energies and reactions of one state of a system."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
@@ -13,9 +13,15 @@ from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
+from skancf.materials import Section
 from skancf.thinness import BILINEAR, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
+Depth = float | str
+DEPTHS = ("top", "middle", "bottom")
+"""A height z (m), or ``"top"``, ``"middle"`` or ``"bottom"``."""
+# Strains of both faces that differ by no more than this part of the largest are one: there is no depth to choose.
+SAME = 1e-3
 
 
 @dataclass(frozen=True)
@@ -34,6 +40,8 @@ class Solution:
         Factor of all loads, in statics.
     linear : bool
         A small-deflection answer, in equilibrium with the tangent of the undeformed state.
+    small : (n_dofs,) array or None
+        Its change from the undeformed coordinates: their sum keeps only the digits that positions have.
     """
 
     system: System
@@ -42,6 +50,7 @@ class Solution:
     time: float | None = None
     load_factor: float = 1.0
     linear: bool = False
+    small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         if not isinstance(self.system, System):
@@ -59,25 +68,34 @@ class Solution:
             number("load_factor", self.load_factor)
         if type(self.linear) is not bool:
             flag("linear", self.linear)
+        if self.small is not None:
+            small = vector("small", self.small, n)
+            # That of another state, which this one is a copy of, is dropped.
+            object.__setattr__(self, "small", small if np.array_equal(self.system.undeformed + small, self.q) else None)
+
+    @property
+    def change(self) -> np.ndarray:
+        """Nodal coordinates less the undeformed ones, (n_dofs,): of a small-deflection answer with all digits it has."""
+        return self.q - self.system.undeformed if self.small is None else self.small
 
     @property
     def displacements(self) -> np.ndarray:
         """Displacements of the nodes of the mesh, (3, n_mesh_nodes) (m)."""
-        change = (self.q - self.system.undeformed).reshape(-1, 4, 3)
+        change = self.change.reshape(-1, 4, 3)
         return np.asarray(self.system.geometry.at_mesh_nodes(change)[:, 0].T)
 
-    def displacement(self, at: Any, z: float = 0.0) -> np.ndarray:
+    def displacement(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ (self.q - self.system.undeformed).reshape(-1, 3)
-        if self._depth(z):
-            out = out + z * (self._normals(at) - self._undeformed._normals(at))
+        out = probe(self.system, at) @ self.change.reshape(-1, 3)
+        if depth := self._depth(z):
+            out = out + depth * (self._normals(at) - self._undeformed._normals(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
-    def position(self, at: Any, z: float = 0.0) -> np.ndarray:
+    def position(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
         out = probe(self.system, at) @ self.q.reshape(-1, 3)
-        if self._depth(z):
-            out = out + z * self._normals(at)
+        if depth := self._depth(z):
+            out = out + depth * self._normals(at)
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def rotation(self, at: Any) -> np.ndarray:
@@ -100,24 +118,52 @@ class Solution:
             out.append(geometry.theory.normals(local, inside, geometry.side[[element]])[0, :, 0])
         return np.array(out)
 
-    def strains(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
+    def strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Green-Lagrange strain in the local frame at points (2, n) of every element and depth z: (n_elements, n, 6).
 
         Order 11, 22, 33, 23, 13, 12, shear strains doubled. In theory `kirchhoff` the strain 33 (and 23, 13 of an oblique
         law) is the one that leaves no stress.
+
+        Parameters
+        ----------
+        points : (2, n) array
+            In the reference square.
+        z : float or {"top", "middle", "bottom"}
+            Depth (m). It may be left out where strain and law do not change through the thickness.
+
+        Raises
+        ------
+        InputError
+            Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
         """
         assembly, inside = self.system.assembly, self._inside(points)
-        free = self._free_strains(inside, self._depth(z))
-        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, z, free))
+        depth = self._chosen(z, points)
+        free = self._free_strains(inside, depth)
+        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, depth, free))
 
-    def stresses(self, points: np.ndarray, z: float = 0.0) -> np.ndarray:
+    def stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
 
-        The law is that of the layer at z, of the lower one at an interface.
+        The law is that of the layer at z, of the lower one at an interface. Points, z and errors are those of
+        :meth:`strains`.
         """
-        section = self.system.problem.section
-        elastic = self.strains(points, z) - self._free_strains(self._inside(points), z)
-        return np.asarray(elastic @ section.stiffness[section.layer_at(z)])
+        section, depth = self.system.problem.section, self._chosen(z, points)
+        elastic = self.strains(points, depth) - self._free_strains(self._inside(points), depth)
+        return np.asarray(elastic @ section.stiffness[section.layer_at(depth)])
+
+    def _chosen(self, z: Depth | None, points: np.ndarray) -> float:
+        """The depth that was asked for; if none was, the reference surface where all depths have the same."""
+        if z is not None:
+            return self._depth(z)
+        depth, section = 0.0, self.system.problem.section
+        section.layer_at(depth)
+        bottom, top = section.z[[0, -1]].tolist()
+        low, high = (self.strains(points, face) for face in (bottom, top))
+        one_law = (section.stiffness == section.stiffness[0]).all() and (section.expansion == section.expansion[0]).all()
+        if not one_law or np.abs(high - low).max(initial=0.0) > SAME * np.abs([low, high]).max(initial=0.0):
+            raise InputError(f"z: stress and strain differ from face to face; say where, as in z='top' ({top:.6g} m), "
+                             f"z='bottom' ({bottom:.6g} m), z='middle' or a number between (m)")  # fmt: skip
+        return depth
 
     def _inside(self, points: Any) -> np.ndarray:
         """Local points (2, n) of the reference square, checked."""
@@ -152,7 +198,7 @@ class Solution:
         """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
         if not self.linear:
             return quantity(self.q)
-        return self.system.linearised(quantity, self.q - self.system.undeformed)
+        return self.system.linearised(quantity, self.change)
 
     def shear_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         """Transverse shear forces Q1, Q2 per length that balance the moments, theory `kirchhoff`: (n_elements, 2, n) (N/m).
@@ -205,15 +251,26 @@ class Solution:
         out[hanging.nodes] = out[hanging.ends].mean(axis=0)
         return out
 
-    def nodal_stresses(self, z: float = 0.0) -> np.ndarray:
-        """Second Piola-Kirchhoff stress (Pa), as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
+    def nodal_stresses(self, z: Depth | None = None) -> np.ndarray:
+        """Second Piola-Kirchhoff stress (Pa), as :meth:`nodal_section_forces`: (n_mesh_nodes, 6).
+
+        Parameters
+        ----------
+        z : float or {"top", "middle", "bottom"}
+            Depth (m). It may be left out where strain and law do not change through the thickness.
+
+        Raises
+        ------
+        InputError
+            Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
+        """
         return self._at_nodes(self.stresses(CORNERS.T, z))
 
     @property
     def strain_energy(self) -> float:
         """Strain energy (J), that of the stress: free expansion has none."""
         if self.linear:
-            return self.system.linear_energy(self.q - self.system.undeformed, self.load_factor, self.time)
+            return self.system.linear_energy(self.change, self.load_factor, self.time)
         return self.system.strain_energy(self.q, self.load_factor, self.time)
 
     @property
@@ -222,7 +279,7 @@ class Solution:
 
         A temperature change is no load from outside, and does none.
         """
-        system, change = self.system, self.q - self.system.undeformed
+        system, change = self.system, self.change
         if self.linear:
             return 0.5 * self.load_factor * float(system.applied_force(system.undeformed) @ change)
         return self.load_factor * float(system.applied_force(self.q, self.time) @ change)
@@ -252,19 +309,30 @@ class Solution:
         system = self.system
         if self.linear:
             start = system.undeformed
-            residual = system.stiffness() @ (self.q - start) - self.load_factor * system.external_force(start)
+            residual = system.stiffness() @ self.change - self.load_factor * system.external_force(start)
         else:
             residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
         support = system.constraints.fixed_part(residual)
         if system.foundation is not None:
-            support = support - system.foundation @ (self.q - system.undeformed)
+            support = support - system.foundation @ self.change
         forces = support.reshape(-1, 4, 3)[:, 0]
         return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
 
-    def _depth(self, z: float) -> float:
-        if number("z", z):
-            self.system.problem.section.layer_at(z)
-        return float(z)
+    def _depth(self, z: Depth) -> float:
+        return depth_of(self.system.problem.section, z)
+
+
+def depth_of(section: Section, z: Depth) -> float:
+    """A height in a section (m), given as a number or a name; InputError outside of the faces."""
+    if isinstance(z, str):
+        bottom, top = section.z[[0, -1]].tolist()
+        named = dict(zip(DEPTHS, (top, 0.5 * (bottom + top), bottom), strict=True))
+        if z not in named:
+            raise InputError(f"z = {z!r}: give a depth (m), or one of {', '.join(map(repr, named))}")
+        return float(named[z])
+    if number("z", z):
+        section.layer_at(z)
+    return float(z)
 
 
 def averaging_nodes(geometry: Geometry) -> np.ndarray:

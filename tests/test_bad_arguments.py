@@ -1,4 +1,7 @@
-"""Ordinary mistakes in every argument of every public function: named by an error of the library, never a raw exception."""
+"""Ordinary mistakes in every argument of every public function: named by an error of the library, never a raw exception.
+
+Surfaces, supports and loads are used too, on a mesh: what is wrong with a function or a place shows only there.
+"""
 
 import inspect
 from typing import Any
@@ -37,18 +40,12 @@ def test_valid_calls_succeed(scene, capsys):
 
 
 ELSEWHERE = {
-    # Surfaces, supports and loads, with tests of their own.
-    "AnnulusSector", "Cone", "CylinderSector", "HyperbolicParaboloid", "MappedSurface", "Parallelogram", "Plane",
-    "Rectangle", "SphereSector", "Clamp", "Dashpot", "DrivenClamp", "Foundation", "NoRotation", "Pin", "Prescribed",
-    "Roller", "SimpleSupport", "Spring", "Symmetry", "DiskForce", "EdgeImpulse", "EdgeLoad", "EdgeMoment",
-    "FollowerPressure", "Gravity", "Impulse", "LineLoad", "MovingForce", "MovingLine", "PointForce",
-    "SurfaceLoad", "Temperature",
     # Results, which the library makes.
     "AdaptiveResult", "BucklingResult", "Carried", "Change", "Check", "Ledger", "Modes", "Motion", "PathResult", "Spectrum",
     "StaticResult", "Samples", "MeshQuadTree",
     # Without arguments.
     "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
-    "ElementQuadHermite",
+    "ElementQuadHermite", "Plane",
     # By the arguments of Look.
     "picture", "animation",
 }  # fmt: skip
@@ -77,8 +74,7 @@ def test_no_argument_is_left_out(scene):
         given.setdefault(name, set()).update(call.arguments)
         known[name] = parameters(call.function)
     left = {name: known[name] - given[name] for name in known}
-    # Places are the business of the mesh, and tested with supports.
-    allowed = {"simulate": {"rho_inf"}, "find_regions": set(), "Reaction": {"where"}}
+    allowed = {"simulate": {"rho_inf"}, "find_regions": set()}
     assert {n: a - allowed.get(n, set()) for n, a in left.items() if a - allowed.get(n, set())} == {}
 
 

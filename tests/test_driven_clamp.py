@@ -1,5 +1,7 @@
 """Nodes that move with a rigid body: exactly, without strain, and not against other supports."""
 
+import warnings
+
 import numpy as np
 import pytest
 from problems import SURFACES
@@ -90,6 +92,7 @@ def test_one_or_the_other(theory):
 
 
 @theories
+@pytest.mark.filterwarnings("ignore:DrivenClamp")
 def test_in_statics_it_stands_at_rest(theory):
     load = sk.SurfaceLoad((0.0, 0.0, -1.0))
     driven = system_on(theory, [sk.DrivenClamp("left", displacement=shift, angle=angle)], loads=[load])
@@ -161,3 +164,18 @@ def test_what_agrees_is_no_conflict(theory):
 def test_mistakes(build, words):
     with pytest.raises(InputError, match=words):
         build()
+
+
+@pytest.mark.parametrize("solve", [sk.solve_linear, lambda s: sk.solve(s).unwrap()])
+def test_statics_without_a_time_says_so_and_with_one_takes_it(solve):
+    def driven(static=None):
+        clamp = sk.DrivenClamp("left", displacement=lambda t: (0.0, 0.0, 0.1 * t**2), static=static)
+        return system_on("kirchhoff", [clamp])
+
+    with pytest.warns(sk.OutOfDepth, match="statics has no time.*static="):
+        solution = solve(driven())
+    assert np.abs(solution.displacement((0.5, 0.5))).max() < 1e-12
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # A plate without loads moves as a whole.
+        assert np.allclose(solve(driven(2.0)).displacement((0.5, 0.5)), [0, 0, 0.4], atol=1e-9)

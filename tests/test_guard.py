@@ -2,23 +2,34 @@
 
 import importlib.util
 import json
+import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
-GUARD = Path(__file__).parent.parent / "benchmarks" / "guard.py"
+ROOT = Path(__file__).parent.parent
+
+
+def loaded(name, monkeypatch):
+    specification = importlib.util.spec_from_file_location(name, ROOT / "benchmarks" / f"{name}.py")
+    module = importlib.util.module_from_spec(specification)
+    monkeypatch.setitem(sys.modules, name, module)
+    specification.loader.exec_module(module)
+    return module
 
 
 @pytest.fixture
 def guard(monkeypatch):
     for name in ("SKANCF_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         monkeypatch.setenv(name, "1")  # the guard sets them; put back afterwards
-    specification = importlib.util.spec_from_file_location("guard", GUARD)
-    module = importlib.util.module_from_spec(specification)
-    monkeypatch.setitem(sys.modules, "guard", module)
-    specification.loader.exec_module(module)
-    return module
+    return loaded("guard", monkeypatch)
+
+
+@pytest.fixture
+def commits(guard, monkeypatch):
+    return loaded("guard_commits", monkeypatch)
 
 
 class Clock:
@@ -106,3 +117,137 @@ def test_the_figures_are_those_of_the_library(guard):
     found["solve"].work()
     assert found["iterations, strip bent"].value(0.0) == 7
     assert found["calls, set-up, 8 elements"].value(0.0) == found["calls, set-up, 8 elements"].value(0.0)
+
+
+# A commit and the working tree in turns.
+
+
+def passes(values, n_calls=100, **failed):
+    """One pass for each value of a kernel, as a process tells it."""
+    return [
+        {"ratios": {"kernel": value, "other": 3.0}, "counts": {"calls": n_calls}, "failed": dict(failed)} for value in values
+    ]
+
+
+BASE = [2.0, 2.06, 2.02, 2.1, 2.04]
+
+
+@pytest.mark.parametrize(
+    ("here", "slower"),
+    [
+        ([1.06 * value for value in BASE], True),
+        ([1.01 * value for value in BASE], False),
+        ([0.8 * value for value in BASE], False),
+        ([2.0, 2.06, 9.0, 2.1, 2.04], False),  # noise in one round
+        ([2.2, 2.07, 2.6, 2.5, 2.4], False),  # much noise, and one quiet round that shows the kernel is the same
+        ([2.11, 2.11, 2.11, 2.11, 2.11], False),  # BASE was lucky once: the median of rounds says 3 %
+    ],
+)
+def test_five_percent_in_most_rounds_and_in_the_smallest_are_told(commits, capsys, here, slower):
+    assert commits.compare(passes(BASE), passes(here)) == int(slower)
+    expected = "kernel" if slower else "nothing"
+    assert capsys.readouterr().out.splitlines()[-1] == f"slower by more than 5% (counts: 20%): {expected}"
+
+
+def test_noise_in_the_rounds_of_base_does_not_hide_a_slower_kernel(commits):
+    assert commits.compare(passes([2.0, 6.0, 2.02, 8.0, 2.0]), passes([2.2] * 5)) == 1
+
+
+def test_counts_differ_without_being_slower_up_to_a_fifth(commits, capsys):
+    assert commits.compare(passes(BASE), passes(BASE, n_calls=117)) == 0
+    assert "+17" in next(line for line in capsys.readouterr().out.splitlines() if line.startswith("calls")).split()
+    assert commits.compare(passes(BASE), passes(BASE, n_calls=121)) == 1
+    assert capsys.readouterr().out.splitlines()[-1].endswith(": calls")
+
+
+def test_a_figure_that_base_cannot_make_is_noted_and_the_others_go_on(commits, capsys):
+    old, new = passes(BASE, kernel="AttributeError: no kernel"), passes([1.1 * value for value in BASE], n_calls=130)
+    for one in old:
+        del one["ratios"]["kernel"]
+    assert commits.compare(old, new) == 1
+    shown = capsys.readouterr().out.splitlines()
+    assert "kernel: raises in BASE, AttributeError: no kernel" in shown
+    assert shown[-1].endswith(": calls")
+
+
+def test_a_figure_that_raises_in_some_rounds_is_compared_in_the_others(commits):
+    old, new = passes(BASE), passes([1.1 * value for value in BASE])
+    del old[0]["ratios"]["kernel"]
+    (pair,) = (pair for pair in commits.pairs(old, new) if pair.name == "kernel")
+    assert pair.old == BASE[1:]
+    assert pair.rounds == pytest.approx([1.1] * 4)
+
+
+def test_a_figure_that_raises_here_alone_is_not_well(commits, capsys):
+    assert commits.compare(passes(BASE), passes(BASE, broken="ValueError: no")) == 1
+    assert capsys.readouterr().out.splitlines()[-1].endswith(": broken")
+    assert commits.compare(passes(BASE, broken="ValueError: no"), passes(BASE, broken="ValueError: no")) == 0
+
+
+def test_a_process_goes_on_after_a_figure_that_raises(guard):
+    def missing():
+        raise AttributeError("no such hook")
+
+    made = {
+        "made of nothing": missing, "fails when run": lambda: guard.Count(missing), "calls": lambda: guard.Count(lambda: 7),
+        "kernel": lambda: figures(guard, Clock())["kernel"],
+    }  # fmt: skip
+    assert guard.one_pass(made, 1.0) == {
+        "ratios": {"kernel": 2.0}, "counts": {"calls": 7.0},
+        "failed": {"made of nothing": "AttributeError: no such hook", "fails when run": "AttributeError: no such hook"},
+    }  # fmt: skip
+
+
+def test_another_package_than_that_of_the_tree_is_refused(guard, tmp_path, capsys):
+    assert guard.figures(tmp_path, 0.0) == 1
+    assert "which is not below" in capsys.readouterr().err
+
+
+def test_trees_are_measured_in_turns_after_one_run_that_compiles(commits):
+    seen = []
+
+    def measure(tree, seconds):
+        seen.append((tree.name, seconds))
+        return passes(BASE)[0]
+
+    assert commits.in_turns(Path("old"), Path("new"), 2, 0.5, measure) == 0
+    assert seen == [("old", 0.0), ("new", 0.0), ("old", 0.5), ("new", 0.5), ("old", 0.5), ("new", 0.5)]
+
+
+@pytest.fixture
+def repository(tmp_path):
+    def git(*arguments):
+        return subprocess.run(
+            ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b.c", *arguments],
+            check=True, capture_output=True, text=True,
+        ).stdout  # fmt: skip
+
+    git("init", "--quiet")
+    (tmp_path / "text").write_text("before")
+    git("add", "text")
+    git("commit", "--quiet", "-m", "one")
+    (tmp_path / "text").write_text("after")
+    return tmp_path, lambda: git("worktree", "list", "--porcelain").count("worktree ")
+
+
+@pytest.mark.parametrize("ending", [None, RuntimeError, KeyboardInterrupt, SystemExit])
+def test_the_commit_is_checked_out_and_gone_afterwards(commits, repository, ending):
+    root, n_trees = repository
+    trees = []
+    with pytest.raises(ending) if ending else nullcontext(), commits.checked_out("HEAD", root) as tree:
+        trees.append(tree)
+        assert (tree / "text").read_text() == "before"
+        assert n_trees() == 2
+        (tree / "kernel.nbi").write_text("compiled")
+        if ending:
+            raise ending
+    assert not trees[0].parent.exists()
+    assert n_trees() == 1
+    assert (root / "text").read_text() == "after"
+
+
+def test_a_commit_that_is_not_known_is_named(commits, repository):
+    root, n_trees = repository
+    with pytest.raises(SystemExit, match="nowhere"), commits.checked_out("nowhere", root):
+        pass
+    assert n_trees() == 1

@@ -13,9 +13,9 @@ import skancf
 PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
-    "version", "errors", "arguments", "memory", "checks", "atomic", "history", "progress", "compiled", "threads", "vectors",
-    "elements", "surfaces", "meshes", "materials", "theories", "linear", "assembly", "supports", "loads", "thinness",
-    "problem", "solution", "statics", "dynamics", "adaptive", "output",
+    "version", "errors", "functions", "arguments", "memory", "checks", "atomic", "history", "progress", "compiled",
+    "threads", "vectors", "elements", "surfaces", "meshes", "materials", "theories", "linear", "assembly", "supports",
+    "loads", "thinness", "problem", "solution", "statics", "dynamics", "adaptive", "output",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.name != "__init__.py")

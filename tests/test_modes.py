@@ -289,3 +289,24 @@ def test_a_pressing_support_buckles_as_a_force_does():
 def test_inputs_that_cannot_be_used(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+def tube(n, assumed=True):
+    """A slice of a long tube under pressure that stays normal to it; t = R / 50, nu = 0."""
+    surface = sk.CylinderSector(1.0, 0.25, 2 * np.pi, closed=True)
+    middle = [sk.Prescribed([(0.0, angle)], held) for angle, held in
+              ((0.0, (None, None, 0)), (np.pi / 2, (None, 0, None)), (np.pi, (None, None, 0)))]  # fmt: skip
+    problem = sk.Problem(surface, 0.02, sk.Isotropic(210e9, 0.0, 7800.0), [sk.Roller("left", (1, 0, 0)), *middle],
+                         [sk.FollowerPressure(-210e9 * 0.02**3 / 12)])  # fmt: skip
+    return problem.on(sk.meshes.uniform(surface, 1, n), sk.Kirchhoff(assumed=assumed))
+
+
+def test_both_kinds_of_membrane_strain_may_be_above_the_truth():
+    """A ring under pressure: p R^3 / E I = k^2 - 1 in k waves (Levy, 1884), 3 and 8; dead pressure would give k^2."""
+    assumed, plain = (sk.buckling(tube(8, kind), 4).load_factors[[0, 2]] for kind in (True, False))
+    assert (assumed > [3.03, 8.3]).all() and (plain > assumed).all()
+    coarse = sk.buckling(tube(8), 4).message
+    assert "too coarse" in coarse and "between" not in coarse and "less than both" in coarse
+    fine = sk.buckling(tube(32), 4)
+    # From above as h^4: 5e-4 and 9e-4 are left.
+    assert fine.load_factors == pytest.approx([3, 3, 8, 8], rel=2e-3) and fine.message == ""

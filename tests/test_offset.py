@@ -82,7 +82,24 @@ def test_motion_with_the_mass_off_the_surface_comes_with_a_warning():
         sk.modes(eccentric, 1)
     with pytest.warns(sk.OutOfDepth, match="centre of mass"):
         sk.simulate(eccentric, 1e-4, dt=1e-4, progress=False)
+    with pytest.warns(sk.OutOfDepth, match="too stiff on coarse meshes"):
+        full = strip(laminate(0.2), (0, 0, -1.0), "full", n=(2, 1))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sk.modes(strip(laminate(0.009 * T), (0, 0, -1.0), n=(2, 1)), 1)
-        sk.modes(strip(laminate(0.2), (0, 0, -1.0), "full", n=(2, 1)), 1)
+        sk.modes(full, 1)
+
+
+def test_full_off_its_surface_says_that_it_locks():
+    def tip(theory, n):
+        problem = sk.Problem(STRIP, material=laminate(2.5 * T), supports=[sk.Clamp("left")],
+                             loads=[sk.EdgeLoad("right", (0.0, 0.0, -1000.0))])  # fmt: skip
+        return sk.solve_linear(problem.on(sk.meshes.uniform(STRIP, n, 1), theory)).displacement((1.0, 0.05))[2]
+
+    beam = -1000.0 / (3 * E * T**3 / 12)
+    with pytest.warns(sk.OutOfDepth, match="too stiff on coarse meshes"):
+        coarse = tip("full", 8)
+    assert coarse / beam < 0.95 and tip("kirchhoff", 8) == pytest.approx(beam, rel=1e-6)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        strip(laminate(0.0), (0.0, 0.0, -1.0), "full")

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import skfem
 
 import skancf as sk
 from skancf.errors import InputError
@@ -155,7 +156,8 @@ def test_openings_of_a_tube():
     assert mesh.boundaries["opening"].size == 8
     steel = sk.Isotropic(2e11, 0.3, 7800.0)
     geometry = sk.Problem(tube(), 0.01, steel).on(mesh, "kirchhoff").geometry
-    assert np.array_equal(np.sort(geometry.facets_on("boundary")), np.sort(np.concatenate(list(mesh.boundaries.values()))))
+    assert set(geometry.facets_on("boundary")) == set(mesh.boundaries["left"]) | set(mesh.boundaries["right"])
+    assert set(geometry.facets_on("openings")) == set(geometry.facets_on("opening 1")) == set(mesh.boundaries["opening"])
     with pytest.raises(InputError, match=r"at the seam y = 0.0, which is y = 6.28.* near x = 0.75; cut on both"):
         uniform(tube(), 4, 8, openings=ends[:1])
 
@@ -182,3 +184,37 @@ def test_a_plate_with_a_hole_is_softer_and_its_edge_can_be_clamped():
     whole, open_ = (middle_of_an_edge(openings, sides) for openings in ([], hole))
     held = middle_of_an_edge(hole, [*sides, sk.Clamp("opening")])
     assert held < 0.5 * whole < whole < 0.95 * open_
+
+
+def test_the_boundary_is_the_outer_one():
+    """Of a plate with two holes and a notch, which is no hole; on a quadtree too."""
+    plate, steel = sk.Rectangle(1.2, 0.8), sk.Isotropic(2e11, 0.3, 7800.0)
+    holes = [((0.2, 0.4), (0.2, 0.4)), ((0.7, 0.9), (0.4, 0.6)), ((1.1, 1.2), (0.3, 0.5))]
+    mesh = uniform(plate, 12, 8, openings=holes)
+    for tried in (mesh, sk.meshes.quadtree(mesh, plate).refined([13, 40])):
+        geometry = sk.Problem(plate, 0.01, steel).on(tried, "kirchhoff").geometry
+
+        def length(name, geometry=geometry):
+            ends = geometry.mesh.p[:, geometry.mesh.facets[:, geometry.facets_on(name)]]
+            return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0).sum()
+
+        lengths = {"boundary": 4.2, "openings": 1.6, "opening 1": 0.8, "opening 2": 0.8}
+        assert {name: length(name) for name in lengths} == pytest.approx(lengths)
+        assert geometry.mesh.p[0, geometry.mesh.facets[:, geometry.facets_on("opening 1")]].max() == pytest.approx(0.4)
+        assert {"openings", "opening 2"} <= set(geometry.names())
+    with pytest.raises(InputError, match="no boundary 'opening 3'"):
+        geometry.facets_on("opening 3")
+    whole = sk.Problem(plate, 0.01, steel).on(uniform(plate, 2, 2), "kirchhoff").geometry
+    with pytest.raises(InputError, match=r"'openings'.*has none"):
+        whole.facets_on("openings")
+
+
+def test_a_mesh_of_any_shape_has_an_outline():
+    """Quads around a hole, in the plane, that the library did not make."""
+    angles, radii = np.linspace(0, 2 * np.pi, 17)[:-1], [0.5, 1.0]
+    p = np.concatenate([r * np.stack([np.cos(angles), np.sin(angles)]) for r in radii], axis=1)
+    k = np.arange(16)
+    mesh = skfem.MeshQuad(p, np.stack([k, k + 16, (k + 1) % 16 + 16, (k + 1) % 16]), sort_t=False)
+    geometry = sk.Problem(sk.Plane(), 0.01, sk.Isotropic(2e11, 0.3, 7800.0)).on(mesh, "full").geometry
+    assert np.allclose(np.linalg.norm(geometry.points[:, geometry.nodes_on("boundary")], axis=0), 1.0)
+    assert np.allclose(np.linalg.norm(geometry.points[:, geometry.nodes_on("openings")], axis=0), 0.5)

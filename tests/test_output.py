@@ -12,7 +12,7 @@ from PIL import Image
 import skancf as sk
 from skancf import atomic, output
 from skancf.errors import InputError, SkancfError
-from skancf.output.fields import readable_unit, unit, values, von_mises
+from skancf.output.fields import place, readable_unit, unit, values, von_mises
 from skancf.output.files import FILE_ORDER
 from skancf.output.plane import subdivided
 from skancf.output.rendering import check_rendering
@@ -124,6 +124,60 @@ def test_fields_have_units_and_values(rested):
     assert readable_unit("displacement", 2.5e6) == (1.0, "m")
     with pytest.raises(InputError, match=r"velocity.*no velocities"):
         values(moved(rested), "velocity", 2, 0.0)
+
+
+@pytest.fixture(scope="module")
+def cantilever():
+    """Bent by a moment: S11 = 6 M / t^2 at the faces, as wide as the plate stays flat across (nu = 0)."""
+    problem = sk.Problem(sk.Rectangle(1.0, 0.5), 0.02, sk.Isotropic(2e9, 0.0, 1.0), [sk.Clamp("left")],
+                         [sk.EdgeMoment("right", (0, -200.0, 0))])  # fmt: skip
+    return sk.solve_linear(problem.on(sk.meshes.uniform(problem.surface, 3, 2), "kirchhoff"))
+
+
+FACE = 6 * 200.0 / 0.02**2
+
+
+def test_bent_plates_have_no_stress_without_a_depth(cantilever):
+    inside = np.full((2, 1), 0.5)
+    for ask in (cantilever.nodal_stresses, lambda: cantilever.stresses(inside), lambda: cantilever.strains(inside)):
+        with pytest.raises(InputError, match=r"z: .* z='top' \(0\.01 m\), z='bottom' \(-0\.01 m\)"):
+            ask()
+    top, middle, bottom = (cantilever.nodal_stresses(z)[:, 0] for z in ("top", "middle", "bottom"))
+    np.testing.assert_allclose(np.abs(top), FACE, rtol=1e-6)
+    np.testing.assert_allclose(bottom, -top, rtol=1e-6)
+    assert np.abs(middle).max() < 1e-6 * FACE
+    np.testing.assert_array_equal(top, cantilever.nodal_stresses(0.01)[:, 0])
+    with pytest.raises(InputError, match="z = 'face': give a depth"):
+        cantilever.nodal_stresses("face")
+
+
+def test_a_laminate_in_tension_has_no_stress_without_a_depth():
+    layers = [sk.Layer(sk.Isotropic(young, 0.3, 1.0), 0.01) for young in (1e9, 2e9, 1e9)]
+    problem = sk.Problem(sk.Rectangle(1.0, 1.0), None, sk.Laminate(layers))
+    of = problem.on(sk.meshes.uniform(problem.surface, 2, 2), "kirchhoff")
+    q = of.undeformed.reshape(-1, 4, 3).copy()
+    q[:, :2, 0] *= 1.001
+    state = sk.Solution(of, q.ravel())
+    with pytest.raises(InputError, match="z='middle'"):
+        state.nodal_stresses()
+    # The inner layer is twice as stiff: largest there, above its lower interface, where no face shows it.
+    assert values(state, "mises", 1, None) == pytest.approx(2 * values(state, "mises", 1, "top"), rel=1e-6)
+    assert values(state, "mises", 1, None) == pytest.approx(values(state, "mises", 1, 0.0), rel=1e-6)
+
+
+def test_fields_without_a_depth_say_which_they_are(cantilever):
+    section = cantilever.system.problem.section
+    np.testing.assert_allclose(values(cantilever, "mises", 2, None), FACE, rtol=1e-6)
+    np.testing.assert_array_equal(values(cantilever, "S11", 2, None), values(cantilever, "S11", 2, 0.01))
+    expected = {
+        ("mises", None): "largest through the thickness",
+        ("mises", "bottom"): "bottom face, z = -0.01 m",
+        ("S11", None): "top face, z = 0.01 m",
+        ("E12", 0.0): "z = 0 m",
+        ("u3", None): "",
+        ("M11", None): "",
+    }
+    assert {key: place(key[0], section, key[1])[1] for key in expected} == expected
 
 
 # Files

@@ -1,5 +1,8 @@
 """Supports hold what they say, loads do the work they should, and mistakes are named."""
 
+import math
+import warnings
+
 import numpy as np
 import pytest
 import skfem
@@ -538,3 +541,56 @@ def test_mistakes_are_named(case):
     make, message = MISTAKES[case]
     with pytest.raises(InputError, match="(?s)" + message):
         make()
+
+
+def test_a_hard_roller_in_the_surface_is_refused_where_the_normal_follows_the_edge():
+    """It would hold the slope of the edge at nodes alone, and less on finer meshes."""
+    problem = sk.Problem(sk.Rectangle(2.0, 1.0), 0.02, sk.Isotropic(1e9, 0.3, 1.0),
+                         [sk.Clamp("left"), sk.Roller("top", (1.0, 0.0, 0.0), kind="hard")])  # fmt: skip
+    mesh = sk.meshes.uniform(problem.surface, 4, 2)
+    with pytest.raises(sk.InputError, match=r"kind='hard'.*hold the deflection too"):
+        problem.on(mesh, "kirchhoff")
+    assert problem.on(mesh, "full").n_dofs
+    upright = sk.Problem(problem.surface, 0.02, problem.material, [sk.Clamp("left"), sk.Roller("top", kind="hard")])
+    assert upright.on(mesh, "kirchhoff").n_dofs
+
+
+# ----------------------------------------------------------------------------------------------- points in a row on an edge
+
+HOLDERS = [
+    sk.Pin, sk.Clamp, sk.SimpleSupport, sk.Roller, lambda where: sk.Prescribed(where, (None, None, 0.01)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", HOLDERS)
+@pytest.mark.parametrize("theory", ["full", "kirchhoff"])
+def test_points_in_a_row_do_not_hold_the_edge(kind, theory):
+    surface = sk.CylinderSector(1.0, 2.0, 1.5)
+    mesh = sk.meshes.uniform(surface, 4, 3)
+    row = [(2.0, 0.0), (2.0, 1.0), (2.0, 0.5)]  # neighbours, in any order
+    problem = sk.Problem(surface, 0.02, sk.Isotropic(1e7, 0.3, 1e3), [kind(row)])
+    with pytest.warns(sk.OutOfDepth, match=r"where.*three or more.*\(2, 0.5\).*give its name, or a function") as raised:
+        problem.on(mesh, theory)
+    assert raised[0].filename == __file__, "it points to the line of the user"
+
+
+@pytest.mark.parametrize("where", [
+    "corners", [(0.0, 0.0), (3.0, 0.0), (0.0, 2.0), (3.0, 2.0)], [(0.0, 0.0), (1.0, 0.0)], (1.0, 0.0),
+    [(0.0, 0.0), (2.0, 0.0), (3.0, 1.0)], [(1.0, 1.0), (2.0, 1.0), (1.0, 0.0)], [(1.0, 0.0), (0.0, 0.0), (0.0, 1.0)],
+    "bottom", lambda x, y: y < 1e-9, ["bottom", (0.0, 1.0), (0.0, 2.0)],
+])  # fmt: skip
+def test_other_points_and_edges_do_not_warn(where):
+    surface = sk.Rectangle(3.0, 2.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sk.Problem(surface, 0.05, sk.Isotropic(1e7, 0.3, 1e3), [sk.Pin(where)]).on(sk.meshes.uniform(surface, 3, 2))
+
+
+def test_points_around_an_opening_and_across_a_seam_are_in_a_row():
+    tube, plate = sk.CylinderSector(1.0, 2.0, 2 * math.pi, closed=True), sk.Rectangle(4.0, 4.0)
+    for surface, mesh, where in (
+        (tube, sk.meshes.uniform(tube, 2, 16), [(0.0, k * math.pi / 8) for k in (15, 0, 1)]),
+        (plate, sk.meshes.uniform(plate, 8, 8, openings=[((1, 3), (1, 3))]), [(1.0, 1.0), (1.5, 1.0), (2.0, 1.0)]),
+    ):
+        with pytest.warns(sk.OutOfDepth, match="neighbours along one edge"):
+            sk.Problem(surface, 0.02, sk.Isotropic(1e7, 0.3, 1e3), [sk.Roller(where)]).on(mesh)

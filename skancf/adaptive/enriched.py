@@ -135,7 +135,7 @@ class Enriched(Refined):
         self.state, self._backend = state, backend
         fine, factor = self.system, state.load_factor
         if state.linear:
-            change, self.stiffness = self.up(state.q - self.coarse.undeformed), fine.stiffness()
+            change, self.stiffness = self.up(state.change), fine.stiffness()
             self.start, gap = fine.undeformed + change, factor * fine.prescribed() - change
             self.residual = self.stiffness @ change - factor * fine.external_force(fine.undeformed)
         else:

@@ -11,8 +11,9 @@ from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.solution import Solution
 from skancf.statics.buckling import buckling
+from skancf.statics.eigen_checks import require_checks
 from skancf.statics.modes import moved_along
-from skancf.statics.tangents import linear_tangent
+from skancf.statics.tangents import geometric_stiffness
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,7 @@ class StabilityAnalysis:
         found = buckling(system, number + 1, backend=self.backend)
         if len(found.load_factors) <= number:
             raise InputError(f"number = {number}: {found.message or 'there are fewer positive buckling loads'}")
+        require_checks(found.checks)
         return Answer(found.shape(number), float(found.load_factors[number]), found=found)
 
     def estimate(self, answer: Answer) -> Estimate:
@@ -62,7 +64,7 @@ class StabilityAnalysis:
         with Enriched(found.linear, backend=self.backend) as enriched:
             fine, better = enriched.system, enriched.corrected
             elastic = enriched.stiffness
-            geometric = linear_tangent(fine, better.q - fine.undeformed) + (-1.0) * elastic
+            geometric = geometric_stiffness(fine, better.q - fine.undeformed, elastic)
             phi = enriched.up(found.shapes[number])
             residual = elastic @ phi + value * (geometric @ phi)
             step = -enriched.solve(residual)

@@ -14,6 +14,7 @@ from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
+from skancf.statics.eigen_checks import require_checks
 from skancf.statics.modes import Modes, modes, moved_along
 from skancf.statics.soft import factor_shifted
 from skancf.statics.tangents import state_tangent
@@ -119,18 +120,22 @@ def softening(system: System, q: np.ndarray, shape: np.ndarray) -> np.ndarray:
     return np.asarray((ahead - 2 * at + behind) / step**2)
 
 
+RIGID = 6
+"""Motions that a free body has."""
 STEP = 1e-4
 """Of a second difference, relative: rounding grows with its inverse square."""
 
 
 def _enough_modes(system: System, number: int, state: Any, backend: str) -> Modes:
     """So many that the asked one is among them, behind the motions without stiffness."""
-    for more in (1, 7):
-        found = modes(system, number + more, state=state, backend=backend)
-        if found.n_rigid + number < len(found.eigenvalues):
-            return found
-    raise InputError(f"number = {number}: {found.n_rigid} motions without stiffness come first; support the structure, it "
-                     "is a mechanism")  # fmt: skip
+    found = modes(system, number + 1, state=state, backend=backend)
+    if found.n_rigid > RIGID:
+        raise InputError(f"number = {number}: {found.n_rigid} motions without stiffness come first; support the structure, "
+                         "it is a mechanism")  # fmt: skip
+    if found.n_rigid:
+        found = modes(system, number + 1 + found.n_rigid, state=state, backend=backend)
+    require_checks(found.checks)
+    return found
 
 
 def _number(found: Modes, number: int) -> int:

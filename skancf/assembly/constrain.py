@@ -1,5 +1,6 @@
 """Conditions of supports on the nodal coordinates, turned into constraints in nodal frames."""
 
+import warnings
 from collections.abc import Sequence
 from itertools import chain
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError
+from skancf.errors import InputError, OutOfDepth
 from skancf.history import amplitude
 from skancf.linear import BlockMatrix, Constraints
 
@@ -25,8 +26,11 @@ class PrescribedMotion:
         return [history for _, history in self.parts]
 
     def values(self, time: float | None) -> np.ndarray:
-        """(n_dofs,); without a time at full amplitude."""
+        """(n_dofs,); without a time at full amplitude, with a warning where there is none."""
         total = np.zeros(self.n_dofs)
+        hints = {getattr(history, "without_time", None) for history in self.histories()} if time is None else {None}
+        for hint in filter(None, hints):
+            warnings.warn(hint, OutOfDepth, stacklevel=4)
         for change, history in self.parts:
             total += amplitude(history, time) * change
         return total
@@ -44,7 +48,9 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     for history in chain.from_iterable(support.histories for support in supports):
         if not any(history is known for known in histories):
             histories.append(history)
-    conditions = [_conditions(geometry, support, histories) for support in supports]
+    conditions = []
+    for support in supports:  # no comprehension: a frame of its own in some Pythons would shift where warnings point
+        conditions.append(_conditions(geometry, support, histories))
     if geometry.theory.twist:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]

@@ -1,18 +1,31 @@
 """Which nodes and edges of a mesh a place means: see :mod:`skancf.supports.conditions`."""
 
 from collections.abc import Callable, Sequence
+from decimal import Decimal
 from functools import cached_property
+from numbers import Real
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 import skfem
+from scipy.sparse.csgraph import connected_components
 
 from skancf.assembly.ties import SAME, Ties
-from skancf.errors import InputError, vector
+from skancf.errors import InputError, shown, vector
+from skancf.functions import is_function, true_at
 from skancf.surfaces import Interval, Surface, closed_directions
 
 Found = tuple[np.ndarray, np.ndarray]
 NONE = np.empty(0, dtype=int)
+OPENINGS = "openings"
+"""Name of the edges of all openings, those of one are ``"opening 1"`` and so on."""
+
+
+def _is_row(where: Any) -> bool:
+    if isinstance(where, np.ndarray):
+        return where.ndim > 0
+    return isinstance(where, Sequence) and not isinstance(where, bytes)
 
 
 class Places:
@@ -38,11 +51,13 @@ class Places:
         """Numbers of the boundary facets that ``where`` means."""
         facets = self.points_and_facets(where)[1]
         if not len(facets):
-            raise InputError(f"{where!r} means no edge of the boundary; known names: {self.names()}")
+            raise InputError(f"where = {shown(where)} means no edge of the boundary; known names: {self.names()}")
         return facets
 
     def names(self) -> list[str]:
-        return sorted({*(self.mesh.boundaries or {}), "boundary", "corners"})
+        """Names that this mesh has."""
+        holes = [OPENINGS, *(f"opening {k + 1}" for k in range(len(self.openings)))] if self.openings else []
+        return sorted({*(self.mesh.boundaries or {}), "boundary", "corners", *holes})
 
     def points_and_facets(self, where: Any) -> Found:
         """Nodes and boundary facets of a name, points, or a function of (x, y); never without a node.
@@ -52,16 +67,22 @@ class Places:
         InputError
             For a place that is none of these, an unknown name, and a place without a node.
         """
+        try:
+            return self._meant(where)
+        except InputError as wrong:
+            raise InputError(f"where = {shown(where)}: {wrong}") from wrong
+
+    def _meant(self, where: Any) -> Found:
         if isinstance(where, str):
             return self._named(where)
-        if callable(where):
+        if is_function(where):
             return self._where_true(where)
-        if not (isinstance(where, Sequence | np.ndarray) and len(where)):
-            raise InputError(f"place {where!r}: give the name of a boundary, one of {self.names()}, a point (x, y), a list "
-                             "of names and points, or a function of (x, y)")  # fmt: skip
-        if all(isinstance(x, int | float | np.number) for x in where):
+        if not (_is_row(where) and len(where)):
+            raise InputError(f"place {shown(where)}: give the name of a boundary, one of {self.names()}, a point (x, y), a "
+                             "list of names and points, or a function of (x, y)")  # fmt: skip
+        if all(isinstance(x, Real | Decimal) for x in where):
             return np.array([self.node_at(where)]), NONE
-        nodes, facets = zip(*[self.points_and_facets(place) for place in where], strict=True)
+        nodes, facets = zip(*[self._meant(place) for place in where], strict=True)
         return np.unique(np.concatenate(nodes)), np.unique(np.concatenate(facets))
 
     def _named(self, name: str) -> Found:
@@ -72,10 +93,15 @@ class Places:
                 raise InputError(f"boundary {name!r} has no edge on this mesh; the mesh's own names are at fault")
             return self._with_unknowns(self.ends(facets)), facets[~self._at_a_pole(facets)]
         if name == "boundary":
-            if not len(self.boundary):
+            if not len(self.outline):
                 raise InputError("place 'boundary': this surface has none, it is closed all around; give a point (x, y) or "
                                  "a function of (x, y)")  # fmt: skip
-            return np.unique(self.ends(self.boundary)), self.boundary
+            return np.unique(self.ends(self.outline)), self.outline
+        if name in (OPENINGS, *(f"opening {k + 1}" for k in range(len(self.openings)))):
+            if not self.openings:
+                raise InputError(f"place 'openings': this mesh has none; it has {self.names()}")
+            facets = np.concatenate(self.openings) if name == OPENINGS else self.openings[int(name.split()[1]) - 1]
+            return np.unique(self.ends(facets)), facets
         if name == "corners":
             if not len(self.corners):
                 raise InputError("place 'corners': this surface has none, no node belongs to one element only; give a point "
@@ -85,7 +111,7 @@ class Places:
 
     def _where_true(self, function: Callable[[np.ndarray, np.ndarray], Any]) -> Found:
         """A node is meant where the function is true at any of its places in the parameter plane."""
-        mask = np.broadcast_to(np.asarray(function(*self.mesh.p), dtype=bool), self.mesh.p.shape[1:])
+        mask = true_at("where", function, self.mesh.p)
         if not mask.any():
             raise InputError("the function given as a place is true at no node; give a tolerance, as in "
                              "lambda x, y: abs(x) < 1e-9")  # fmt: skip
@@ -121,6 +147,32 @@ class Places:
             for end in (low, high):
                 inner |= (np.abs(at - end) <= SAME * (high - low)).all(axis=0)
         return np.asarray(facets[~inner])
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Facets on the boundary that are on no opening."""
+        inside = np.concatenate([NONE, *self.openings])
+        return np.asarray(self.boundary[~np.isin(self.boundary, inside)])
+
+    @cached_property
+    def openings(self) -> list[np.ndarray]:
+        """Facets around each opening: connected edges that reach no bound of the parameters, by their lowest x, y."""
+        ends, p = self.mesh.facets[:, self.boundary], self.mesh.p
+        numbers = np.where(self.ties.node_of >= 0, self.ties.node_of, self.ties.node_of.max() + 1 + np.arange(p.shape[1]))
+        nodes = numbers[ends]
+        size = int(numbers.max()) + 1
+        graph = sp.coo_matrix((np.ones(nodes.shape[1]), nodes), shape=(size, size))
+        part = connected_components(graph, directed=False)[1][nodes[0]]
+        open_axes = [axis for axis in (0, 1) if axis not in self.closed_bounds()]
+        low, high = p.min(axis=1), p.max(axis=1)
+        found = []
+        for k in np.unique(part):
+            facets = self.boundary[part == k]
+            at = p[:, self.mesh.facets[:, facets]].reshape(2, -1)
+            slack = SAME * (high - low)
+            if all((at[a] > low[a] + slack[a]).all() and (at[a] < high[a] - slack[a]).all() for a in open_axes):
+                found.append((tuple(np.round((at.min(axis=1) - low) / (high - low), 9)), facets))
+        return [facets for _, facets in sorted(found, key=lambda item: item[0])]
 
     def closed_bounds(self) -> dict[int, Interval]:
         """Bounds of the parameters that are closed, by their number."""

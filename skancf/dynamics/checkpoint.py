@@ -8,6 +8,7 @@ a crash loses what came after it, and no more.
 import time as clock
 from contextlib import suppress
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from skancf.dynamics.motion import Motion, MotionStatus
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.run import Run
 from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, Kept, RunFiles
+from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
 from skancf.errors import InputError, SkancfError
 
@@ -36,7 +38,8 @@ class Checkpoint:
     Parameters
     ----------
     folder : str or Path
-        For this run alone, and for one process at a time.
+        For this run alone, and for one process at a time: while one writes, a second is refused. A process that was killed
+        is in nobody's way.
     every : int
         Accepted steps between two writes. With meshes that follow the motion it is done at the next look at the mesh. The
         factors of the tangent are renewed then, so that a run that starts there does the same: not too often. On 1000
@@ -67,9 +70,21 @@ class Checkpoint:
         Raises
         ------
         InputError
-            For a folder that cannot be written, or holds a run that is not to go on or that was asked for something else.
+            For a folder that cannot be written, into which another process writes, or that holds a run that is not to go on
+            or that was asked for something else.
         """
         folder = check_folder(self.folder)
+        lock = RunLock(folder)
+        lock.take()
+        try:
+            writer = self._attached(folder, run, asked, resume)
+        except BaseException:
+            lock.release()
+            raise
+        writer.lock = lock
+        return writer
+
+    def _attached(self, folder: Path, run: Run, asked: Asked, resume: bool) -> "Writer":
         files, begun = RunFiles(folder), (folder / STATE).exists()
         if begun and not resume:
             raise InputError(f"folder '{folder}': holds a run already; go on with it by resume=True, choose another "
@@ -100,11 +115,17 @@ class Writer:
         self.files, self.every, self.pieces, self.since = files, every, pieces, 0
         self.counts = counts or dict.fromkeys(("knots", "systems", "steps", "rows", "records", "events"), 0)
         self.spent, self.began, self.time, self.finished = spent, clock.perf_counter(), 0.0, False
+        self.lock: RunLock | None = None
 
     @property
     def seconds(self) -> float:
         """Wall time of all processes that this run has taken."""
         return self.spent + clock.perf_counter() - self.began
+
+    def close(self) -> None:
+        """Let other processes write into the folder."""
+        if self.lock is not None:
+            self.lock.release()
 
     def begin(self, run: Run, asked: Asked) -> None:
         """What was asked for, and the first state."""

@@ -138,12 +138,15 @@ def _go(
         return *run.go(bar), None
     checkpoint = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
     writer = checkpoint.attach(run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
-    if writer.finished:
-        return MotionStatus.FINISHED, "", writer.seconds
-    status, message = run.go(bar, writer.after_step, lambda: writer.write(run, finished=True))
-    if status is not MotionStatus.FINISHED:
-        writer.stopped(run, status, message)
-    return status, message, writer.seconds
+    try:
+        if writer.finished:
+            return MotionStatus.FINISHED, "", writer.seconds
+        status, message = run.go(bar, writer.after_step, lambda: writer.write(run, finished=True))
+        if status is not MotionStatus.FINISHED:
+            writer.stopped(run, status, message)
+        return status, message, writer.seconds
+    finally:
+        writer.close()
 
 
 def _check(record: Any, follow: Any, **positive_or_none: float | None) -> None:

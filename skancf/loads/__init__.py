@@ -1,12 +1,13 @@
 """Loads: forces, moments, pressure and temperature, each with an optional function of time; impulses.
 
-Statics takes every load at its full amplitude times the load factor; dynamics multiplies it by ``history(t)``.
+Statics takes every load as it is given times the load factor, which is what full amplitude means: ``history``, whatever its
+largest or last value is, counts in dynamics only, which multiplies the load by ``history(t)``.
 """
 
 from skancf.loads.acting import Load
 from skancf.loads.edge import EdgeLoad, LineLoad
 from skancf.loads.impulse import EdgeImpulse, Impulse
-from skancf.loads.moment import EdgeMoment
+from skancf.loads.moment import EdgeMoment, PointMoment
 from skancf.loads.moving import MovingForce, MovingLine
 from skancf.loads.point import DiskForce, PointForce
 from skancf.loads.pressure import FollowerPressure
@@ -15,10 +16,10 @@ from skancf.loads.temperature import Temperature
 
 ALL = [
     DiskForce, EdgeImpulse, EdgeLoad, EdgeMoment, FollowerPressure, Gravity, Impulse, LineLoad, MovingForce, MovingLine,
-    PointForce, SurfaceLoad, Temperature,
+    PointForce, PointMoment, SurfaceLoad, Temperature,
 ]  # fmt: skip
 
 __all__ = [
     "ALL", "DiskForce", "EdgeImpulse", "EdgeLoad", "EdgeMoment", "FollowerPressure", "Gravity", "Impulse", "LineLoad",
-    "Load", "MovingForce", "MovingLine", "PointForce", "SurfaceLoad", "Temperature",
+    "Load", "MovingForce", "MovingLine", "PointForce", "PointMoment", "SurfaceLoad", "Temperature",
 ]  # fmt: skip

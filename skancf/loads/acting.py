@@ -4,9 +4,10 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from skancf import functions
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
-from skancf.errors import InputError, finite, vector
+from skancf.errors import vector
 from skancf.history import History, amplitude, check_history
 
 
@@ -90,20 +91,13 @@ class Spread(NamedTuple):
 def check_distributed(force: Any, history: Any) -> None:
     """InputError for a force that is neither three numbers nor a function, or a history that is no function."""
     check_history(history)
-    if not callable(force):
+    if not functions.is_function(force):
         vector("force", force, 3)
 
 
 def values_at(given: Any, at: np.ndarray, name: str = "force") -> np.ndarray:
     """A constant or a function at (2, n_elements, n): (n_elements, 3, n)."""
-    value = finite(name, given(*at) if callable(given) else given)
-    if value.shape[:1] != (3,):
-        raise InputError(f"{name} of shape {value.shape}: a function of (x, y) must return three components first, (3, ...)")
-    value = value.reshape(3, 1, 1) if value.ndim == 1 else value
-    try:
-        return np.moveaxis(np.broadcast_to(value, (3, *at.shape[1:])), 0, 1)
-    except ValueError as wrong:
-        raise InputError(f"{name} of shape {value.shape}: a function of (x, y) must return {(3, *at.shape[1:])}") from wrong
+    return np.moveaxis(functions.values_at(name, given, at, 3), 0, 1)
 
 
 def over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:

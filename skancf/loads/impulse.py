@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.assembly.protocols import Assembly
 from skancf.errors import number, vector
+from skancf.functions import is_function
 from skancf.loads.acting import Acting, point_forces
 from skancf.loads.edge import on_edges
 
@@ -74,7 +75,7 @@ class EdgeImpulse:
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        if not callable(self.impulse):
+        if not is_function(self.impulse):
             vector("impulse", self.impulse, 3)
         number("time", self.time)
 

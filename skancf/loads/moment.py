@@ -1,4 +1,4 @@
-"""Moments on edges."""
+"""Moments on edges and at points."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -8,7 +8,8 @@ import numpy as np
 from skancf.assembly import local
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
-from skancf.errors import vector
+from skancf.errors import InputError, vector
+from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
 from skancf.theories.kirchhoff_point import R1, R2, dual, unit_normal
@@ -16,74 +17,159 @@ from skancf.vectors import cross
 
 ROUNDING = 1e-12
 """A moment's part normal to the surface that is none, relative to the moment."""
+ALONG = 1e-9
+"""Sine of the angle between a moment and the normal below which it is along it."""
+NOWHERE = np.empty((2, 0))
+
 
 @dataclass(frozen=True)
 class EdgeMoment:
-    r"""A moment per undeformed length (N) on boundary edges, about an axis that does not turn.
+    r"""A moment per undeformed length (N) on edges, about axes that do not turn.
 
     Its virtual work is that on the spin of the director or normal, :math:`m \cdot (d \times \delta d) / d \cdot d`; in
     theory `full` summed over the nodes of the edge, in `kirchhoff` integrated along it. The part of m along the normal does
     no work.
+
+    Parameters
+    ----------
+    where
+        Place, as for :class:`EdgeLoad`.
+    moment : (3,) or callable
+        Constant, or a function of the parameters (x, y) that returns (3, ...).
+
+    Raises
+    ------
+    InputError
+        For entries that are not finite or of another number; on a mesh, for a place without an edge.
     """
 
     where: Any
+    moment: Any
+    history: History | None = None
+
+    def __post_init__(self) -> None:
+        check_history(self.history)
+        if not is_function(self.moment):
+            vector("moment", self.moment, 3)
+
+    def on(self, assembly: Assembly) -> Acting:
+        geometry = assembly.geometry
+        elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
+        moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
+        if geometry.theory.twist:
+            return MomentOnNormals(assembly, elements, points, moments, self.history)
+        return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history)
+
+
+@dataclass(frozen=True)
+class PointMoment:
+    r"""A moment (N m) at a point of the parameter plane, about an axis that does not turn.
+
+    Its virtual work is that on the spin of the director or normal there, :math:`m \cdot (d \times \delta d) / d \cdot d`:
+    the part of m along the normal does no work. The rotation under it has no limit as the mesh is refined, it grows with the
+    logarithm of the element size; displacements of the thin theory have one.
+
+    Parameters
+    ----------
+    at : (2,)
+        Point of the parameter plane.
+    moment : (3,)
+        About the axes of space.
+    history : callable, optional
+        Factor as a function of time.
+
+    Raises
+    ------
+    InputError
+        For entries that are not finite or of another number; on a mesh, for a point outside the surface, and for a moment
+        along the normal there, which would do nothing.
+
+    Examples
+    --------
+    >>> twist = sk.PointMoment(at=(0.5, 0.5), moment=(0.0, 20.0, 0.0))
+    """
+
+    at: tuple[float, float]
     moment: tuple[float, float, float]
     history: History | None = None
 
     def __post_init__(self) -> None:
         check_history(self.history)
+        vector("at", self.at, 2)
         vector("moment", self.moment, 3)
 
     def on(self, assembly: Assembly) -> Acting:
         geometry = assembly.geometry
-        facets = geometry.facets_on(self.where)
-        elements, points, lengths = geometry.edge_quadrature(facets)
+        element, local_point = geometry.locate(self.at)
+        elements, moment = np.array([element]), np.asarray(self.moment, float)
+        points = local_point[None, :, None]
+        n = geometry.theory.normals(geometry.undeformed_local[elements], points[0], geometry.side[elements])[0, :, 0]
+        size = np.linalg.norm(moment)
+        if size and np.linalg.norm(np.cross(moment, n)) < ALONG * size * np.linalg.norm(n):
+            raise InputError(f"moment = {self.moment} at {self.at} is along the normal of the surface, about which it has "
+                             "no stiffness; give a couple of forces instead")  # fmt: skip
+        at = geometry.within(np.asarray(self.at, float)[:, None])
         if geometry.theory.twist:
-            moments = np.multiply.outer(self.moment, lengths)
-            return MomentOnNormals(assembly, elements, points, moments, self.history)
-        return MomentOnDirectors(assembly, *_on_nodes(geometry, facets, lengths.sum(axis=1), self.moment), self.history)
+            return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, at)
+        tables = geometry.theory.position_table(points[0])[1].T
+        return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, at)
 
 
-def _on_nodes(geometry: Geometry, facets: np.ndarray, lengths: np.ndarray, moment: Any) -> tuple[np.ndarray, np.ndarray]:
-    """The nodes of an edge (m,) and the moment on each, (m, 3).
+def _on_nodes(
+    geometry: Geometry, elements: np.ndarray, points: np.ndarray, moments: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Elements, tables and moments of :class:`MomentOnDirectors` on the nodes of an edge.
 
-    The director of a hanging node is the mean of those at the ends of its edge, which share its part.
+    The director is linear along the edge. That of a hanging node is the mean of those at the ends of its edge, which share
+    its part.
     """
-    n, hanging = geometry.mesh.p.shape[1], geometry.hanging
-    shares = np.bincount(geometry.mesh.facets[:, facets].ravel(), np.tile(lengths / 2, 2), n)
-    shares += np.bincount(hanging.ends.ravel(), np.tile(shares[hanging.nodes] / 2, 2), n)
+    hanging, shares = geometry.hanging, np.zeros((geometry.mesh.p.shape[1], 3))
+    for element, local_points, moment in zip(elements, points, moments.swapaxes(0, 1), strict=True):
+        directors = geometry.theory.position_table(local_points)[1]
+        np.add.at(shares, geometry.mesh.t[:, element], directors[geometry.theory.rows[:, 3]] @ moment.T)
+    for ends in hanging.ends:
+        np.add.at(shares, ends, shares[hanging.nodes] / 2)
     shares[hanging.nodes] = 0.0
-    meant = np.flatnonzero(shares)
-    nodes, position = np.unique(geometry.ties.node_of[meant], return_inverse=True)
-    return nodes, np.outer(np.bincount(position, shares[meant]), moment)
+    on_nodes = np.zeros((geometry.n_nodes, 3))
+    kept = geometry.ties.node_of >= 0
+    np.add.at(on_nodes, geometry.ties.node_of[kept], shares[kept])
+    nodes = np.flatnonzero(on_nodes.any(axis=1))
+    corners = np.array([geometry.corner_of(int(node)) for node in nodes], dtype=np.int64).reshape(-1, 2)
+    tables = np.zeros((len(nodes), 16))
+    tables[np.arange(len(nodes)), geometry.theory.rows[corners[:, 1], 3]] = 1.0
+    return corners[:, 0], tables, on_nodes[nodes]
 
 
 class MomentOnDirectors(Acting):
-    """Moments (m, 3) on the directors of nodes (m,)."""
+    """Moments (m, 3) on directors at points of elements (m,), where the local functions of r_z are ``tables`` (m, 16)."""
 
-    def __init__(self, assembly: Assembly, nodes: np.ndarray, moments: np.ndarray, history: History | None):
-        self.geometry, self.nodes, self.moments, self.history = assembly.geometry, nodes, moments, history
-        found = [self.geometry.corner_of(node) for node in nodes]
-        self.elements = np.array([element for element, _ in found])
-        self.rows = np.array([self.geometry.theory.rows[corner, 3] for _, corner in found])
+    def __init__(
+        self, assembly: Assembly, elements: np.ndarray, tables: np.ndarray, moments: np.ndarray, history: History | None,
+        at: np.ndarray = NOWHERE,
+    ):  # fmt: skip
+        self.geometry, self.elements, self.tables = assembly.geometry, elements, tables
+        self.moments, self.history, self.at = moments, history, at
+
+    def places(self, time: float | None) -> np.ndarray:
+        return self.at
+
+    def _directors(self, q: np.ndarray) -> np.ndarray:
+        return np.einsum("ma,mai->mi", self.tables, self.geometry.local(q, self.elements))
 
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        out, d = np.zeros_like(q), q[self.nodes, 3]
-        out[self.nodes, 3] = np.cross(self.moments, d) / (d * d).sum(axis=1, keepdims=True)
-        return np.asarray(amplitude(self.history, time) * out)
+        d = self._directors(q)
+        on_d = amplitude(self.history, time) * np.cross(self.moments, d) / (d * d).sum(axis=1, keepdims=True)
+        return self.geometry.nodal(np.einsum("ma,mi->mai", self.tables, on_d), self.elements)
 
     def _blocks(self, q: np.ndarray, time: float | None) -> np.ndarray:
         """Minus the derivative of the force, (m, 3, 3)."""
-        d, m = q[self.nodes, 3], amplitude(self.history, time) * self.moments
+        d, m = self._directors(q), amplitude(self.history, time) * self.moments
         square = (d * d).sum(axis=1)[:, None, None]
         against = np.cross(np.eye(3), m[:, None, :]).swapaxes(1, 2)  # columns e_j x m
         return np.asarray(2 * np.einsum("ni,nj->nij", np.cross(m, d), d) / square**2 + against / square)
 
     def _matrices(self, blocks: np.ndarray) -> np.ndarray:
-        out = np.zeros((len(blocks), 3, 16, 3, 16))
-        for k, row in enumerate(self.rows):
-            out[k, :, row, :, row] = blocks[k]
-        return out.reshape(-1, 48, 48)
+        return np.einsum("ma,mij,mb->miajb", self.tables, blocks, self.tables).reshape(-1, 48, 48)
 
     def add_stiffness(
         self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
@@ -110,12 +196,17 @@ class MomentOnNormals(Acting):
     """
 
     def __init__(
-        self, assembly: Assembly, elements: np.ndarray, points: np.ndarray, moments: np.ndarray, history: History | None
-    ):
+        self, assembly: Assembly, elements: np.ndarray, points: np.ndarray, moments: np.ndarray, history: History | None,
+        at: np.ndarray = NOWHERE,
+    ):  # fmt: skip
+        self.at = at
         self.geometry, self.elements, self.moments, self.history = assembly.geometry, elements, moments, history
         # (m, 2, 16, n): r_1 and r_2 of the local functions at each facet's points.
         self.slopes = np.stack([self.geometry.theory.slope_table(p) for p in points])
         self._seen: tuple[float | None, np.ndarray, tuple[np.ndarray, ...]] | None = None
+
+    def places(self, time: float | None) -> np.ndarray:
+        return self.at
 
     def _surface(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, ...]:
         """Normals, dual vectors, moments and c; of the last state they are kept, since force and stiffness ask in turn."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
-from skancf.errors import InputError, vector
+from skancf.errors import InputError, shown, vector
+from skancf.functions import called, is_function
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting, Spread, check_distributed
 from skancf.loads.edge import on_line
@@ -58,9 +59,9 @@ class MovingForce:
     def __post_init__(self) -> None:
         check_history(self.history)
         vector("force", self.force, 3)
-        if not callable(self.path):
-            raise InputError(f"path = {self.path!r}: give a function of time that returns (x, y), for example a Path; a "
-                             "force that stands still is a PointForce")  # fmt: skip
+        if not is_function(self.path):
+            raise InputError(f"path = {shown(self.path)}: give a function of time that returns (x, y), for example a Path; "
+                             "a force that stands still is a PointForce")  # fmt: skip
 
     def on(self, assembly: Assembly) -> "Moving":
         geometry, force = assembly.geometry, np.asarray(self.force, float)
@@ -107,7 +108,7 @@ class MovingLine:
         check_distributed(self.force, self.history)
         for name in ("start", "end"):
             place = getattr(self, name)
-            if not callable(place):
+            if not is_function(place):
                 vector(f"{name}, neither a function of time nor a point:", place, 2)
 
     def on(self, assembly: Assembly) -> "Moving":
@@ -122,7 +123,7 @@ class MovingLine:
 
 
 def _point(name: str, place: Any, time: float) -> np.ndarray:
-    return vector(f"{name} at t = {time}", place(time) if callable(place) else place, 2)
+    return vector(f"{name} at t = {time}", called(name, place, time) if is_function(place) else place, 2)
 
 
 class Moving(Acting):

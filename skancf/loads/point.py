@@ -5,10 +5,13 @@ from math import pi
 
 import numpy as np
 
+from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, vector
 from skancf.history import History, check_history
 from skancf.loads.acting import DeadLoad, point_forces
+
+SINGULAR, CLOSE, NEWTON = 1e-9, 1e-9, 30
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ class PointForce:
 
 @dataclass(frozen=True)
 class DiskForce:
-    """A force (N) spread evenly over a small disk of the mid-surface.
+    """A force (N) spread evenly over a small disk of the mid-surface, round where it is seen along the normal at its centre.
 
     Parameters
     ----------
@@ -47,6 +50,12 @@ class DiskForce:
         In space (m).
     force : (3,)
         The whole force.
+
+    Raises
+    ------
+    InputError
+        For a radius that is not positive and entries that are not finite; on a mesh, for a disk that reaches over the
+        edge of the surface or covers a pole.
     """
 
     at: tuple[float, float]
@@ -67,13 +76,7 @@ class DiskForce:
         radii = self.radius * np.sqrt((np.arange(n_rings) + 0.5) / n_rings)
         angles = 2 * pi * (np.arange(n_angles) + 0.5) / n_angles
         offsets = np.stack([np.outer(radii, f(angles)).ravel() for f in (np.cos, np.sin)])
-        slopes = np.stack(geometry.surface.derivatives(*np.asarray(self.at, float)), axis=1)
-        triangle = np.linalg.qr(slopes)[1]
-        sizes = np.abs(triangle.diagonal())
-        if sizes.min() < 1e-9 * sizes.max():
-            raise InputError(f"disk at {tuple(self.at)}: the parameters have no inverse at a pole, so a disk cannot cover "
-                             "one; use a PointForce, or a SurfaceLoad that is zero elsewhere")  # fmt: skip
-        points = np.asarray(self.at, float)[:, None] + np.linalg.solve(triangle, offsets)
+        points = self._points(geometry, offsets)
         try:
             elements, local = geometry.locate_all(points)
         except InputError as outside:
@@ -81,3 +84,30 @@ class DiskForce:
                              "make it smaller or move it") from outside  # fmt: skip
         forces = np.tile(np.asarray(self.force, float) / len(elements), (len(elements), 1))
         return DeadLoad(point_forces(geometry, elements, local, forces), self.history, geometry.within(points))
+
+    def _points(self, geometry: Geometry, offsets: np.ndarray) -> np.ndarray:
+        """Parameters (2, n) of the points that are at offsets (2, n) from the centre, seen along the normal there."""
+        surface, centre = geometry.surface, np.asarray(self.at, float)
+        slopes = np.stack(surface.derivatives(*centre), axis=1)
+        frame, triangle = np.linalg.qr(slopes)
+        sizes = np.abs(triangle.diagonal())
+        if sizes.min() < SINGULAR * sizes.max():
+            raise self._over_a_pole()
+        points = centre[:, None] + np.linalg.solve(triangle, offsets)
+        origin, scale = surface.position(*centre)[:, None], np.abs(points - centre[:, None]).max()
+        for _ in range(NEWTON):
+            points_now = geometry.within(points)
+            gap = offsets - frame.T @ (surface.position(*points_now) - origin)
+            if np.abs(gap).max() < CLOSE * self.radius:
+                return points
+            matrix = np.einsum("ik,dim->mkd", frame, np.stack(surface.derivatives(*points_now)))
+            if (np.abs(np.linalg.det(matrix)) < SINGULAR * abs(np.linalg.det(triangle))).any():
+                raise self._over_a_pole()
+            step = np.linalg.solve(matrix, gap.T[:, :, None])[:, :, 0].T
+            points = points + step * min(1.0, scale / np.abs(step).max())
+        raise self._over_a_pole()
+
+    def _over_a_pole(self) -> InputError:
+        return InputError(f"disk at {tuple(self.at)} of radius {self.radius} m reaches over the edge of the surface or over "
+                          "a pole; the parameters have no inverse at a pole, so a disk cannot cover one; make it smaller, "
+                          "or use a PointForce, or a SurfaceLoad that is zero elsewhere")  # fmt: skip

@@ -1,13 +1,16 @@
 """Pressure that follows the surface."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from skancf.assembly import local
 from skancf.assembly.pressure_kernel import pressure_stiffness
 from skancf.assembly.protocols import Assembly
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import number
+from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
 
@@ -21,23 +24,41 @@ class FollowerPressure:
     .. math:: f = p \int N \, (r_{,x} \times r_{,y}) \, dx\,dy
 
     Positive along :math:`X_{,x} \times X_{,y}`: on a closed cylinder or sphere with outward normals it inflates.
-    Its tangent is exact. The skew part of it is an integral along the boundary and vanishes where that is held,
+    Its tangent is exact. The skew part of it, of a constant pressure, is an integral along the boundary and vanishes where
+    that is held,
 
     .. math:: \tfrac12 p \oint \delta r \cdot (\Delta r \times dr).
+
+    A pressure that varies with the place on the surface moves along with it; it has no potential.
+
+    Parameters
+    ----------
+    pressure : float or callable
+        p (Pa), constant or a function of the parameters (x, y).
+    history : callable, optional
+        Factor as a function of time.
+
+    Raises
+    ------
+    InputError
+        For a pressure that is not one finite number; on a mesh, for values of a function that are not.
 
     References
     ----------
     Schweizerhof and Ramm (1984), Computers & Structures 18, 1099-1114.
     """
 
-    pressure: float
+    pressure: Any
     history: History | None = None
 
     def __post_init__(self) -> None:
-        number("pressure", self.pressure)
+        if not is_function(self.pressure):
+            number("pressure", self.pressure)
         check_history(self.history)
 
-    def on(self, assembly: Assembly) -> "PressureOnSurface":
+    def on(self, assembly: Assembly) -> Acting:
+        if is_function(self.pressure):
+            return VaryingPressure(assembly, self.pressure, self.history)
         return PressureOnSurface(assembly, self.pressure, self.history)
 
 
@@ -85,3 +106,45 @@ class PressureOnSurface(Acting):
             cross = 0.5 * amount[k] * np.cross(np.eye(3)[:, :, None], dr[:, None], axis=0)  # (i, j, n) of e_j x dr
             matrices[k] = -np.einsum("an,ijn,bn->iajb", N, cross, N)
         return self.edges, matrices.reshape(-1, 48, 48)
+
+
+class VaryingPressure(Acting):
+    r"""A follower pressure on all elements, a function of place.
+
+    The force on a local function is :math:`\int p N (r_1 \times r_2)`, and minus its derivative is taken as it is.
+    """
+
+    def __init__(self, assembly: Assembly, pressure: Any, history: History | None):
+        self.geometry, self.history = assembly.geometry, history
+        theory, geometry = self.geometry.theory, self.geometry
+        points, weights = square_quadrature(EXACT)
+        self.values, self.slopes = theory.position_table(points)[0], theory.slope_table(points)
+        self.amounts = values_at("pressure", pressure, geometry.parameters(points)) * weights * geometry.side[:, None]
+
+    def _tangents(self, q: np.ndarray) -> np.ndarray:
+        """r_1 and r_2 at the points, (2, n_elements, n_points, 3)."""
+        return np.einsum("gap,eai->gepi", self.slopes, self.geometry.local(q), optimize=True)
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        along = np.cross(*self._tangents(q)) * (amplitude(self.history, time) * self.amounts)[:, :, None]
+        return self.geometry.nodal(np.einsum("ap,epi->eai", self.values, along), np.arange(self.geometry.n_elements))
+
+    def _matrices(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        """Minus the derivative of the force, (n_elements, 48, 48), component by component."""
+        one, two = self._tangents(q)
+        amounts, axes = amplitude(self.history, time) * self.amounts, np.eye(3)[:, None, None]
+        # (j, e, p, i): r_1 x e_j with the slope along 2, and e_j x r_2 with that along 1.
+        turned = np.stack([np.cross(axes, two), np.cross(one, axes)]) * amounts[:, :, None]
+        full = -np.einsum("ap,gjepi,gbp->eiajb", self.values, turned, self.slopes, optimize=True)
+        return full.reshape(-1, 48, 48)
+
+    def add_stiffness(
+        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
+    ) -> None:
+        full = self._matrices(q, time)
+        elements = np.arange(self.geometry.n_elements, dtype=np.int32)
+        local.add_local(elements, factor * (full + full.swapaxes(1, 2)) / 2, self.geometry.maps, slots, out)
+
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
+        full = self._matrices(q, time)
+        return np.arange(self.geometry.n_elements), (full - full.swapaxes(1, 2)) / 2

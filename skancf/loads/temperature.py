@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, finite
+from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
 
@@ -30,7 +31,7 @@ class Temperature:
     def __post_init__(self) -> None:
         check_history(self.history)
         for name, value in (("change", self.change), ("gradient", self.gradient)):
-            if not callable(value) and np.ndim(finite(name, value)):
+            if not is_function(value) and np.ndim(finite(name, value)):
                 raise InputError(f"{name} = {value}: give one number or a function of (x, y)")
 
     def on(self, assembly: Assembly) -> "Heating":
@@ -38,15 +39,8 @@ class Temperature:
 
     def values(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """T0 and T1 at parameters (2, ...), each (...)."""
-        found = []
-        for name, part in (("change", self.change), ("gradient", self.gradient)):
-            value = finite(name, part(*at) if callable(part) else part)
-            try:
-                found.append(np.broadcast_to(value, at.shape[1:]))
-            except ValueError as wrong:
-                raise InputError(f"{name} of shape {value.shape}: a function of (x, y) must return "
-                                 f"{at.shape[1:]}") from wrong
-        return found[0], found[1]
+        one, two = (values_at(name, getattr(self, name), at) for name in ("change", "gradient"))
+        return one, two
 
 
 class Heating(Acting):

@@ -11,6 +11,9 @@ from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, cut, rectangles_of
 from skancf.surfaces import BoundedSurface, Interval, closed_directions
 
+LONGEST = 1e9
+"""Largest ratio of the two ranges of a surface's parameters."""
+
 
 def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] = ()) -> skfem.MeshQuad:
     """Aligned rectangles between the node positions ``x`` and ``y``, with the boundaries named by ``surface.sides``.
@@ -86,4 +89,8 @@ def bounds_of(surface: BoundedSurface) -> tuple[Interval, Interval]:
     if isinstance(surface, type) or not hasattr(surface, "bounds") or not hasattr(surface, "sides"):
         raise InputError(f"surface = {shown(surface)}: it has no bounds to mesh; use a surface over a rectangle "
                          "of the parameter plane, or bring a MeshQuad of your own")
+    one, two = (high - low for low, high in surface.bounds)
+    if max(one, two) > LONGEST * min(one, two):
+        raise InputError(f"surface = {shown(surface)}: its parameters span {one:.6g} by {two:.6g}, and elements of a length "
+                         f"over {LONGEST:g} times their width have no area in floating-point numbers")  # fmt: skip
     return surface.bounds

@@ -84,18 +84,18 @@ def field_chart(
     levels: int = 14,
     show_mesh: bool = True,
 ) -> Path:
-    """Filled contours of nodal values, bilinear in between: a nephogram of the neutral surface.
+    """Filled contours of nodal values, bilinear in between.
 
     Parameters
     ----------
     mesh : skfem.MeshQuad
         In the parameter plane; of a system it is ``system.geometry.mesh``.
     values : (n_nodes,) array
-        For example ``solution.nodal_stresses()[:, 0]``.
+        For example ``solution.nodal_stresses(z="top")[:, 0]``.
     path : str or Path
         ``*.png``, ``*.pdf`` or ``*.svg``.
     label : str
-        What the colours mean, with its unit, as in ``"S11 (Pa)"``.
+        What the colours mean, with its unit, as in ``"S11, top face (Pa)"``.
     surface : Surface, optional
         See :func:`mesh_chart`.
     title : str

@@ -3,13 +3,16 @@
 import numpy as np
 
 from skancf.errors import InputError, shown
+from skancf.materials import Section
 from skancf.output.sampling import grid, sample_strain, sample_surface
-from skancf.solution import STRESSES, Solution
+from skancf.solution import STRESSES, Depth, Solution, depth_of
 
 STRAINS = tuple(name.replace("S", "E") for name in STRESSES)
 VECTORS = {"displacement": ("u", "m"), "velocity": ("v", "m/s")}
 FORCES = ("N11", "N22", "N12", "M11", "M22", "M12")
 SHEAR = ("Q1", "Q2")
+ABOVE = 1e-9
+"""Of the thickness."""
 NAMES = (*STRESSES, "mises", *STRAINS, *FORCES, *SHEAR, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3")
 
 
@@ -58,10 +61,40 @@ def readable_unit(name: str, largest: float) -> tuple[float, str]:
     return 10.0**-power, {9: "GPa", 6: "MPa", 3: "kPa", 0: "Pa"}[power]
 
 
-def values(solution: Solution, name: str, subdivisions: int, z: float) -> np.ndarray:
-    """A scalar field (n,) at the points of :func:`~skancf.output.sample`; of a vector its length."""
+def through(name: str) -> bool:
+    """Does a field change through the thickness: stress, strain and von Mises' stress?"""
+    return name == "mises" or name in STRESSES + STRAINS
+
+
+def place(name: str, section: Section, z: Depth | None) -> tuple[float, str]:
+    """The depth (m) that is meant by z, and in words; without one the top face of stresses and strains, all depths for von
+    Mises' stress, and the reference surface of what does not change through the thickness."""
+    if z is None and not through(name):
+        return 0.0, ""
+    if z is None and name == "mises":
+        return 0.0, "largest through the thickness"
+    depth = depth_of(section, "top" if z is None else z)
+    faces = {float(section.z[0]): "bottom face, ", float(section.z[-1]): "top face, "}
+    shown = through(name) or depth
+    return depth, f"{faces.get(depth, '')}z = {depth:.4g} m" if shown else ""
+
+
+def largest_mises(solution: Solution, subdivisions: int) -> np.ndarray:
+    """The largest von Mises stress through the thickness, (n,): stress is linear in each layer, and largest at its faces."""
+    section = solution.system.problem.section
+    # At an interface the law is that of the layer below; a little higher it is the other one.
+    depths = np.concatenate([section.z, section.z[1:-1] + ABOVE * section.thickness])
+    return np.max([von_mises(sample_strain(solution, subdivisions, z)[1]) for z in depths.tolist()], axis=0)
+
+
+def values(solution: Solution, name: str, subdivisions: int, z: Depth | None) -> np.ndarray:
+    """A scalar field (n,) at the points of :func:`~skancf.output.sample`; of a vector its length; where z is None see
+    :func:`place`."""
     check_name(name)
-    if name == "mises" or name in STRESSES + STRAINS:
+    if name == "mises" and z is None:
+        return largest_mises(solution, subdivisions)
+    z = place(name, solution.system.problem.section, z)[0]
+    if through(name):
         strain, stress = sample_strain(solution, subdivisions, z)
         if name == "mises":
             return von_mises(stress)

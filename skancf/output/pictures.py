@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import STATE, flag, instance, texts, whole
+from skancf.arguments import STATE, choice, flag, instance, texts, whole
 from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, number, positive, shown, vector
 from skancf.output.colours import colour_limits, colour_map
-from skancf.output.fields import check_name, readable_unit, values, words
+from skancf.output.fields import check_name, place, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet
 from skancf.output.sampling import grid, sample_surface
-from skancf.solution import Solution
+from skancf.solution import DEPTHS, Depth, Solution
 
 DARK, GREY = "#202020", "#9a9a9a"
 MOST_PIXELS = 16_384
@@ -35,8 +35,10 @@ class Look:
         stresses ``"S11"``, ``"S22"``, ``"S33"``, ``"S23"``, ``"S13"``, ``"S12"`` in the local frame, ``"mises"``,
         strains ``"E11"``, ... in the same order, section forces ``"N11"``, ``"N22"``, ``"N12"``, ``"M11"``, ``"M22"``,
         ``"M12"``, and in theory `kirchhoff` ``"Q1"``, ``"Q2"``.
-    z : float
-        Depth of the surface that is drawn and of its field (m).
+    z : float or {"top", "middle", "bottom"}, optional
+        Depth of the surface that is drawn and of its field (m). Default: stresses and strains are those of the top face,
+        and von Mises' stress is the largest through the thickness, drawn on the reference surface as all other fields. The
+        title and the colour bar say which.
     scale : float
         Factor of the displacements that are drawn.
     limits : (2,) tuple, optional
@@ -55,7 +57,7 @@ class Look:
     """
 
     field: str = "displacement"
-    z: float = 0.0
+    z: Depth | None = None
     scale: float = 1.0
     limits: tuple[float, float] | None = None
     view: tuple[float, float, float] = (-0.55, -1.0, 0.62)
@@ -67,7 +69,10 @@ class Look:
 
     def __post_init__(self) -> None:
         check_name(self.field)
-        number("z", self.z)
+        if isinstance(self.z, str):
+            choice("z", self.z, DEPTHS)
+        elif self.z is not None:
+            number("z", self.z)
         number("scale", self.scale)
         if np.hypot(*vector("view", self.view, 3)[:2]) == 0:
             raise InputError(f"view = {self.view}: look a little from the side, not along z: (0, -0.01, 1)")
@@ -94,6 +99,8 @@ class Frame:
     outline : (n_lines, k, 3) array
         Curves along the boundary of the undeformed surface.
     title : str
+    where : str
+        Depth, in words.
     """
 
     points: np.ndarray
@@ -102,6 +109,7 @@ class Frame:
     edges: np.ndarray
     outline: np.ndarray
     title: str
+    where: str = ""
 
 
 def picture(solution: Solution, path: AnyPath, **look: Any) -> Path:
@@ -177,7 +185,8 @@ def _frame(solution: Solution, style: Look) -> Frame:
     few = int(np.clip(np.sqrt(FEW_CELLS / solution.system.geometry.n_elements), 2, 12))
     k = few if style.subdivisions is None else style.subdivisions
     colours = values(solution, style.field, k, style.z)
-    surface = sample_surface(solution, k, style.z)
+    depth, where = place(style.field, solution.system.problem.section, style.z)
+    surface = sample_surface(solution, k, depth)
     undeformed = surface.points - surface.displacement
     points = undeformed + style.scale * surface.displacement
     return Frame(
@@ -186,7 +195,8 @@ def _frame(solution: Solution, style: Look) -> Frame:
         cells=surface.cells,
         edges=points[surface.rims],
         outline=undeformed[_boundary(solution, surface.rims)],
-        title=_title(solution, style) if style.title is None else style.title,
+        title=_title(solution, style, where) if style.title is None else style.title,
+        where=where,
     )
 
 
@@ -197,9 +207,8 @@ def _boundary(solution: Solution, rims: np.ndarray) -> np.ndarray:
     return np.asarray(sides[np.isin(geometry.mesh.t2f, geometry.boundary)])
 
 
-def _title(solution: Solution, style: Look) -> str:
-    where = f" at z = {style.z:.4g} m" if style.z or style.field[0] in "SEm" else ""
-    parts = [words(style.field) + where]
+def _title(solution: Solution, style: Look, where: str) -> str:
+    parts = [f"{words(style.field)}, {where}" if where else words(style.field)]
     if solution.time is not None:
         parts.append(f"t = {solution.time:.4g} s")
     elif solution.load_factor != 1:
@@ -256,7 +265,7 @@ def _draw(plotter: Any, frame: Frame, style: Look, limits: tuple[float, float]) 
         ambient=0.55,
         diffuse=0.5,
         specular=0.0,
-        scalar_bar_args=_bar(style, shown_unit),
+        scalar_bar_args=_bar(style, shown_unit, frame.where),
     )
     if style.show_undeformed:
         plotter.add_mesh(_lines(frame.outline), color=GREY, line_width=_width(style), lighting=False)
@@ -279,10 +288,11 @@ def _lines(curves: np.ndarray) -> Any:
     return pyvista.PolyData(curves.reshape(-1, 3), lines=numbers.ravel())
 
 
-def _bar(style: Look, shown_unit: str) -> dict[str, Any]:
+def _bar(style: Look, shown_unit: str, where: str) -> dict[str, Any]:
     short = {"displacement": "u", "velocity": "v"}.get(style.field, style.field)
+    depth = where.split(" through")[0].split(" face")[0]
     return {
-        "title": short + (f" ({shown_unit})" if shown_unit else "") + "\n",
+        "title": short + (f" ({shown_unit})" if shown_unit else "") + (f"\n{depth}" if depth else "") + "\n",
         "vertical": True,
         "position_x": 0.855,
         "position_y": 0.2,

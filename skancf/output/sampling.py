@@ -144,7 +144,8 @@ def sample(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Samples
     subdivisions : int
         Cells along an element's edge, at least 1.
     z : float
-        Depth, from the bottom face to the top face (m).
+        Depth, from the bottom face to the top face (m). Default: the reference surface, where bending leaves no stress;
+        give a face, ``solution.system.problem.section.z[-1]``, for what bending does there.
 
     Returns
     -------

@@ -1,5 +1,6 @@
 """Linear buckling: the load factors at which an undeformed structure loses its stiffness."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,13 +9,32 @@ from scipy.sparse.linalg import LinearOperator
 
 from skancf.arguments import choice
 from skancf.assembly.system import System
+from skancf.checks import Check
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution
 from skancf.statics.asked import check_asked
 from skancf.statics.causes import require_support
-from skancf.statics.modes import check_tolerance, checked_count, free_directions, lanczos, moved_along, nth
-from skancf.statics.tangents import linear_tangent, warn_if_skew
+from skancf.statics.eigen_checks import (
+    SAFETY,
+    TRIES,
+    count_check,
+    gap_or_group,
+    group_note,
+    orthogonality_check,
+    pair_check,
+    warn_of_failures,
+)
+from skancf.statics.modes import (
+    ROUNDING,
+    check_tolerance,
+    checked_count,
+    free_directions,
+    lanczos,
+    moved_along,
+    nth,
+)
+from skancf.statics.tangents import geometric_stiffness, warn_if_skew
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
@@ -24,12 +44,13 @@ COARSE = 0.15
 
 @dataclass(frozen=True)
 class BucklingResult:
-    """Outcome of :func:`buckling`.
+    r"""Outcome of :func:`buckling`.
 
     Attributes
     ----------
     load_factors : (m,) array
-        In the order of their size; fewer than were asked where no more exist.
+        In the order of their size; fewer than were asked where no more exist. Those beyond 10^4 times the smallest of
+        either sign count as infinite.
     shapes : (m, n_dofs) array
         Buckling modes with phi . K phi = 1, zero along prescribed coordinates.
     linear : Solution
@@ -37,12 +58,20 @@ class BucklingResult:
     message : str
         That no load factor buckles the structure, if none does; or that the mesh is too coarse for a mode, where assumed
         membrane strains (theory `kirchhoff`) and those as they are do not agree in it.
+    note : str
+        That n cuts a group of equal or nearly equal load factors, and how many to ask for to have all of it.
+    checks : tuple of Check
+        A bound on the relative error of each load factor from its residual, the worst of them; products of the shapes; and
+        whether any of the lowest is missing, by the signs of the pivots of :math:`K_0 + s K_\sigma`, s in the gap behind
+        the last.
     """
 
     load_factors: np.ndarray
     shapes: np.ndarray
     linear: Solution
     message: str = ""
+    note: str = ""
+    checks: tuple[Check, ...] = ()
 
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""
@@ -79,7 +108,8 @@ def buckling(
     Warns
     -----
     OutOfDepth
-        Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found.
+        Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found. Where
+        a check fails, for example as load factors are missing that further searches did not find.
     """
     check_asked(system, backend)
     check_tolerance(tolerance)
@@ -97,14 +127,17 @@ def buckling(
         answer = solver.solve(system.external_force(start) - stiffness @ moved, refinements=2) + moved
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
-        geometric = linear_tangent(system, answer) + (-1.0) * stiffness
+        geometric = geometric_stiffness(system, answer, stiffness)
         pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
-        inverse, shapes = pencil.positive(n) if signs == "positive" else pencil.largest(n)
-    order = np.argsort(-np.abs(inverse))[:n]
+        inverse, shapes, cut, count = pencil.lowest(n, signs)
+        checks = (*pencil.checked(inverse[:n], shapes[:n]), count)
     message = "no positive load factor buckles this structure; the load only stiffens it"
-    if order.size:
-        message = _coarse(system, stiffness, shapes[order])
-    return BucklingResult(1.0 / inverse[order], shapes[order], Solution(system, start + answer, linear=True), message)
+    if inverse.size:
+        message = _coarse(system, stiffness, shapes[:n])
+    note = group_note("load factor", 1.0 / np.abs(inverse), n, cut)
+    warn_of_failures(checks)
+    linear = Solution(system, start + answer, linear=True, small=answer)
+    return BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
 
 
 def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
@@ -119,7 +152,7 @@ def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
     worst = int(np.argmax(ratios))
     return (
         f"the mesh is too coarse for the waves of mode {worst}: with membrane strains as they are it would need "
-        f"{ratios[worst]:.3g} times the load; the truth lies between, take a finer mesh"
+        f"{ratios[worst]:.3g} times the load, and finer meshes may have less than both; take one"
     )
 
 
@@ -133,38 +166,103 @@ class _Pencil:
         self.solver, self.stiffness, self.geometric = solver, stiffness, geometric
         self.constraints, self.tolerance = constraints, tolerance
 
-    def largest(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """The n largest in size."""
-        return self._lanczos(n, "LM")
+    def lowest(self, n: int, signs: str) -> tuple[np.ndarray, np.ndarray, int, Check]:
+        """Inverse load factors (m,) and shapes (m, n_dofs) of the lowest load factors, up to the first gap behind n of them;
+        the number of those before the gap; and whether so many are there.
 
-    def positive(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """The n largest, or as many as are positive."""
-        reference = 1.0 / np.abs(self.largest(1)[0][0])
-        # Sylvester: each load factor between 0 and this one makes one eigenvalue of the sum negative.
-        self.solver.factor(self.stiffness + (NEVER * float(reference)) * self.geometric)
-        exist = self.solver.negative_pivots
+        Sylvester: each load factor between 0 and s makes one eigenvalue of K_0 + s K_sigma negative. So many are looked for
+        beside what was found until the numbers agree.
+        """
+        which = "LA" if signs == "positive" else "LM"
+        limit = NEVER / np.abs(self._more(1, "LM", (np.zeros(0), self._none))[0]).max()
+        exist = self._within(limit, signs)
+        values, shapes = np.zeros(0), self._none
+        ask, lost, stuck, tries = min(n + 1, exist), exist + 1, 0, 0
+        while True:
+            if ask > 0:
+                self.solver.factor(self.stiffness)
+                values, shapes = self._more(ask, which, (values, shapes))
+                # Those that never buckle are no load factors.
+                order = np.argsort(-np.abs(values), kind="stable")
+                order = order[np.abs(values[order]) * limit > 1]
+                order = order[values[order] > 0] if which == "LA" else order
+                values, shapes = values[order], shapes[order]
+            tries += 1
+            factors, at, cut = 1.0 / np.abs(values), limit, len(values)
+            if cut < exist:
+                gap = gap_or_group(factors, n, tries)
+                if gap is None:
+                    ask = min(max(1, n + 1 - cut, cut // 2), exist - cut)
+                    continue
+                cut, at = gap, 0.5 * float(factors[gap - 1] + factors[gap])
+            counted = exist if at == limit else self._within(at, signs)
+            stuck = stuck + 1 if counted - cut >= lost else 0
+            lost = counted - cut
+            if lost <= 0 or stuck == TRIES:
+                return values, shapes, cut, count_check(cut, counted, f"up to the load factor {at:.6g}")
+            ask = min(lost + 1, max(exist - len(values), 1))
+
+    @property
+    def _none(self) -> np.ndarray:
+        return np.zeros((0, self.stiffness.shape[0]))
+
+    def _within(self, at: float, signs: str) -> int:
+        """Number of load factors from 0 to ``at``, for both signs also of those from ``-at`` to 0."""
+        count = 0
+        for sign in (1.0, -1.0) if signs == "both" else (1.0,):
+            self.solver.factor(self.stiffness + (sign * at) * self.geometric)
+            count += self.solver.negative_pivots
+        return count
+
+    def checked(self, values: np.ndarray, shapes: np.ndarray) -> tuple[Check, Check]:
+        r"""Bounds on relative errors, with :math:`r = -K_\sigma \phi - \mu K_0 \phi` and :math:`\mu = 1 / \lambda`: some
+        :math:`\mu^*` has :math:`|\mu - \mu^*| \le \sqrt{r \cdot K_0^{-1} r}`; and products of the shapes."""
+        if not len(values):
+            return pair_check(values, values), orthogonality_check(np.zeros((0, 0)), "elastic stiffness")
         self.solver.factor(self.stiffness)
-        if not exist:
-            return np.zeros(0), np.zeros((0, self.stiffness.shape[0]))
-        return self._lanczos(min(n, exist), "LA")
+        elastic = np.array([self.constraints.free_part(self.stiffness @ v) for v in shapes])
+        load = np.array([self.constraints.free_part(self.geometric @ v) for v in shapes])
+        residuals = -load - values[:, None] * elastic
+        errors = np.sqrt([abs(float(r @ self.solver.solve(r))) for r in residuals]) / np.abs(values)
+        sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values))
+        noise = ROUNDING * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
+        products = shapes @ elastic.T
+        return pair_check(errors, SAFETY * self.tolerance + noise), orthogonality_check(products, "elastic stiffness")
 
-    def _lanczos(self, n: int, which: str) -> tuple[np.ndarray, np.ndarray]:
-        if 2 * n >= self.constraints.n_free:
-            values, shapes = _dense(self.stiffness, self.geometric, self.constraints)
-            best = np.argsort(-values if which == "LA" else -np.abs(values))[:n]
-            return values[best], shapes[best]
+    def _more(
+        self, n: int, which: str, known: tuple[np.ndarray, np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+        """The known ones and the n largest beside them, in size or as they are; of few coordinates all."""
+        if 2 * (n + len(known[0])) >= self.constraints.n_free:
+            return _dense(self.stiffness, self.geometric, self.constraints)
+        new = self._lanczos(n, which, known[1])
+        return np.append(known[0], new[0]), np.vstack([known[1], new[1]])
+
+    def _lanczos(self, n: int, which: str, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The n largest, in size or as they are, beside the known ones."""
         shape = self.stiffness.shape
-        start = self.solver.solve(np.random.default_rng(0).standard_normal(shape[0]))
+        elastic, load = (self._projected(matrix) for matrix in (self.stiffness, self.geometric))
+        weights = np.array([elastic(v) for v in known]).reshape(known.shape)
+
+        def apart(v: np.ndarray) -> np.ndarray:
+            return v - known.T @ (weights @ v)
+
+        def driving(v: np.ndarray) -> np.ndarray:
+            force = -load(apart(v))
+            return force - weights.T @ (known @ force)
+
+        start = apart(self.solver.solve(np.random.default_rng(len(known)).standard_normal(shape[0])))
         values, vectors = lanczos(
-            self._projected(self.geometric, -1.0), k=n, M=self._projected(self.stiffness, 1.0), which=which, v0=start,
-            Minv=LinearOperator(shape, matvec=self.solver.solve, dtype=np.float64), tol=self.tolerance,
+            LinearOperator(shape, matvec=driving, dtype=np.float64), k=n, which=which, v0=start, tol=self.tolerance,
+            M=LinearOperator(shape, matvec=elastic, dtype=np.float64),
+            Minv=LinearOperator(shape, matvec=self.solver.solve, dtype=np.float64),
             ncv=min(self.constraints.n_free, max(2 * n + 1, 30)),
         )  # fmt: skip
         return values, np.array([self.constraints.free_part(v) for v in vectors])
 
-    def _projected(self, matrix: BlockMatrix, sign: float) -> LinearOperator:
+    def _projected(self, matrix: BlockMatrix) -> Callable[[np.ndarray], np.ndarray]:
         keep = self.constraints.free_part
-        return LinearOperator(matrix.shape, matvec=lambda v: sign * keep(matrix @ keep(v)), dtype=np.float64)
+        return lambda v: keep(matrix @ keep(v))
 
 
 def _dense(

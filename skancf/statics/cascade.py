@@ -143,13 +143,12 @@ class Cascade:
         rtol = self.settings.rtol
         found = verify(self.system, self.solver, result.q, self.load_factor, rtol=rtol, origin=self.path[0].q)
         self.checks = checks_of(found.measured)
-        bound = max(result.bound, found.bound)
-        if failed := failures(self.checks):
-            status, message = Status.OUT_OF_BALANCE, failed
-        elif found.bound or result.status is Status.ROUNDING:
+        status, message, bound = Status.CONVERGED, "", 0.0
+        if found.unmet or result.status is Status.ROUNDING:
+            bound = max([result.bound, *(one.rounding for one in found.unmet)])
             status, message = Status.ROUNDING, LOST.format(bound)
-        else:
-            status, message, bound = Status.CONVERGED, "", 0.0
+            if failed := failures(self.checks):
+                status, message = Status.OUT_OF_BALANCE, failed
         result = replace(
             result, q=found.q, status=status, message=message, bound=bound, negative_pivots=found.negative_pivots
         )

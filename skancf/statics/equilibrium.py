@@ -1,10 +1,12 @@
 """Equilibrium under the loads: the nonlinear one, that of small deflections, and that along the path."""
 
+import warnings
+
 import numpy as np
 
 from skancf.arguments import instance
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, number
+from skancf.errors import DidNotConverge, OutOfDepth, number
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -13,9 +15,15 @@ from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
 from skancf.statics.depth import warn_if_thick
-from skancf.statics.newton import Status
+from skancf.statics.newton import OPEN, Status
 from skancf.statics.path import trace
 from skancf.statics.static_result import HalveAndGrow, StaticResult
+from skancf.statics.verify import Balance, unmet
+
+OPEN_LINEAR = (
+    "the linear answer lost digits: {} is {:.1e}, more than {:.0e}. Elements may be too small, or too thin for their "
+    "length: take a coarser mesh, or look for a support that hardly holds"
+)
 
 
 def solve(
@@ -126,6 +134,13 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     ------
     InputError
         When a rigid motion is free.
+    DidNotConverge
+        Where rounding leaves loads and reactions out of balance by more than a hundredth.
+
+    Warns
+    -----
+    OutOfDepth
+        Where they are out of balance by more than a millionth.
     """
     check_asked(system, backend)
     require_support(system)
@@ -137,4 +152,12 @@ def small_deflection(system: System, load_factor: float = 1.0, *, backend: str =
     change = load_factor * system.linear_change(backend)
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
-    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True)
+    sizes = np.abs(system.stiffness().diagonal())
+    lost = unmet(Balance.of_small_change(system, change, load_factor).measured(sizes))
+    if lost:
+        worst = max(lost, key=lambda one: one.value)
+        message = OPEN_LINEAR.format(worst.name, worst.value, worst.limit)
+        if worst.value > OPEN:
+            raise DidNotConverge(message)
+        warnings.warn(message, OutOfDepth, stacklevel=3)
+    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True, small=change)

@@ -1,7 +1,7 @@
 """Small free vibrations about an equilibrium."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
@@ -9,20 +9,31 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 
 from skancf.arguments import whole
 from skancf.assembly.system import System
+from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.memory import require_much
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.asked import check_asked
+from skancf.statics.eigen_checks import (
+    SAFETY,
+    TRIES,
+    count_check,
+    gap_after,
+    gap_or_group,
+    group_note,
+    orthogonality_check,
+    pair_check,
+    warn_of_failures,
+)
 from skancf.statics.soft import factor_shifted
 from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.thinness import warn_if_mass_is_off
 
-# Two eigenvalues that differ less than this, relatively, are not told apart when they are counted.
-SEPARATION = 1e-6
 # An eigenvalue that is no larger than so many roundings of the terms of which it is the sum is zero: rigid motions of free
 # plates, L/h from 10 to 10^4, have up to 1500, their softest elastic one a million and more.
 ROUNDING = 1e4 * np.finfo(float).eps
+TINY = np.finfo(float).tiny
 
 
 @dataclass(frozen=True)
@@ -36,11 +47,17 @@ class Modes:
     shapes : (n, n_dofs) array
         Of unit modal mass, :math:`\phi^T M \phi = 1`, zero along prescribed coordinates.
     n_rigid : int
-        Motions of which the stiffness is zero to rounding: rigid motions of a free structure, or a mechanism.
+        Motions of which the stiffness is zero to rounding, all of them even if more than n: rigid motions of a free
+        structure, or a mechanism.
     n_unstable : int
         Negative eigenvalues, all of them even if more than n.
     state : Solution
         The equilibrium.
+    note : str
+        That n cuts a group of equal or nearly equal eigenvalues, and how many to ask for to have all of it.
+    checks : tuple of Check
+        A bound on the relative error of each eigenvalue from its residual, the worst of them; products of the shapes; and
+        whether any of the lowest is missing, by the signs of the pivots of :math:`K - s M`, s in the gap behind the last.
     """
 
     eigenvalues: np.ndarray
@@ -48,6 +65,8 @@ class Modes:
     n_rigid: int
     n_unstable: int
     state: Solution
+    note: str = ""
+    checks: tuple[Check, ...] = ()
 
     @property
     def omega(self) -> np.ndarray:
@@ -70,7 +89,7 @@ def modes(
     r"""Lowest frequencies, :math:`K \phi = \omega^2 M \phi`, K being the tangent of the undeformed state or ``state``.
 
     Lanczos' method on :math:`(K - \sigma M)^{-1} M`, with :math:`\sigma = 0`, or a small negative number where K is
-    singular; Sylvester's law of inertia shows that no eigenvalue is missing.
+    singular; Sylvester's law of inertia shows whether an eigenvalue is missing.
 
     Parameters
     ----------
@@ -90,7 +109,8 @@ def modes(
     Warns
     -----
     OutOfDepth
-        Where loads follow a free edge: only the symmetric part of K is taken, and flutter is not found.
+        Where loads follow a free edge: only the symmetric part of K is taken, and flutter is not found. Where a check
+        fails, for example as modes are missing that further searches did not find.
     """
     check_asked(system, backend)
     if state is not None:
@@ -102,9 +122,28 @@ def modes(
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
     warn_if_skew(system, stiffness, system.undeformed if state.linear else state.q, state.load_factor)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        values, shapes = _Spectrum(solver, stiffness, system.mass, system.constraints, tolerance).lowest(n)
-    order = np.argsort(values, kind="stable")[:n]
-    return Modes(values[order], shapes[order], int((values == 0).sum()), int((values < 0).sum()), state)
+        spectrum = _Spectrum(solver, stiffness, system.mass, system.constraints, tolerance)
+        pairs, cut, count = spectrum.lowest(n)
+    first, values = pairs.of(slice(n)), pairs.values
+    products = first.shapes @ np.array([spectrum.with_mass(v) for v in first.shapes]).T
+    checks = (pair_check(first.errors, first.allowed), orthogonality_check(products, "mass"), count)
+    n_rigid, n_unstable = int((values == 0).sum()), int((values < 0).sum())
+    warn_of_failures(checks)
+    note = group_note("mode", values, n, gap_after(values, n) or cut)
+    return Modes(first.values, first.shapes, n_rigid, n_unstable, state, note, checks)
+
+
+class Pairs(NamedTuple):
+    """Ascending eigenvalues (m,), shapes (m, n_dofs) of unit modal mass, and bounds (m,) on relative errors with what is
+    allowed for them."""
+
+    values: np.ndarray
+    shapes: np.ndarray
+    errors: np.ndarray
+    allowed: np.ndarray
+
+    def of(self, order: Any) -> "Pairs":
+        return Pairs(*(part[order] for part in self))
 
 
 class _Spectrum:
@@ -116,28 +155,77 @@ class _Spectrum:
         self.solver, self.stiffness, self.mass, self.constraints = solver, stiffness, mass, constraints
         self.tolerance = tolerance
 
-    def lowest(self, n: int) -> tuple[np.ndarray, np.ndarray]:
-        """At least the n lowest; values (m,) and shapes (m, n_dofs) in no order.
+    def lowest(self, n: int) -> tuple[Pairs, int, Check]:
+        """All pairs up to the first gap behind the n lowest, all unstable ones and all without stiffness; the number of
+        pairs before that gap; and whether so many are there.
 
         Lanczos' method may pass over one of several equal eigenvalues, or a negative one far from the shift. By Sylvester's
-        law the pivots of K - s M count those below s, and what is missing is looked for beside what was found.
+        law the pivots of K - s M count those below s, with s in the gap, and what is missing is looked for beside what was
+        found.
         """
-        if 2 * (n + 1) >= self.constraints.n_free:
-            return self._clean(self._dense())
-        shift = factor_shifted(self.solver, self.stiffness, self.mass)
-        shapes = np.zeros((0, self.mass.shape[0]))
-        missing = n
-        while missing and len(shapes) + missing < self.constraints.n_free:
-            shapes = np.vstack([shapes, self._lanczos(missing + 1, shift, shapes)])
-            values, shapes = self._clean(shapes)
-            top = values.max() - SEPARATION * abs(values.max())
-            missing = 0
-            if values.max() != 0:
-                self.solver.factor(self.stiffness + (-float(top)) * self.mass)
-                missing = max(0, self.solver.negative_pivots - int((values < top).sum()))
-            if missing:
-                self.solver.factor(self.stiffness + (-shift) * self.mass)
-        return values, shapes
+        n_free = self.constraints.n_free
+        shift, ask, lost, stuck, tries, searched_again = None, n + 1, n_free, 0, 0, False
+        pairs = self._pairs(np.zeros((0, self.mass.shape[0])), 0.0)
+        while len(pairs.values) + ask < n_free and 2 * ask < n_free:
+            if shift is None:
+                shift = factor_shifted(self.solver, self.stiffness, self.mass)
+            new = self._pairs(self._lanczos(ask, shift, pairs.shapes), shift)
+            pairs = Pairs(*map(np.concatenate, zip(pairs, new, strict=True)))
+            pairs = pairs.of(np.argsort(pairs.values, kind="stable"))
+            tries += 1
+            cut = gap_or_group(pairs.values, max(n, int((pairs.values <= 0).sum())), tries)
+            if cut is None:
+                ask = max(2, len(pairs.values) // 2)
+                continue
+            at = 0.5 * float(pairs.values[cut - 1] + pairs.values[cut])
+            counted = self._below(at)
+            stuck = stuck + 1 if counted - cut >= lost else 0
+            lost = counted - cut
+            if lost <= 0 or stuck == TRIES:
+                pairs = self._bounded(pairs, shift, at)
+                if (pairs.errors <= pairs.allowed).all() or not shift or searched_again:
+                    return pairs, cut, count_check(cut, counted, f"below {at:.6g}")
+                # Beside motions without stiffness, so near the shift, others have few digits: all again from farther away.
+                shift, searched_again = -float(pairs.values[pairs.values > 0][0]), True
+                pairs, ask, lost, stuck = pairs.of(slice(0)), cut + 1, n_free, 0
+            else:
+                ask = lost + 1
+            self.solver.factor(self.stiffness + (-shift) * self.mass)
+        pairs = self._dense()
+        return pairs, gap_after(pairs.values, n) or n_free, count_check(len(pairs.values), n_free, "of all coordinates")
+
+    def _below(self, at: float) -> int:
+        """Number of eigenvalues below a number, as many negative pivots as K - s M has."""
+        self.solver.factor(self.stiffness + (-at) * self.mass)
+        return self.solver.negative_pivots
+
+    def _pairs(self, shapes: np.ndarray, shift: float) -> Pairs:
+        r"""Shapes with their eigenvalues; the factors are those at the shift.
+
+        With :math:`A = K - \sigma M` and the residual r, some eigenvalue :math:`\lambda^*` is as near as
+        :math:`|\lambda - \lambda^*| \le |\lambda^* - \sigma| \, \|A^{-1} r\|_M`.
+        """
+        values, shapes, noise = self._clean(shapes)
+        scale = _scale(values, shift)
+        errors = self._errors(values, shapes) * np.abs(values - shift) / scale
+        return Pairs(values, shapes, errors, SAFETY * self.tolerance + noise / scale)
+
+    def _errors(self, values: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+        r""":math:`\|A^{-1} r\|_M`, (m,), with the factors that the solver has."""
+        residuals = (self.stiffness @ v - value * (self.mass @ v) for v, value in zip(shapes, values, strict=True))
+        return np.array([self._size(self.solver.solve(r)) for r in residuals])
+
+    def _bounded(self, pairs: Pairs, shift: float, at: float) -> Pairs:
+        """A second bound, with the factors at a higher number, for pairs that the first one does not show to be right: near
+        the shift it takes a trace of a rigid motion in an elastic one for much."""
+        k = np.flatnonzero(~(pairs.errors <= pairs.allowed))
+        errors, values = pairs.errors.copy(), pairs.values[k]
+        second = self._errors(values, pairs.shapes[k]) * np.abs(values - at) / _scale(values, shift)
+        errors[k] = np.fmin(errors[k], second)
+        return pairs._replace(errors=errors)
+
+    def _size(self, v: np.ndarray) -> float:
+        return float(np.sqrt(v @ self.with_mass(v)))
 
     def _lanczos(self, n: int, shift: float, known: np.ndarray) -> np.ndarray:
         """Shapes (n, n_dofs) of the eigenvalues nearest to the shift, beside the known ones."""
@@ -154,25 +242,39 @@ class _Spectrum:
             ncv=min(self.constraints.n_free, max(2 * n + 1, 20)),
         )[1]  # fmt: skip
 
-    def _dense(self) -> np.ndarray:
+    def _dense(self) -> Pairs:
         """All, for so many modes of so few coordinates that Lanczos' method has no room."""
         free = free_directions(self.constraints)
         stiffness, mass = (free @ matrix.to_scipy() @ free.T for matrix in (self.stiffness, self.mass))
-        return eigh(stiffness, mass)[1].T @ free
+        values, shapes, noise = self._clean(eigh(stiffness, mass)[1].T @ free)
+        order = np.argsort(values, kind="stable")
+        values, shapes, noise = values[order], shapes[order], noise[order]
+        parts = shapes @ free.T
+        residuals = stiffness @ parts.T - mass @ parts.T * values
+        errors = np.sqrt(np.maximum((residuals * np.linalg.solve(mass, residuals)).sum(axis=0), 0.0))
+        scale = np.maximum(np.abs(values), TINY)
+        # Full matrices have the rounding of their largest eigenvalue in all.
+        rounding = np.maximum(noise, ROUNDING * np.abs(values).max())
+        return Pairs(values, shapes, errors / scale, SAFETY * self.tolerance + rounding / scale)
 
-    def _clean(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values, zero where they are rounding, and shapes of unit modal mass on the free coordinates."""
-        shapes = np.array([self._normalised(self.constraints.free_part(v)) for v in shapes])
+    def _clean(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Values, zero where they are rounding, shapes of unit modal mass on the free coordinates, and that rounding."""
+        shapes = np.array([self._normalised(self.constraints.free_part(v)) for v in shapes]).reshape(shapes.shape)
         sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values))
         values = np.array([v @ (self.stiffness @ v) for v in shapes])
         noise = ROUNDING * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
-        return np.where(np.abs(values) <= noise, 0.0, values), shapes
+        return np.where(np.abs(values) <= noise, 0.0, values), shapes, noise
 
     def _normalised(self, v: np.ndarray) -> np.ndarray:
         return v / np.sqrt(v @ self.with_mass(v)) * np.sign(v[np.argmax(np.abs(v))])
 
     def with_mass(self, v: np.ndarray) -> np.ndarray:
         return self.constraints.free_part(self.mass @ self.constraints.free_part(v))
+
+
+def _scale(values: np.ndarray, shift: float) -> np.ndarray:
+    """To what errors of eigenvalues are relative: their size, of zero ones that of the shift."""
+    return np.maximum(np.where(values == 0, abs(shift), np.abs(values)), TINY)
 
 
 def lanczos(matrix: LinearOperator, **options: Any) -> tuple[np.ndarray, np.ndarray]:

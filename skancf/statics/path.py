@@ -181,7 +181,7 @@ class _Run:
         if len(points) < 2 or not hasattr(self.system, "strain_energy"):
             return ()
         sizes = np.abs(self.system.tangent(last.q, factor=last.load_factor).diagonal())
-        balance = Balance(self.system, last.q, last.load_factor, points[0].q)
+        balance = Balance.of_state(self.system, last.q, last.load_factor, points[0].q)
         return checks_of(balance.measured(sizes))
 
     def _go(self, start: Solution, steps: int, bar: Progress) -> tuple[Status, str]:

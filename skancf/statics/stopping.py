@@ -9,6 +9,8 @@ from skancf.linear import BlockMatrix, SkewSolver
 
 ROUNDING = 1e-15
 """Rounding of nodal coordinates, relative; its square times the stiffness is energy below which nothing is known."""
+RIGID = 1e-24
+"""Strain energy over that of the way of each coordinate by itself, below which a way is a rigid motion."""
 
 
 def work(change: np.ndarray, force: np.ndarray) -> float:
@@ -60,16 +62,22 @@ class Pull:
         return 0.5 * float((q - self.anchor) @ self.force(q))
 
 
+def is_rigid(energy: float, sizes: np.ndarray, way: np.ndarray, part: float = RIGID) -> bool:
+    """Is a strain energy no more than the rounding of a way, given the absolute diagonal of the stiffness against it?"""
+    return bool(energy <= part * float(sizes @ (way * way)))
+
+
 class Verdict(NamedTuple):
     """On a correction: is it the last one, the energy that is rounding, and that with which it was compared.
 
     ``bound`` is the energy norm up to which rounding leaves the answer open, relative to that of the strain; zero where the
-    asked tolerance was met.
+    asked tolerance was met. ``rigid`` says that the way has no strain.
     """
 
     last: bool
     floor: float
     bound: float = 0.0
+    rigid: bool = False
 
 
 class StopRule:
@@ -124,7 +132,8 @@ class StopRule:
             return Verdict(energy <= self.rtol**2 * min(largest, scale) + floor and near, floor)
         if energy <= floor:
             met = energy <= self.rtol**2 * scale
-            return Verdict(True, floor, 0.0 if met or not scale else float(np.sqrt(floor / scale)))
+            bound = 0.0 if met or not scale else float(np.sqrt(floor / scale))
+            return Verdict(True, floor, bound, is_rigid(scale, sizes, way))
         return Verdict(energy <= self.rtol**2 * min(largest, scale) + floor and self._is_small(change, way), floor)
 
     def _scale(self, q: np.ndarray, load_factor: float) -> float:

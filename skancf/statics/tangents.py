@@ -13,6 +13,8 @@ from skancf.statics.newton import skew_part
 
 # A skew part so small against the stiffness is rounding, of edges that are held or lie in a plane of symmetry.
 ROUNDING = 1e-12
+# A stiffness so many times what is added to it leaves twelve digits of that.
+NO_LOSS = 1e3
 SYMMETRIC_ONLY = (
     "Loads that follow a free edge have no potential, so that the tangent is not symmetric: only its symmetric part is "
     "counted, and flutter is not found; a run of simulate(system) shows it"
@@ -28,12 +30,26 @@ def linear_tangent(system: System, change: np.ndarray, load_factor: float = 1.0)
     return system.tangent(start, system.stresses(start, change) - system.stresses(start), factor=load_factor)
 
 
+def geometric_stiffness(system: System, change: np.ndarray, stiffness: BlockMatrix) -> BlockMatrix:
+    """What the stresses of a linear answer, (n_dofs,), and its loads add to the stiffness of the undeformed state.
+
+    It is a difference of two matrices, in which a load that is small against the stiffness is lost to rounding: then the
+    load is taken larger, and the difference divided by that.
+    """
+    added = linear_tangent(system, change) + (-1.0) * stiffness
+    size = float(np.abs(added.values).max())
+    larger = float(np.abs(stiffness.values).max()) / size if size else 1.0
+    if larger <= NO_LOSS:
+        return added
+    return (1.0 / larger) * (linear_tangent(system, larger * change, larger) + (-1.0) * stiffness)
+
+
 def state_tangent(system: System, state: Solution | None) -> BlockMatrix:
     """Symmetric tangent of a state; of a linear answer that which :func:`linear_tangent` has; None is the unloaded state."""
     if state is None:
         return system.stiffness()
     if state.linear:
-        return linear_tangent(system, state.q - system.undeformed, state.load_factor)
+        return linear_tangent(system, state.change, state.load_factor)
     return system.tangent(state.q, factor=state.load_factor)
 
 

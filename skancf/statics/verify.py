@@ -1,6 +1,7 @@
 """Checks of an equilibrium by its exact tangent, its residual and the balance of the whole body."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from skancf.checks import Check
 from skancf.errors import SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.statics.newton import factored
-from skancf.statics.stopping import ROUNDING, work
+from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, work
 from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
@@ -18,6 +19,8 @@ BALANCE = 1e-6
 TIMES, LEAST = 10.0, 1e-7
 """A residual of so many times the asked tolerance fails; a smaller tolerance than the second is not checked."""
 POLISHES = 3
+RIGID_PRODUCT = 1e-13
+"""As RIGID, for an energy that is a product of the stiffness and a change, not made of strains."""
 
 
 @dataclass(frozen=True)
@@ -28,10 +31,6 @@ class Measured:
     value: float
     limit: float
     rounding: float
-
-    @property
-    def met(self) -> bool:
-        return self.value <= self.limit
 
 
 @dataclass(frozen=True)
@@ -52,9 +51,14 @@ class Verified:
     negative_pivots: int
 
     @property
-    def bound(self) -> float:
-        """What rounding leaves open of a number that meets its limit only up to rounding; zero where all meet it."""
-        return max((measured.rounding for measured in self.measured if not measured.met), default=0.0)
+    def unmet(self) -> list[Measured]:
+        """The numbers that do not meet their limits; rounding may explain them."""
+        return unmet(self.measured)
+
+
+def unmet(measured: tuple[Measured, ...]) -> list[Measured]:
+    """Those above their limits, and those that are no numbers."""
+    return [one for one in measured if not one.value <= one.limit]
 
 
 def checks_of(measured: tuple[Measured, ...]) -> tuple[Check, ...]:
@@ -75,10 +79,10 @@ def verify(
         return Verified(q, (Measured(f"tangent at the answer, {singular}", np.inf, 0.0, 0.0),), 0)
     sizes, pivots = np.abs(tangent.matrix.diagonal()), solver.negative_pivots
     for polish in range(POLISHES + 1):
-        balance = Balance(system, q, load_factor, origin)
+        balance = Balance.of_state(system, q, load_factor, origin)
         correction = tangent.solve(-balance.free)
         measured = (_residual(balance, correction, sizes, rtol), *balance.measured(sizes))
-        if polish == POLISHES or all(one.met for one in measured):
+        if polish == POLISHES or not unmet(measured):
             break
         q = q + correction
     return Verified(q, measured, pivots)
@@ -86,47 +90,67 @@ def verify(
 
 def _residual(balance: "Balance", correction: np.ndarray, sizes: np.ndarray, rtol: float) -> Measured:
     """The residual in the energy norm of the exact tangent, relative to that of the strain."""
-    counts = balance.energy > 0 and balance.driven
-    rounding = ROUNDING * float(np.sqrt(sizes @ balance.q**2 / balance.energy)) if counts else 0.0
+    counts = balance.energy > 0 and balance.drive[0] > 0 and not balance.is_rigid(sizes)
+    rounding = ROUNDING * float(np.sqrt(sizes @ balance.moved**2 / balance.energy)) if counts else 0.0
     norm = float(np.sqrt(work(correction, balance.free) / balance.energy)) if counts else 0.0
     return Measured("residual in the energy norm, of that of the strain", norm, max(TIMES * rtol, LEAST), rounding)
 
 
+@dataclass(frozen=True)
 class Balance:
     """Forces of a state: internal ones, loads, and what supports carry.
 
     Attributes
     ----------
-    free : (n_dofs,) array
-        Residual on the free coordinates.
-    driven : bool
-        Whether anything but the start moves the body: loads, or prescribed displacements.
+    place : (n_dofs,) array
+        Nodal coordinates at which forces have their arms: of the state; of a small-deflection answer the undeformed ones.
+    moved : (n_dofs,) array
+        Numbers of whose rounding that of the internal forces is made: the coordinates, or a small change of them.
+    way : (n_dofs,) array
+        From where the state began.
+    internal, loads : (n_dofs,) array
     energy : float
-        Twice the strain energies of the state and of the origin of its way (J).
+        Twice the strain energies of the state and of the beginning of its way (J).
+    pushed : bool
+        Supports move.
     """
 
-    def __init__(self, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> None:
-        self.system, self.q, self.way = system, q, q - origin
+    system: Any
+    place: np.ndarray
+    moved: np.ndarray
+    way: np.ndarray
+    internal: np.ndarray
+    loads: np.ndarray
+    energy: float
+    pushed: bool
+
+    @classmethod
+    def of_state(cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> "Balance":
+        energy = float(system.strain_energy(q, load_factor))
         # At rest and cold there is none.
-        begins = (origin != system.undeformed).any() or system.held_back(None) is not None
-        self.energy = 2 * float(system.strain_energy(q, load_factor))
-        if begins:
-            self.energy += 2 * float(system.strain_energy(origin, load_factor))
-        self.loads = load_factor * system.external_force(q)
-        self.internal = system.internal_force(q)
-        residual = self.internal - self.loads
-        self.free = system.constraints.free_part(residual)
-        self.reactions = residual - self.free
-        self.moved = bool(system.prescribed().any())
-        self.driven = bool(self.loads.any()) or self.moved
+        if (origin != system.undeformed).any() or system.held_back(None) is not None:
+            energy += float(system.strain_energy(origin, load_factor))
+        loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())
+        return cls(system, q, q, q - origin, system.internal_force(q), loads, 2 * energy, pushed)
+
+    @classmethod
+    def of_small_change(cls, system: Any, change: np.ndarray, load_factor: float) -> "Balance":
+        start, internal = system.undeformed, system.stiffness() @ change
+        loads, pushed = load_factor * system.external_force(start), bool(system.prescribed().any())
+        return cls(system, start, change, change, internal, loads, float(internal @ change), pushed)
+
+    @cached_property
+    def free(self) -> np.ndarray:
+        """Residual on the free coordinates."""
+        return np.asarray(self.system.constraints.free_part(self.internal - self.loads))
 
     def measured(self, sizes: np.ndarray) -> tuple[Measured, ...]:
         """Balance of the whole body, given the absolute diagonal of a tangent, by which rounding is judged."""
-        noise, way = ROUNDING * sizes * self.q, self.way
+        noise, way = ROUNDING * sizes * self.moved, self.way
         drive, lever = self.drive
         force, moment = self.left()
         terms = self.energy + float(np.abs(self.internal) @ np.abs(way))
-        if not (drive and terms):
+        if not (drive and terms) or self.is_rigid(sizes):
             return ()
         lost = float(np.sqrt(noise @ noise)) / drive
         lost_work = float(np.sqrt((noise * way) @ (noise * way))) / terms
@@ -136,15 +160,20 @@ class Balance:
             Measured("work of the residual on the way, of the forces'", work(self.free, way) / terms, BALANCE, lost_work),
         )
 
-    @property
+    def is_rigid(self, sizes: np.ndarray) -> bool:
+        """Whether supports alone move the body, and without strain: nothing but rounding is left to be balanced."""
+        part = RIGID_PRODUCT if self.moved is self.way else RIGID
+        return self.pushed and not self.loads.any() and is_rigid(self.energy, sizes, self.way, part)
+
+    @cached_property
     def drive(self) -> tuple[float, float]:
         """Size of the forces that drive the body (N), and a lever for moments (m): the extent of the body.
 
         The sum of the magnitudes of nodal loads, moments over the extent; of the reactions where nothing but supports moves.
         """
-        nodal = self.q.reshape(-1, 4, 3)
+        nodal = self.place.reshape(-1, 4, 3)
         lever = float((nodal[:, 0].max(axis=0) - nodal[:, 0].min(axis=0)).max())
-        forces = self.reactions if self.moved else self.loads
+        forces = self.internal - self.loads - self.free if self.pushed else self.loads
         sizes, arms = (np.sqrt(v * v @ np.ones(3)) for v in (forces.reshape(-1, 4, 3), nodal))
         arms[:, 0] = lever
         return float(np.vdot(sizes, arms)) / lever, lever
@@ -154,10 +183,10 @@ class Balance:
 
         Sums over the whole body, to which internal forces do not contribute.
         """
-        system, nodal = self.system, self.q.reshape(-1, 4, 3).copy()
-        total = self.loads + self.reactions
-        if system.foundation is not None:
-            total = total - system.foundation @ (self.q - system.undeformed)
+        # Loads and reactions are what internal forces leave of the residual on the free coordinates.
+        nodal, total = self.place.reshape(-1, 4, 3).copy(), self.internal - self.free
+        if (springs := self.system.foundation) is not None:
+            total = total - springs @ (self.moved if self.moved is self.way else self.place - self.system.undeformed)
         nodal[:, 0] -= nodal[0, 0].copy()
         force, moment = total.reshape(-1, 4, 3)[:, 0].sum(axis=0), sum_of_cross(nodal, total)
         return float(np.sqrt(force @ force)), float(np.sqrt(moment @ moment))

@@ -3,7 +3,8 @@
 from skancf.supports.conditions import Support
 from skancf.supports.driven import DrivenClamp
 from skancf.supports.elastic import Dashpot, Foundation, Spring
-from skancf.supports.held import Clamp, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Symmetry
+from skancf.supports.held import Clamp, NoRotation, Pin, Roller, SimpleSupport, Symmetry
+from skancf.supports.prescribed import Prescribed
 
 ALL = [Clamp, Dashpot, DrivenClamp, Foundation, NoRotation, Pin, Prescribed, Roller, SimpleSupport, Spring, Symmetry]
 

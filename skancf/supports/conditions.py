@@ -1,7 +1,12 @@
 """Conditions on the nodal vectors at a place.
 
-A place is the name of a boundary (``"left"``, ``"boundary"`` for all of it, ``"corners"``), a list of names, a point (x,
-y) of the parameter plane or a list of them (nodes must be there), or a function of (x, y) that is true at the nodes meant.
+A place is the name of a boundary, a list of names, a point (x, y) of the parameter plane or a list of them (nodes must be
+there), or a function of (x, y) that is true at the nodes meant. Names are those of the mesh (``"left"``), ``"boundary"`` for
+the outer boundary, which the edges of openings are no part of, ``"openings"`` for those, ``"opening 1"`` and so on for one
+of them, in the order of their lowest x and then y, and ``"corners"``.
+
+Points are single points, however many there are: between them slopes are free. A name means edges, and so does a function
+of (x, y) where it is true at both ends of one: slopes along them are held too.
 """
 
 from typing import Any, NamedTuple

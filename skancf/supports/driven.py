@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, number, unit_vector, vector
+from skancf.errors import InputError, number, shown, unit_vector, vector
+from skancf.functions import called, is_function
 from skancf.supports.conditions import FOURTH, R, Row, Support, condition, edges
 
 
@@ -22,7 +23,10 @@ class DrivenClamp(Support):
     .. math:: r(t) = c + R(\varphi(t)) (X - c) + u(t), \qquad r_{,k}(t) = R(\varphi(t)) X_{,k},
 
     the same for :math:`r_{,xy}` and :math:`r_{,z}`, for any angle. The position at time t is R times the undeformed place: a
-    run from rest begins with an angle and a displacement of zero. In statics the body stands at rest there.
+    run from rest begins with an angle and a displacement of zero.
+
+    Statics has no time. It takes the body where it is at the time ``static``; without one it stands at the undeformed place,
+    and :class:`~skancf.OutOfDepth` is warned. Modes and buckling modes are about a body that stands still in any case.
 
     Unlike on the edge of a :class:`Clamp`, all nodal vectors follow, so the surface does not stretch at these nodes. The
     place may be an edge, single points, or a whole part of the surface, a hub for example.
@@ -39,6 +43,8 @@ class DrivenClamp(Support):
         :math:`\varphi(t)` (rad). Default: the body does not turn.
     displacement : callable, optional
         u(t), three components (m). Default: none.
+    static : float, optional
+        The time (s) whose angle and displacement statics takes, at a load factor of one.
 
     Raises
     ------
@@ -57,14 +63,17 @@ class DrivenClamp(Support):
     through: tuple[float, float, float] = (0.0, 0.0, 0.0)
     angle: Callable[[float], float] | None = None
     displacement: Callable[[float], Any] | None = None
+    static: float | None = None
 
     def __post_init__(self) -> None:
         unit_vector("axis", self.axis, "a body turns about an axis; give its direction")
         vector("through", self.through, 3)
+        if self.static is not None:
+            number("static", self.static)
         for name, example in (("angle", "lambda t: 0.5 * t**2"), ("displacement", "lambda t: (0.0, 0.0, 0.1 * t**2)")):
             value = getattr(self, name)
-            if value is not None and not callable(value):
-                raise InputError(f"{name} = {value!r}: give a function of time, as in {name}={example}")
+            if value is not None and not is_function(value):
+                raise InputError(f"{name} = {shown(value)}: give a function of time, as in {name}={example}")
         if self.angle is None and self.displacement is None:
             raise InputError("DrivenClamp without angle and displacement: give one of them, or use a Clamp")
 
@@ -72,7 +81,7 @@ class DrivenClamp(Support):
     def histories(self) -> tuple[Any, ...]:
         """cos - 1 and sin if it turns, and the displacements along x, y and z if it moves."""
         motion = RigidMotion(self.angle, self.displacement)
-        return tuple(Component(motion, k) for k in self._components)
+        return tuple(Component(motion, k, self.static) for k in self._components)
 
     @property
     def _components(self) -> list[int]:
@@ -107,10 +116,10 @@ class RigidMotion:
         if self._last is None or self._last[0] != time:
             out = np.zeros(5)
             if self.angle is not None:
-                turn = number(f"angle at t = {time}", self.angle(time))
+                turn = number(f"angle at t = {time}", called("angle", self.angle, time))
                 out[:2] = -2 * sin(turn / 2) ** 2, sin(turn)
             if self.displacement is not None:
-                out[2:] = vector(f"displacement at t = {time}", self.displacement(time), 3)
+                out[2:] = vector(f"displacement at t = {time}", called("displacement", self.displacement, time), 3)
             self._last = time, out
         return self._last[1]
 
@@ -118,10 +127,21 @@ class RigidMotion:
 class Component:
     """One of the functions of time of a rigid motion."""
 
-    at_rest = 0.0
+    def __init__(self, motion: RigidMotion, number: int, static: float | None):
+        self.motion, self.number, self.static = motion, number, static
 
-    def __init__(self, motion: RigidMotion, number: int):
-        self.motion, self.number = motion, number
+    @property
+    def at_rest(self) -> float:
+        """What statics takes."""
+        return 0.0 if self.static is None else self(self.static)
+
+    @property
+    def without_time(self) -> str | None:
+        """What is said where it is asked for without a time; None where that is known."""
+        if self.static is not None:
+            return None
+        return ("DrivenClamp: statics has no time, the body is taken at its undeformed place; say which time is meant by "
+                "static=..., or take a Clamp or Prescribed")  # fmt: skip
 
     def __call__(self, time: float) -> float:
         return float(self.motion.at(time)[self.number])

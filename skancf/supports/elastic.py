@@ -8,14 +8,24 @@ import numpy as np
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, unit_vector, vector
+from skancf.functions import is_function, values_at
 from skancf.supports.conditions import Support
 
 
-def not_negative(name: str, value: Any) -> np.ndarray:
-    """Three numbers along x, y and z, none of which is negative."""
+def check_factors(name: str, value: Any) -> None:
+    """InputError unless it is a function, or three numbers of which none is negative and one is positive."""
+    if is_function(value):
+        return
     k = vector(name, value, 3)
     if (k < 0).any() or not k.any():
         raise InputError(f"{name} = {tuple(k.tolist())}: give factors that are not negative, and one of them is positive")
+
+
+def factors_at(name: str, given: Any, at: np.ndarray, components: int | None = None) -> np.ndarray:
+    """A constant or a function at points, nowhere negative."""
+    k = values_at(name, given, at, components)
+    if (k < 0).any():
+        raise InputError(f"{name} = {k.min()} at a point: give a function of (x, y) that is nowhere negative")
     return k
 
 
@@ -24,21 +34,24 @@ def spring_matrices(table: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
     return np.einsum("man,mnij,mbn->miajb", table, stiffness, table, optimize=True).reshape(-1, 48, 48)
 
 
-def on_place(geometry: Geometry, where: Any, factors: Any) -> list[tuple[np.ndarray, np.ndarray]]:
+def on_place(geometry: Geometry, where: Any, name: str, factors: Any) -> list[tuple[np.ndarray, np.ndarray]]:
     """Elements and matrices (m, 48, 48) of forces along x, y and z: per length on the edges of a place, at its points."""
-    k = np.diag(factors)
     nodes, facets = geometry.points_and_facets(where)
     parts = []
     if len(facets):
         elements, points, lengths = geometry.edge_quadrature(facets)
         table = np.stack([geometry.theory.position_table(p)[0] for p in points])
-        parts.append((elements, spring_matrices(table, lengths[:, :, None, None] * k)))
-    alone = np.setdiff1d(nodes, geometry.ends(facets))
-    for node in alone:
+        k = factors_at(name, factors, geometry.parameters(points, elements), 3)
+        parts.append((elements, spring_matrices(table, np.einsum("mn,imn,ij->mnij", lengths, k, np.eye(3)))))
+    for node in np.setdiff1d(nodes, geometry.ends(facets)):
         element, corner = geometry.corner_of(node)
         table = np.zeros((1, 16, 1))
         table[0, geometry.theory.rows[corner, 0]] = 1.0
+        k = np.diag(factors_at(name, factors, geometry.points[:, [node]], 3)[:, 0])
         parts.append((np.array([element]), spring_matrices(table, k[None, None])))
+    if not any(matrices.any() for _, matrices in parts):
+        raise InputError(f"{name} is zero all over the place {where!r}, so that nothing acts there; give a function that is "
+                         "positive somewhere")  # fmt: skip
     return parts
 
 
@@ -52,18 +65,23 @@ class Spring(Support):
     ----------
     where
         Place, as for other supports.
-    stiffness : (3,)
-        Along x, y and z.
+    stiffness : (3,) or callable
+        Along x, y and z: constant, or a function of the parameters (x, y) that returns (3, ...).
+
+    Raises
+    ------
+    InputError
+        For a factor that is negative or not finite, and where all are zero.
     """
 
     where: Any
-    stiffness: tuple[float, float, float]
+    stiffness: Any
 
     def __post_init__(self) -> None:
-        not_negative("stiffness", self.stiffness)
+        check_factors("stiffness", self.stiffness)
 
     def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
-        return on_place(assembly.geometry, self.where, self.stiffness)
+        return on_place(assembly.geometry, self.where, "stiffness", self.stiffness)
 
 
 @dataclass(frozen=True)
@@ -77,8 +95,8 @@ class Dashpot(Support):
     ----------
     where
         Place, as for other supports.
-    damping : (3,)
-        Along x, y and z.
+    damping : (3,) or callable
+        Along x, y and z: constant, or a function of the parameters (x, y) that returns (3, ...).
 
     Raises
     ------
@@ -87,13 +105,13 @@ class Dashpot(Support):
     """
 
     where: Any
-    damping: tuple[float, float, float]
+    damping: Any
 
     def __post_init__(self) -> None:
-        not_negative("damping", self.damping)
+        check_factors("damping", self.damping)
 
     def dashpots(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
-        return on_place(assembly.geometry, self.where, self.damping)
+        return on_place(assembly.geometry, self.where, "damping", self.damping)
 
 
 @dataclass(frozen=True)
@@ -104,17 +122,24 @@ class Foundation(Support):
 
     Parameters
     ----------
-    stiffness : float
-        k (N/m3).
+    stiffness : float or callable
+        k (N/m3): constant, or a function of the parameters (x, y), nowhere negative.
     direction : (3,), optional
         Default: the undeformed normal.
+
+    Raises
+    ------
+    InputError
+        For a stiffness that is not positive, and a direction that is none; on a mesh, for a function that is negative or not
+        finite somewhere, or zero all over.
     """
 
-    stiffness: float
+    stiffness: Any
     direction: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
-        positive("stiffness", self.stiffness, "N/m3")
+        if not is_function(self.stiffness):
+            positive("stiffness", self.stiffness, "N/m3")
         if self.direction is not None:
             unit_vector("direction", self.direction, "a foundation needs a direction in which it pushes")
 
@@ -126,6 +151,9 @@ class Foundation(Support):
             d = d / np.linalg.norm(d, axis=1, keepdims=True)
         else:
             d = np.broadcast_to(unit_vector("direction", self.direction)[:, None], (geometry.n_elements, 3, points.shape[1]))
-        stiffness = self.stiffness * np.einsum("en,ein,ejn->enij", assembly.areas, d, d)
+        k = factors_at("stiffness", self.stiffness, geometry.parameters(points))
+        if not k.any():
+            raise InputError("stiffness is zero all over the surface; give a function that is positive somewhere")
+        stiffness = np.einsum("en,ein,ejn->enij", assembly.areas * k, d, d)
         table = np.broadcast_to(theory.position_table(points)[0], (geometry.n_elements, 16, points.shape[1]))
         return [(np.arange(geometry.n_elements), spring_matrices(table, stiffness))]

@@ -1,14 +1,13 @@
-"""Supports that hold nodal coordinates, or move them as prescribed."""
+"""Supports that hold nodal coordinates."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, finite, unit_vector
-from skancf.history import History, check_history
+from skancf.errors import InputError, shown, unit_vector
+from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import (
     FOURTH,
     R_X,
@@ -31,8 +30,8 @@ from skancf.vectors import cross
 
 
 def checked_kind(kind: str) -> str:
-    if kind not in ("soft", "hard"):
-        raise InputError(f"kind = {kind!r}: a simple support is 'soft' (the director is free to tilt along the edge) "
+    if not isinstance(kind, str) or kind not in ("soft", "hard"):
+        raise InputError(f"kind = {shown(kind)}: a simple support is 'soft' (the director is free to tilt along the edge) "
                          "or 'hard' (it is not)")  # fmt: skip
     return kind
 
@@ -44,7 +43,7 @@ class Pin(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        return held_along(edges(geometry, self.where), np.eye(3))
+        return held_along(edges_or_points("Pin", geometry, self.where), np.eye(3))
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ class Clamp(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        place = edges(geometry, self.where)
+        place = edges_or_points("Clamp", geometry, self.where)
         return held_along(place, np.eye(3)) + no_turn_about(geometry, place) + no_drilling(geometry, place)
 
 
@@ -94,9 +93,13 @@ class SimpleSupport(Support):
         checked_kind(self.kind)
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        place = edges(geometry, self.where)
+        place = edges_or_points("SimpleSupport", geometry, self.where)
         rows = held_along(place, np.eye(3))
         return rows + no_tilt_along(geometry, place) if self.kind == "hard" else rows
+
+
+IN_PLANE = 1e-3
+"""Cosine between a direction and the normal below which it lies in the surface."""
 
 
 @dataclass(frozen=True)
@@ -111,6 +114,11 @@ class Roller(Support):
         Direction in which it is held.
     kind : {"soft", "hard"}
         As for :class:`SimpleSupport`.
+
+    Raises
+    ------
+    InputError
+        On a mesh: in theory `kirchhoff`, for a hard one in a direction that lies in the surface.
     """
 
     where: Any
@@ -122,9 +130,17 @@ class Roller(Support):
         unit_vector("direction", self.direction, "a roller needs a direction in which it holds")
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        place = edges(geometry, self.where)
-        rows = held_along(place, unit_vector("direction", self.direction)[None])
-        return rows + no_tilt_along(geometry, place) if self.kind == "hard" else rows
+        place, direction = edges_or_points("Roller", geometry, self.where), unit_vector("direction", self.direction)
+        rows = held_along(place, direction[None])
+        if self.kind != "hard":
+            return rows
+        if geometry.theory.twist and any(abs(geometry.normal_at(node) @ direction) < IN_PLANE for node in place):
+            raise InputError(
+                f"Roller({self.where!r}, {self.direction}, kind='hard'): in theory 'kirchhoff' the normal tilts along an "
+                "edge as the edge itself does, and this direction, in the surface, leaves the edge free to bend: hold the "
+                "deflection too, take kind='soft', or theory 'full'"
+            )
+        return rows + no_tilt_along(geometry, place)
 
 
 @dataclass(frozen=True)
@@ -166,36 +182,3 @@ class Symmetry(Support):
         x, y = np.linalg.lstsq(slopes.T, out, rcond=None)[0]
         rows.append(Row(node, condition({FOURTH: 1.0}, out)))
         return rows + [Row(node, condition({R_X: x, R_Y: y}, v), own=own) for v in (tangent, normal)]
-
-
-@dataclass(frozen=True)
-class Prescribed(Support):
-    """Displacement given in some directions of space, free in the others.
-
-    Parameters
-    ----------
-    where
-        Place.
-    displacement : three of float or None
-        None leaves a direction free.
-    history : callable, optional
-        Factor as a function of time.
-    """
-
-    where: Any
-    displacement: tuple[float | None, float | None, float | None]
-    history: History | None = None
-
-    def __post_init__(self) -> None:
-        check_history(self.history)
-        if not isinstance(self.displacement, Sequence) or len(self.displacement) != 3:
-            raise InputError(f"displacement = {self.displacement}: give three entries, None where it is free")
-        finite("displacement", [u for u in self.displacement if u is not None])
-
-    def rows(self, geometry: Geometry) -> list[Row]:
-        rows, place = [], edges(geometry, self.where)
-        for axis, u in zip(np.eye(3), self.displacement, strict=True):
-            if u is not None:
-                held = held_along(place, axis[None])
-                rows += [row._replace(value=u) if np.any(row.a[:3]) else row for row in held]
-        return rows

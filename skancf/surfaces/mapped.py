@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, finite, positive
+from skancf.errors import InputError, finite, positive, shown
+from skancf.functions import called, is_function
 from skancf.surfaces.differences import POINTS, difference
 from skancf.surfaces.kinks import check_kinks
 from skancf.surfaces.protocol import Interval, parameters
@@ -16,8 +17,8 @@ ROUNDING = 1e-9
 # What tells a wrong function (a seam that gapes or kinks, derivatives of something else) from inexact differences,
 # relative to the largest value.
 MISTAKE = 1e-4
-# Names that every mesh gives to its whole boundary and to its corners.
-TAKEN = ("boundary", "corners")
+# Names that every mesh gives to its outer boundary, its corners and its openings.
+TAKEN = ("boundary", "corners", "openings")
 
 
 @dataclass(frozen=True)
@@ -60,12 +61,12 @@ class MappedSurface:
     step: float = 1 / 256
 
     def __post_init__(self) -> None:
-        if not callable(self.function):
-            raise InputError(f"function = {self.function!r}: give a function of x and y that returns three components")
+        if not is_function(self.function):
+            raise InputError(f"function = {shown(self.function)}: give a function of x and y that returns three components")
         _check_bounds(self.bounds)
         _check_names(self.sides)
-        if self.closed not in [(a, b) for a in (False, True) for b in (False, True)]:
-            raise InputError(f"closed = {self.closed!r}: give two of True or False, for x and for y")
+        if not _is_pair(self.closed):
+            raise InputError(f"closed = {shown(self.closed)}: give two of True or False, for x and for y")
         if positive("step", self.step) > 1 / POINTS:
             raise InputError(f"step = {self.step}: {POINTS} values must fit into the range; give at most 1/{POINTS}")
         self._check_function()
@@ -97,7 +98,7 @@ class MappedSurface:
 
     def _called(self, name: str, function: Callable[[np.ndarray, np.ndarray], Any], x: np.ndarray, y: np.ndarray) -> Any:
         try:
-            return tuple(function(x, y))
+            return tuple(called(name, function, x, y))
         except (TypeError, ValueError) as wrong:
             raise InputError(f"{name}: {wrong}, on arrays of shape {x.shape}; it must take arrays x and y and return its "
                              "components, so use the functions of numpy and not of math") from wrong
@@ -153,6 +154,8 @@ def _check_exact(name: str, exact: np.ndarray, near: np.ndarray, x: np.ndarray, 
 
 def _components(name: str, given: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Three components as one finite array (3, ...)."""
+    if not hasattr(given, "__iter__") or (isinstance(given, np.ndarray) and given.ndim == 0):
+        raise InputError(f"{name} returned {shown(given)}; give the three components of space")
     given = tuple(given)
     if len(given) != 3:
         raise InputError(f"{name} returned {len(given)} components; give the three of space")
@@ -168,6 +171,12 @@ def _components(name: str, given: Any, x: np.ndarray, y: np.ndarray) -> np.ndarr
     return values
 
 
+def _is_pair(closed: Any) -> bool:
+    """Whether it says of two directions if they are closed."""
+    truths = isinstance(closed, tuple) and all(isinstance(c, bool | np.bool_ | int) and c in (0, 1) for c in closed)
+    return truths and len(closed) == 2
+
+
 def _check_bounds(bounds: Any) -> None:
     checked = finite("bounds", bounds)
     if checked.shape != (2, 2) or not (checked[:, 0] < checked[:, 1]).all():
@@ -179,4 +188,5 @@ def _check_names(sides: Any) -> None:
     if not strings or len(sides) != 4 or len(set(sides)) != 4:
         raise InputError(f"sides = {sides}: give four different names, for x = min, x = max, y = min and y = max")
     if set(sides) & set(TAKEN):
-        raise InputError(f"sides = {sides}: {' and '.join(TAKEN)} mean all sides and all corners; choose other names")
+        raise InputError(f"sides = {sides}: {' and '.join(TAKEN[:2])} mean all sides and all corners, "
+                         f"{TAKEN[2]} the edges of openings; choose other names")  # fmt: skip

@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, number, positive
+from skancf.errors import InputError, number, positive, shown
 from skancf.surfaces.protocol import parameters
 
 # A full turn given in decimals, or added up from parts.
 ROUNDING = 1e-12
+# Turned by more than this many times its angle, the ends of a sector are known to less than the places of nodes.
+LOST = 1e6
 
 
 class Revolution(ABC):
@@ -51,11 +53,13 @@ class Revolution(ABC):
 
 def check_sector(angle: Any, start: Any, closed: Any) -> tuple[bool, bool]:
     """The directions in which a sector is closed; ``closed`` is one bool, or the pair that this returned before."""
-    number("start", start)
     positive("angle", angle)
+    if abs(number("start", start)) > LOST * angle:
+        raise InputError(f"start = {start}, angle = {angle}: the sector is lost in the rounding of its start; give "
+                         "it within a turn of zero, in radians")  # fmt: skip
     pair = closed if isinstance(closed, tuple) else (False, closed)
-    if pair not in ((False, False), (False, True)):
-        raise InputError(f"closed = {closed!r}: give True for a full turn without a seam, or False")
+    if not all(isinstance(way, bool | np.bool_ | int) for way in pair) or pair not in ((False, False), (False, True)):
+        raise InputError(f"closed = {shown(closed)}: give True for a full turn without a seam, or False")
     if angle > 2 * pi * (1 + ROUNDING):
         raise InputError(f"angle = {angle}: a sector needs 0 < angle <= 2 pi, in radians")
     if pair[1] and angle < 2 * pi * (1 - ROUNDING):

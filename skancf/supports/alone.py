@@ -1,0 +1,43 @@
+"""Points in a row along an edge of the boundary, which do not hold the edge."""
+
+import warnings
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.geometry import Geometry
+from skancf.errors import OutOfDepth, shown
+from skancf.supports.conditions import Edges, edges, single_points
+
+STRAIGHT = 0.87
+"""Cosine of the angle by which a boundary turns at most where it counts as one line, 30 degrees."""
+
+
+def edges_or_points(name: str, geometry: Geometry, where: Any) -> Edges:
+    """:func:`~skancf.supports.conditions.edges` of a support that holds positions, with a warning for points in a row."""
+    place = edges(geometry, where)
+    row = points_in_a_row(geometry, place)
+    if row is not None:
+        x, y = row
+        warnings.warn(
+            f"{name}: where = {shown(where)} are single points, of which three or more are neighbours along one edge, at "
+            f"({x:.6g}, {y:.6g}) for example: between them the edge is free, and stresses grow without limit as the mesh is "
+            "refined. To hold the edge as well, give its name, or a function of (x, y) that is true along it",
+            OutOfDepth,
+            stacklevel=7,
+        )
+    return place
+
+
+def points_in_a_row(geometry: Geometry, place: Edges) -> np.ndarray | None:
+    """The middle one (2,) of three single points of a place that are neighbours along one line of the boundary, or None."""
+    alone = geometry.ties.node_of[single_points(geometry, place)]
+    if alone.size < 3:
+        return None
+    facets = geometry.boundary[np.isin(geometry.ends(geometry.boundary), alone).all(axis=0)]
+    ends, directions = geometry.ends(facets), geometry.facet_directions(facets)
+    for node in alone.tolist():
+        at_it = np.flatnonzero((ends == node).any(axis=0))
+        if len(at_it) == 2 and abs(directions[:, at_it[0]] @ directions[:, at_it[1]]) > STRAIGHT:
+            return np.asarray(geometry.mesh.p[:, geometry.ties.representative[node]])
+    return None

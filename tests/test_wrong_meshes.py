@@ -260,7 +260,8 @@ def test_what_to_do_with_a_mesh_that_cannot_be_adapted():
     mesh = uniform(PLATE, 4, 4)
     p = mesh.p.copy()
     p[:, np.setdiff1d(np.arange(p.shape[1]), mesh.boundary_nodes())] += 0.05
-    plate = sk.Problem(PLATE, 0.05, sk.Isotropic(1e5, 0.3, 1.0), [sk.SimpleSupport("boundary")], [sk.SurfaceLoad((0, 0, 1.0))])
+    law, load = sk.Isotropic(1e5, 0.3, 1.0), sk.SurfaceLoad((0, 0, 1.0))
+    plate = sk.Problem(PLATE, 0.05, law, [sk.SimpleSupport("boundary")], [load])
     wrong = made(mesh, p)
     with pytest.raises(InputError, match=r"a quadtree.* needs sides along x and y.*without adapting") as told:
         sk.adapt(plate, sk.Displacement(at=(0.5, 3.5)), mesh=wrong, theory="full")

@@ -50,7 +50,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
             histories.append(history)
     conditions = []
     for support in supports:  # no comprehension: a frame of its own in some Pythons would shift where warnings point
-        conditions.append(_conditions(geometry, support, histories))
+        conditions.append(_conditions(geometry, support, histories))  # noqa: PERF401
     if geometry.theory.twist:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]

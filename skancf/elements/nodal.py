@@ -29,7 +29,9 @@ def nodal_jacobian(mesh: skfem.MeshQuad, elements: np.ndarray | None = None) -> 
     return np.stack([along_xi, along_eta], axis=1)
 
 
-def require_aligned(mesh: skfem.MeshQuad) -> None:
+def require_aligned(
+    mesh: skfem.MeshQuad, what: str = "the bicubic element", way_out: str = "or take theory 'full'"
+) -> None:
     """InputError for a quad whose sides are not parallel to the axes of the parameter plane."""
     sides = np.abs(np.roll(mesh.p[:, mesh.t], -1, axis=1) - mesh.p[:, mesh.t])
     askew = np.flatnonzero((sides.min(axis=0) > ALIGNED * sides.max(axis=0)).any(axis=0))
@@ -37,8 +39,8 @@ def require_aligned(mesh: skfem.MeshQuad) -> None:
         corners = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in mesh.p[:, mesh.t[:, askew[0]]].T)
         raise InputError(
             f"{askew.size} of {mesh.t.shape[1]} elements are no aligned rectangles (first: element {askew[0]} with corners "
-            f"{corners}): the bicubic element needs sides along x and y; put the shape into the surface X(x, y), not into "
-            "the mesh, or take theory 'full'"
+            f"{corners}): {what} needs sides along x and y; put the shape into the surface X(x, y), not into "
+            f"the mesh, {way_out}"
         )
 
 

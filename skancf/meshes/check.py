@@ -6,7 +6,7 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError
-from skancf.meshes.outline import check_edges, check_outline, check_places, overlapping
+from skancf.meshes.outline import check_edges, check_outline, check_places, fills, overlapping
 
 # Twice a corner's triangle over the square of the longest edge. Rounding of coordinates of order one leaves about
 # 1e-16; a rectangle of aspect ratio 1e6 still has 1e-6.
@@ -50,8 +50,12 @@ def check_mesh_on(mesh: Any, bounds: Any) -> None:
         raise InputError(f"{unused.size} nodes belong to no element (first: {unused[0]}): their unknowns would have no "
                          "stiffness; mesh.remove_unused_nodes() drops them")
     # A quadtree's elements are joined by construction.
-    if not hasattr(mesh, "hanging"):
+    grown = hasattr(mesh, "hanging")
+    if not grown:
         check_edges(mesh)
+    if fills(mesh, bounds):
+        return
+    if not grown:
         check_places(mesh)
         _check_joined(mesh)
     check_outline(mesh, bounds)

@@ -22,19 +22,21 @@ ON = 1e-9
 def check_edges(mesh: skfem.MeshQuad) -> None:
     """Every edge belongs to one element, or to two on opposite sides of it."""
     owners = np.bincount(mesh.t2f.ravel(), minlength=mesh.facets.shape[1])
-    wrong = np.flatnonzero(owners > 2)
+    wrong = (owners > 2).nonzero()[0]
     if not wrong.size:
-        inner = np.flatnonzero(mesh.f2t[1] >= 0)
+        inner = (mesh.f2t[1] >= 0).nonzero()[0]
         start, end = mesh.p[:, mesh.facets[:, inner]].swapaxes(0, 1)
         middle = _middles(mesh)
         first, second = (_cross(end - start, middle[:, part] - start) for part in mesh.f2t[:, inner])
         wrong = inner[np.sign(first) == np.sign(second)]
     if wrong.size:
         _, elements = np.nonzero(mesh.t2f == wrong[0])
-        corners = [set(mesh.t[:, e].tolist()) for e in elements]
+        _, which, count = np.unique(np.sort(mesh.t[:, elements], axis=0), axis=1, return_inverse=True, return_counts=True)
+        twice = count.max() > 1
+        elements = np.sort(elements[which.ravel() == count.argmax()] if twice else elements)
         names = " and ".join(map(str, elements))
         ends = " to ".join(f"({x:.6g}, {y:.6g})" for x, y in mesh.p[:, mesh.facets[:, wrong[0]]].T)
-        if corners[0] in corners[1:]:
+        if twice:
             raise InputError(f"elements {names} have the same corners: the plate would be there twice; keep one of them")
         raise InputError(f"elements {names} lie on the same side of their edge from {ends}: they overlap or are there "
                          "twice, and the plate with them; leave one of them out, or mend their corners")  # fmt: skip
@@ -68,35 +70,53 @@ def _near(points: np.ndarray, reach: float) -> np.ndarray:
     return np.stack([order[:-1][close], order[1:][close]], axis=1)
 
 
-def check_outline(mesh: skfem.MeshQuad, bounds: Any = None) -> None:
-    r"""The elements are one piece without overlap, and reach to the bounds of the surface, where it has bounds.
+def fills(mesh: skfem.MeshQuad, bounds: Any = None) -> bool:
+    """Whether elements joined by edges cover a rectangle, the bounds or else that around the mesh, each point of it once.
 
-    Where every edge of the boundary lies on a rectangle, and together they are as long as its sides, each point of it is
-    covered once: the number of elements over a point changes at the boundary only. Any other boundary must be simple loops
-    that do not cross, one around the elements and the others around holes. With bounds, the one around the elements lies on
-    them, but for edges named ``"opening"``.
+    So they do where every edge of the boundary lies on the rectangle, and together they are as long as its sides: the number
+    of elements over a point changes at the boundary only. There are no slits then either.
     """
-    box = np.array(bounds, float) if bounds is not None else np.stack([mesh.p.min(axis=1), mesh.p.max(axis=1)], axis=1)
+    box = _box(mesh, bounds)
+    on, length = _on_box(mesh, mesh.boundary_facets(), box)
+    return bool(on.any(axis=(0, 1)).all() and (np.abs((on * length).sum(axis=2) - 1) < ONE_PLACE).all())
+
+
+def check_outline(mesh: skfem.MeshQuad, bounds: Any = None) -> None:
+    """The elements are one piece without overlap, and reach to the bounds of the surface, where it has bounds.
+
+    The boundary must be simple loops that do not cross, one around the elements and the others around holes. With bounds,
+    the one around the elements lies on them, but for edges named ``"opening"``.
+    """
     facets = mesh.boundary_facets()
     ends = mesh.p[:, mesh.facets[:, facets]]
-    size = box[:, 1] - box[:, 0]
-    on = (np.abs(ends[:, None] - box[:, :, None, None]) <= ON * size[:, None, None, None]).all(axis=2)
-    length = np.abs(ends[:, 1] - ends[:, 0]) / size[:, None]
-    sides = (on * length[::-1, None]).sum(axis=2)
-    if on.any(axis=(0, 1)).all() and (np.abs(sides - 1) < ONE_PLACE).all():
-        return
-    loops, areas = _loops(mesh, facets, ends) if not hasattr(mesh, "hanging") else _around(mesh, facets, ends)
+    loops, areas = (_around if hasattr(mesh, "hanging") else _loops)(mesh, facets, ends)
     if bounds is None:
         return
-    outer = areas[loops] > 0
-    free = outer & ~on.any(axis=(0, 1)) & ~np.isin(facets, (mesh.boundaries or {}).get(OPENING, []))
+    box = _box(mesh, bounds)
+    on, _ = _on_box(mesh, facets, box)
+    free = (areas[loops] > 0) & ~on.any(axis=(0, 1)) & ~np.isin(facets, (mesh.boundaries or {}).get(OPENING, []))
     if free.any():
-        share = areas[areas > 0].sum() / size.prod()
+        share = areas[areas > 0].sum() / np.prod(box[:, 1] - box[:, 0])
         middle = ends.mean(axis=1)[:, free][:, 0]
         raise InputError(f"the mesh covers {100 * share:.4g} % of the surface, which spans {_span(box)}: the edge of an "
                          f"element at {_place(middle)} is within it. What has no elements carries nothing; give a surface "
                          "of the size of the mesh, mesh all of it, or cut openings= (edges of cuts in a mesh of your own "
                          f"are the boundary {OPENING!r})")  # fmt: skip
+
+
+def _box(mesh: skfem.MeshQuad, bounds: Any) -> np.ndarray:
+    """Smallest and largest x, and y, (2, 2)."""
+    return np.stack([mesh.p.min(axis=1), mesh.p.max(axis=1)], axis=1) if bounds is None else np.array(bounds, float)
+
+
+def _on_box(mesh: skfem.MeshQuad, facets: np.ndarray, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Whether edges lie on x = min, x = max and y = min, y = max, (2, 2, n), and their lengths over those of these sides,
+    (2, 1, n)."""
+    ends = mesh.p[:, mesh.facets[:, facets]]
+    size = box[:, 1] - box[:, 0]
+    on = (np.abs(ends[:, None] - box[:, :, None, None]) <= ON * size[:, None, None, None]).all(axis=2)
+    length = np.abs(ends[:, 1] - ends[:, 0]) / size[:, None]
+    return on, length[::-1, None]
 
 
 def _loops(mesh: skfem.MeshQuad, facets: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

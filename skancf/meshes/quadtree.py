@@ -310,7 +310,8 @@ def forest_of(mesh: skfem.MeshQuad, closed: tuple[bool, bool]) -> Forest:
     if mesh.nelements >= MOST_ROOTS:
         raise InputError(f"a coarse mesh of {mesh.nelements} elements: give fewer than {MOST_ROOTS}, and refine them")
     check_mesh(mesh)
-    require_aligned(mesh)
+    require_aligned(mesh, "a quadtree, which is what is refined element by element,",
+                    "or solve on this mesh as it is, with theory 'full' and without adapting")  # fmt: skip
     points = _on_lines(mesh.p)
     corners = _counter_clockwise(points, mesh.t)
     coarse = skfem.MeshQuad(points, corners)

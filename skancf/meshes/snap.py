@@ -43,6 +43,9 @@ def onto_bounds(mesh: skfem.MeshQuad, bounds: Any) -> skfem.MeshQuad:
         beyond = slack * (high - low)
         outside = np.flatnonzero((values < low - beyond) | (values > high + beyond))
         if outside.size:
+            hint = ""
+            if hasattr(mesh, "hanging") and not (np.maximum(low - values, values - high) > NEAR * (high - low)).any():
+                hint = "; make the quadtree by quadtree(mesh, surface), which moves its nodes onto the bounds"
             raise InputError(f"mesh node {outside[0]}: {name} = {values[outside[0]]} is outside the surface, which "
-                             f"spans {low} to {high}; the mesh lives in the parameter plane")  # fmt: skip
+                             f"spans {low} to {high}; the mesh lives in the parameter plane{hint}")  # fmt: skip
     return mesh

@@ -1,0 +1,338 @@
+"""Meshes and surfaces that would give right answers to another problem are refused, and right ones are not."""
+
+from math import pi
+
+import numpy as np
+import pytest
+import skfem
+
+import skancf as sk
+from skancf.assembly.geometry import Geometry
+from skancf.errors import InputError
+from skancf.meshes import check_mesh, graded, quadtree, tensor, uniform
+from skancf.meshes.snap import onto_bounds
+from skancf.theories import theory_named
+
+PLATE = sk.Rectangle(2.0, 1.0, origin=(-0.5, 3.0))
+RING = sk.AnnulusSector(1.0, 2.0, angle=2 * pi, closed=True)
+TUBE = sk.CylinderSector(1.0, 2.0, 2 * pi, closed=True)
+BALL = sk.SphereSector(1.0, (0.0, pi), 2 * pi, closed=True)
+HOLE = [((0.0, 0.5), (3.25, 3.5))]
+
+MESHES = {
+    "uniform": (PLATE, uniform(PLATE, 8, 4)),
+    "tensor": (PLATE, tensor(PLATE, [-0.5, -0.49, 0.1, 0.2, 1.1, 1.5], [3.0, 3.3, 3.35, 3.8, 4.0])),
+    "graded": (PLATE, graded(PLATE, [sk.meshes.Region((0.3, 3.3), (0.1, 0.1), 4.0)], nodes=200)),
+    "ring": (RING, uniform(RING, 4, 12)),
+    "tube": (TUBE, uniform(TUBE, 4, 8)),
+    "ball": (BALL, uniform(BALL, 8, 6)),
+    "openings": (PLATE, uniform(PLATE, 8, 4, openings=HOLE)),
+}
+families = pytest.mark.parametrize("family", MESHES)
+
+
+def put(surface, mesh):
+    return Geometry(mesh, surface, theory_named("full"))
+
+
+def plain(family):
+    surface, mesh = MESHES[family]
+    return surface, skfem.MeshQuad(mesh.p, mesh.t, sort_t=False)
+
+
+def inner_element(mesh):
+    """One without nodes of the boundary, where there is such, else the one in the middle."""
+    free = ~np.isin(mesh.t, mesh.boundary_nodes()).any(axis=0)
+    return int(np.argmax(free)) if free.any() else mesh.nelements // 2
+
+
+def made(mesh, p=None, t=None):
+    return skfem.MeshQuad(mesh.p if p is None else p, mesh.t if t is None else t, sort_t=False)
+
+
+@families
+def test_right_meshes_are_accepted_however_they_are_numbered(family, rng):
+    surface, mesh = MESHES[family]
+    put(surface, mesh)
+    order, nodes = rng.permutation(mesh.nelements), rng.permutation(mesh.p.shape[1])
+    p = np.empty_like(mesh.p)
+    p[:, nodes] = mesh.p
+    t = nodes[mesh.t[:, order]]
+    for corners in (t, np.roll(t, 1, axis=0), t[::-1], np.where(np.arange(len(order)) % 2, t, t[::-1])):
+        check_mesh(made(mesh, p, corners))
+
+
+def test_right_quadtrees_are_accepted():
+    for family in ("uniform", "ring", "tube", "ball", "openings"):
+        surface, mesh = MESHES[family]
+        tree = quadtree(mesh, surface).refined([0, 5]).refined([3])
+        assert len(tree.hanging)
+        put(surface, tree)
+
+
+def test_holes_and_notches_of_any_outline_are_accepted():
+    mesh = uniform(PLATE, 8, 8)
+    middle = mesh.p[:, mesh.t].mean(axis=1)
+    for hole in (np.hypot(middle[0] - 0.5, middle[1] - 3.5) < 0.3, (abs(middle - [[0.5], [3.5]]) < 0.2).all(axis=0)):
+        assert hole.any()
+        put(PLATE, mesh.restrict(np.flatnonzero(~hole)))
+    put(PLATE, uniform(PLATE, 8, 4, openings=[((-0.5, 0.0), (3.25, 3.5)), ((1.0, 1.5), (3.75, 4.0))]))
+    # A surface without bounds has no size of its own.
+    put(sk.Plane(), mesh.restrict(np.flatnonzero(middle[0] + middle[1] < 3.8)))
+
+
+@families
+@pytest.mark.parametrize("turn", ["same", "rolled", "mirrored"])
+def test_an_element_twice(family, turn):
+    surface, mesh = plain(family)
+    for k in (inner_element(mesh), 0, mesh.nelements - 1):
+        again = {"same": mesh.t[:, k], "rolled": np.roll(mesh.t[:, k], 1), "mirrored": mesh.t[::-1, k]}[turn]
+        with pytest.raises(InputError, match=f"elements {k} and {mesh.nelements} .*twice"):
+            put(surface, made(mesh, t=np.column_stack([mesh.t, again])))
+
+
+@families
+def test_an_element_twice_with_nodes_of_its_own(family):
+    surface, mesh = plain(family)
+    for k in (inner_element(mesh), 0):
+        p = np.column_stack([mesh.p, mesh.p[:, mesh.t[:, k]]])
+        t = np.column_stack([mesh.t, np.arange(4) + mesh.p.shape[1]])
+        with pytest.raises(InputError, match="overlap"):
+            put(surface, made(mesh, p, t))
+
+
+def test_a_large_element_over_small_ones():
+    mesh = uniform(PLATE, 8, 4)
+
+    def node(x, y):
+        return np.argmin(np.hypot(mesh.p[0] - x, mesh.p[1] - y))
+
+    for low, high in (((0.0, 3.25), (0.5, 3.75)), ((-0.5, 3.0), (0.0, 3.5)), ((-0.5, 3.0), (1.5, 4.0))):
+        large = [node(*low), node(high[0], low[1]), node(*high), node(low[0], high[1])]
+        with pytest.raises(InputError, match="overlap"):
+            put(PLATE, made(mesh, t=np.column_stack([mesh.t, large])))
+        with pytest.raises(InputError, match="overlap"):
+            check_mesh(made(mesh, t=np.column_stack([mesh.t, large])))
+
+
+@families
+def test_an_element_that_partly_overlaps_others(family):
+    surface, mesh = plain(family)
+    k = inner_element(mesh)
+    corners = mesh.p[:, mesh.t[:, k]]
+    p = np.column_stack([mesh.p, corners + 0.3 * np.ptp(corners, axis=1, keepdims=True)])
+    with pytest.raises(InputError, match="overlap"):
+        put(surface, made(mesh, p, np.column_stack([mesh.t, np.arange(4) + mesh.p.shape[1]])))
+
+
+@families
+def test_folded_elements(family):
+    """A node beyond its neighbours turns elements over, or makes them not convex; exchanged corners make a bow-tie."""
+    surface, mesh = plain(family)
+    k = inner_element(mesh)
+    across = mesh.p[:, mesh.t[2, k]] - mesh.p[:, mesh.t[0, k]]
+    p, t = mesh.p.copy(), mesh.t.copy()
+    p[:, t[0, k]] += 0.8 * across
+    t[:, k] = t[[0, 2, 1, 3], k]
+    flat = mesh.p.copy()
+    flat[:, mesh.t[0, k]] = flat[:, mesh.t[1, k]]
+    for wrong in (made(mesh, p), made(mesh, t=t), made(mesh, flat)):
+        with pytest.raises(InputError, match="not convex quads"):
+            put(surface, wrong)
+
+
+@families
+@pytest.mark.parametrize("gap", [0.0, 1e-12, 3e-10])
+def test_a_slit_of_nodes_at_one_place(family, gap):
+    surface, mesh = plain(family)
+    # Along the mesh line nearest to the middle, over a part of it or from end to end.
+    lines = np.unique(mesh.p[0])
+    line = lines[len(lines) // 2]
+    right = mesh.p[0, mesh.t].mean(axis=0) > line
+    on = np.flatnonzero(mesh.p[0] == line)
+    for some in (on, on[np.argsort(mesh.p[1, on])][1:-1], on[:2]):
+        p = np.column_stack([mesh.p, mesh.p[:, some] + [[gap * np.ptp(mesh.p[0])], [0.0]]])
+        number = np.arange(mesh.p.shape[1])
+        number[some] = mesh.p.shape[1] + np.arange(len(some))
+        t = np.where(right, number[mesh.t], mesh.t)
+        with pytest.raises(InputError, match=r"both at \(.*merge them.*openings="):
+            put(surface, made(mesh, p, t))
+
+
+@families
+def test_unused_nodes(family):
+    surface, mesh = plain(family)
+    with pytest.raises(InputError, match="belong to no element"):
+        put(surface, made(mesh, np.column_stack([mesh.p, mesh.p.mean(axis=1)])))
+
+
+@families
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_part_of_the_surface(family, axis):
+    surface, mesh = plain(family)
+    middle = mesh.p[axis, mesh.t].mean(axis=0)
+    for keep in (middle < np.median(middle), middle > middle.min() * (1 + 1e-9 * np.sign(middle.min()))):
+        part = mesh.restrict(np.flatnonzero(keep))
+        check_mesh(part)
+        with pytest.raises(InputError, match=r"covers [\d.]+ % of the surface.*openings="):
+            put(surface, part)
+
+
+def test_the_share_that_is_covered_is_named_and_a_notch_is_an_opening_by_name():
+    mesh = uniform(PLATE, 8, 4)
+    with pytest.raises(InputError, match="covers 50 %"):
+        put(PLATE, mesh.restrict(np.flatnonzero(mesh.p[0, mesh.t].mean(axis=0) < 0.5)))
+    with pytest.raises(InputError, match="covers 50 %"):
+        put(PLATE, quadtree(uniform(sk.Rectangle(1.0, 1.0, origin=(-0.5, 3.0)), 4, 4)).refined([1]))
+    middle = mesh.p[:, mesh.t].mean(axis=1)
+    notch = mesh.restrict(np.flatnonzero((middle[0] < 1.0) | (middle[1] < 3.5)))
+    with pytest.raises(InputError, match=r"covers 87\.5 %"):
+        put(PLATE, notch)
+    put(PLATE, notch.with_boundaries({"opening": lambda x: (x[0] > 0.99) & (x[1] > 3.49)}))
+
+
+def test_pieces_and_hinges():
+    mesh = uniform(PLATE, 8, 4)
+    middle = mesh.p[:, mesh.t].mean(axis=1)
+    apart = mesh.restrict(np.flatnonzero((middle[0] < 0) | (middle[0] > 1)))
+    one = np.flatnonzero((middle[0] < 0.5) & (middle[1] < 3.5) | (middle[0] > 0.5) & (middle[1] > 3.5))
+    corner = mesh.restrict(one)
+    bridge = mesh.restrict(np.union1d(one, np.flatnonzero((middle[1] < 3.25) | (middle[0] > 1.25))))
+    for surface in (PLATE, sk.Plane()):
+        for wrong in (apart, corner):
+            with pytest.raises(InputError, match="2 pieces without a common edge"):
+                put(surface, wrong)
+        with pytest.raises(InputError, match="a hinge"):
+            put(surface, bridge)
+
+
+def test_a_strip_that_winds_over_itself():
+    """Every edge and node is right, and the middle is covered twice."""
+    angle = np.linspace(0, 2.3 * pi, 40)
+    p = np.concatenate([r * np.stack([np.cos(angle), np.sin(angle)]) for r in (1.0, 2.0)], axis=1)
+    p *= 1 + 0.05 * np.tile(angle, 2)
+    k = np.arange(39)
+    with pytest.raises(InputError, match="overlap"):
+        put(sk.Plane(), skfem.MeshQuad(p, np.stack([k, k + 1, k + 41, k + 40])))
+    k = np.arange(30)
+    put(sk.Plane(), skfem.MeshQuad(p, np.stack([k, k + 1, k + 41, k + 40])).remove_unused_nodes())
+
+
+# --- nodes beside the bounds -----------------------------------------------------------------------------------------
+
+
+@families
+def test_single_precision_lies_on_the_bounds(family):
+    surface, mesh = MESHES[family]
+    for p in (mesh.p.astype(np.float32), mesh.p.astype(np.float32).astype(float)):
+        moved = onto_bounds(skfem.MeshQuad(p, mesh.t, sort_t=False), surface.bounds)
+        for axis, bounds in enumerate(surface.bounds):
+            for bound in bounds:
+                assert ((moved.p[axis] == bound) == (np.abs(mesh.p[axis] - bound) < 1e-9)).all()
+        ours, theirs = put(surface, moved), put(surface, mesh)
+        assert len(ours.ties.poles) == len(theirs.ties.poles)
+        assert ours.n_nodes == theirs.n_nodes
+
+
+def test_names_are_kept_and_far_or_fine_nodes_are_not_moved():
+    mesh = uniform(PLATE, 4, 2)
+    p = mesh.p + 3e-8
+    moved = onto_bounds(skfem.MeshQuad(p, mesh.t, _boundaries=mesh.boundaries), PLATE.bounds)
+    assert moved.boundaries.keys() == mesh.boundaries.keys()
+    assert onto_bounds(mesh, PLATE.bounds) is mesh
+    with pytest.raises(InputError, match="outside the surface"):
+        onto_bounds(skfem.MeshQuad(mesh.p + 3e-6, mesh.t), PLATE.bounds)
+    thin = tensor(PLATE, [-0.5, -0.5 + 1e-7, 1.5], [3.0, 4.0])
+    assert onto_bounds(thin, PLATE.bounds) is thin
+
+
+def test_a_quadtree_of_single_precision():
+    mesh = uniform(RING, 3, 7)
+    tree = quadtree(skfem.MeshQuad(mesh.p.astype(np.float32), mesh.t), RING).refined([2])
+    assert put(RING, tree).n_nodes < tree.p.shape[1]
+    blind = quadtree(skfem.MeshQuad((mesh.p * (1 + 4e-8)).astype(np.float32), mesh.t))
+    plate = sk.Problem(RING, 0.01, sk.Isotropic(1e5, 0.3, 1.0))
+    with pytest.raises(InputError, match=r"outside the surface.*quadtree\(mesh, surface\)"):
+        plate.on(blind)
+
+
+def test_what_to_do_with_a_mesh_that_cannot_be_adapted():
+    mesh = uniform(PLATE, 4, 4)
+    p = mesh.p.copy()
+    p[:, np.setdiff1d(np.arange(p.shape[1]), mesh.boundary_nodes())] += 0.05
+    law, load = sk.Isotropic(1e5, 0.3, 1.0), sk.SurfaceLoad((0, 0, 1.0))
+    plate = sk.Problem(PLATE, 0.05, law, [sk.SimpleSupport("boundary")], [load])
+    wrong = made(mesh, p)
+    with pytest.raises(InputError, match=r"a quadtree.* needs sides along x and y.*without adapting") as told:
+        sk.adapt(plate, sk.Displacement(at=(0.5, 3.5)), mesh=wrong, theory="full")
+    assert "or take theory" not in str(told.value)
+    plate.on(wrong, theory="full")
+
+
+# --- derivatives -----------------------------------------------------------------------------------------------------
+
+
+class Own:
+    """A shallow paraboloid."""
+
+    factor = np.ones(5)
+
+    def position(self, x, y):
+        return np.stack([x, y, 0.1 * x * x + 0.2 * x * y - 0.05 * y * y])
+
+    def derivatives(self, x, y):
+        one, zero = np.ones_like(x), np.zeros_like(x)
+        f = self.factor
+        return np.stack([one, zero, f[0] * (0.2 * x + 0.2 * y)]), np.stack([zero, one, f[1] * (0.2 * x - 0.1 * y)])
+
+    def second_derivatives(self, x, y):
+        zero = np.zeros_like(x)
+        return tuple(np.stack([zero, zero, f * c + zero]) for f, c in zip(self.factor[2:], (0.2, 0.2, -0.1), strict=True))
+
+
+def test_derivatives_that_contradict_the_position_are_refused():
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    put(Own(), mesh)
+    for k, name in enumerate(("X_x", "X_y", "X_xx", "X_xy", "X_yy")):
+        for wrong in (-1.0, 0.0, 1.05):
+            surface = Own()
+            surface.factor = np.where(np.arange(5) == k, wrong, 1.0)
+            with pytest.raises(InputError, match=rf"give {name} = .* at \(x, y\) = .* differences give"):
+                put(surface, mesh)
+
+
+def test_derivatives_by_differences_are_accepted_wherever_the_surface_is():
+    class Differences(Own):
+        h = 1e-5
+
+        def position(self, x, y):
+            return Own.position(self, x, y) + self.origin
+
+        def derivatives(self, x, y):
+            h = self.h
+            return tuple((self.position(x + a, y + b) - self.position(x - a, y - b)) / (2 * h) for a, b in ((h, 0), (0, h)))
+
+        def second_derivatives(self, x, y):
+            h = 1e-3
+            (xx, xy), yy = (
+                [(p - m) / (2 * h) for p, m in zip(self.derivatives(x + h, y), self.derivatives(x - h, y), strict=True)],
+                (self.derivatives(x, y + h)[1] - self.derivatives(x, y - h)[1]) / (2 * h),
+            )
+            return xx, xy, yy
+
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    for origin in (0.0, 10.0):
+        surface = Differences()
+        surface.origin = origin
+        put(surface, mesh)
+
+
+def test_a_mapped_surface_with_derivatives_of_its_own():
+    class Wrong(sk.MappedSurface):
+        def second_derivatives(self, x, y):
+            xx, xy, yy = super().second_derivatives(x, y)
+            return yy, xy, xx
+
+    surface = Wrong(lambda x, y: (x, y, 0.2 * np.sin(3 * x) * y), ((0.0, 1.0), (0.0, 1.0)))
+    with pytest.raises(InputError, match="second_derivatives give X_xx"):
+        put(surface, uniform(surface, 4, 4))

@@ -106,6 +106,21 @@ def test_a_message_must_name_the_argument(scene):
     assert "does not name" in found.what
 
 
+def test_what_a_user_s_function_raises_must_come_with_a_note(scene):
+    def noted(history: Any) -> None:
+        try:
+            history()
+        except Exception as wrong:
+            wrong.add_note("raised by the function given as history")
+            raise
+
+    raises = mistakes(scene)["raises"]
+    assert fault("noted", Call(noted, {"history": abs}), "history", "raises", raises) is None
+    found = fault("bare", Call(lambda history: history(), {"history": abs}), "history", "raises", raises)
+    assert found is not None
+    assert "OwnFault" in found.what
+
+
 # ------------------------------------------------------------------------------------------- what a message should say
 
 
@@ -129,6 +144,13 @@ def test_a_message_must_name_the_argument(scene):
         (lambda s: Look(size=(10**6, 10)), "size = .*16384"),
         (lambda s: sk.output.read(b"kept.vtu"), "file = b'kept.vtu'"),
         (lambda s: sk.meshes.load("a\0b"), "no path"),
+        (lambda s: s.solution.reactions("lefft"), r"where = 'lefft': no boundary 'lefft' on this mesh; it has .*'left'"),
+        (lambda s: s.solution.reactions(["left", None]), r"where = \['left', None\]: place None: give the name"),
+        (lambda s: s.solution.reactions(np.array(1.0)), r"where = array\(1\.\): place"),
+        (lambda s: s.solution.reactions(lambda x, y: x), r"where = .*must return True or False"),
+        (lambda s: sk.SurfaceLoad(sk.Ramp), "force = <class .*Ramp"),
+        (lambda s: sk.Cone(1.0, 2.0, 1.0, 1.0, start=1e12), "start = 1000000000000.0, angle = 1.0"),
+        (lambda s: sk.meshes.uniform(sk.Rectangle(1e12, 1.0), 2, 2), r"length_x=1000000000000\.0.*span 1e\+12 by 1"),
     ],
 )  # fmt: skip
 def test_messages_name_value_and_way_out(scene, call, says):

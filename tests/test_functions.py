@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.functions import values_at
+from skancf.functions import called, true_at, values_at
 
 AT = np.random.default_rng(0).uniform(size=(2, 4, 5))
 
@@ -50,3 +50,35 @@ def test_what_a_function_raises_passes_with_a_note(function):
     with pytest.raises((TypeError, KeyError, ZeroDivisionError)) as raised:
         values_at("pressure", function, AT)
     assert any("given as pressure" in note for note in raised.value.__notes__)
+
+
+NODES = np.array([[0.0, 1.0, 1.0, 2.0], [0.0, 0.0, 3.0, 1.0]])
+
+
+@pytest.mark.parametrize("function", [
+    lambda x, y: (x > 0.5) & (y < 2),
+    lambda x, y: x > 0.5 and y < 2,
+    lambda x, y: math.floor(x) >= 1 and y < 2,
+    lambda x, y: np.where((x > 0.5) & (y < 2), 1.0, 0.0),
+    lambda x, y: (x > 0.5) * 2 * (y < 2),
+    lambda x, y: [bool(one) for one in (x > 0.5) & (y < 2)],
+])  # fmt: skip
+def test_functions_that_are_true_somewhere(function):
+    assert true_at("where", function, NODES).tolist() == [False, True, False, True]
+    assert true_at("where", lambda x, y: True, NODES).all()
+
+
+@pytest.mark.parametrize("function", [
+    lambda x, y: x, lambda x, y: None, lambda x, y: "left", lambda x, y: np.full_like(x, np.nan), lambda x, y: (x > 0)[:2],
+    lambda x, y: np.ones((4, 2), bool), lambda x, y: ([True], [True, False]), lambda x, y: 1j * x,
+])  # fmt: skip
+def test_what_is_neither_true_nor_false_is_named(function):
+    with pytest.raises(sk.InputError, match=r"where: the function.*must return True or False for each point, here .4,."):
+        true_at("where", function, NODES)
+
+
+def test_functions_of_time_and_place_that_raise_pass_with_a_note():
+    for ask in (lambda f: called("history", f, 1.0), lambda f: true_at("history", f, NODES)):
+        with pytest.raises(ZeroDivisionError) as raised:
+            ask(lambda *_: 1 // 0)
+        assert any("given as history" in note for note in raised.value.__notes__)

@@ -465,6 +465,15 @@ def test_load_steps_name_a_limit_point():
     assert named == pytest.approx(top, rel=2e-2) and "trace(system, ArcLength())" in result.message
 
 
+def test_loads_that_move_nothing_have_no_path_and_no_limit_point():
+    """A force on a clamped edge: statics is at rest, and no compliance is divided by."""
+    held = strip([sk.EdgeLoad("left", (0.0, 0.0, 5.0))])
+    with pytest.raises(InputError, match="move nothing"):
+        sk.trace(held, until=1.0)
+    result = sk.solve(held)
+    assert result.status is Status.CONVERGED and np.abs(result.solution.displacements).max() < 1e-12
+
+
 def test_load_steps_name_a_mechanism():
     """A strip whose end is held by nothing: one element's stiffness is taken out of the tangent."""
 

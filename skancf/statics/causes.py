@@ -105,6 +105,8 @@ def _limit_estimate(system: System, solver: DirectSolver, path: Sequence[Solutio
     if len(path) < 2 or not np.isfinite(now.compliance):
         return np.inf
     before = softest_mode(system, solver, path[-2].q, path[-2].load_factor)
+    if not (before.compliance and now.compliance):  # loads that do no work
+        return np.inf
     return turning_estimate(
         (path[-2].load_factor, path[-1].load_factor), (1.0 / before.compliance, 1.0 / now.compliance)
     )

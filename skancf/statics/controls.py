@@ -198,6 +198,8 @@ class _Arc:
 
     def unit(self, along: np.ndarray, last: np.ndarray | None) -> float:
         row = self.mass @ along
+        if not row @ along:
+            raise InputError("no path: the loads act on what supports hold, and move nothing; give a load that does work")
         sign = self.sign if last is None else np.sign(row @ last) or 1.0
         return float(sign / np.sqrt(row @ along))
 

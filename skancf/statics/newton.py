@@ -15,7 +15,7 @@ import scipy.sparse as sp
 
 from skancf.errors import DidNotConverge, SingularMatrix
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
-from skancf.statics.stopping import Constraint, Pull, StopRule, work
+from skancf.statics.stopping import Constraint, Pull, StopRule, moves, work
 
 
 class System(Protocol):
@@ -220,7 +220,7 @@ def newton(
         verdict = rule.judge(tangent, energies, q, change, load_factor + more)
         if verdict.last:
             q, load_factor = q + change, load_factor + more
-            asked = force.any() or (prescribed.any() and not verdict.rigid)
+            asked = moves(system.constraints, force) or (prescribed.any() and not verdict.rigid)
             lost = verdict.bound if asked else 0.0
             return result(Status.ROUNDING if lost > OPEN else Status.CONVERGED, LOST.format(lost) if lost else "", lost)
         if step > 2 and energies[-1] > (GIVEN_UP if mixed else 1e8) * energies[-2 if mixed else 0] + verdict.floor:

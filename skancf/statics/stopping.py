@@ -62,6 +62,12 @@ class Pull:
         return 0.5 * float((q - self.anchor) @ self.force(q))
 
 
+def moves(constraints: Any, force: np.ndarray) -> bool:
+    """Does a force (n_dofs,) act on anything that supports do not hold, beside rounding?"""
+    free = constraints.free_part(force)
+    return bool(free @ free > ROUNDING * (force @ force))
+
+
 def is_rigid(energy: float, sizes: np.ndarray, way: np.ndarray, part: float = RIGID) -> bool:
     """Is a strain energy no more than the rounding of a way, given the absolute diagonal of the stiffness against it?"""
     return bool(energy <= part * float(sizes @ (way * way)))

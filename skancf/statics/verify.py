@@ -10,7 +10,7 @@ from skancf.checks import Check
 from skancf.errors import SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.statics.newton import factored
-from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, work
+from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, moves, work
 from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
@@ -90,7 +90,7 @@ def verify(
 
 def _residual(balance: "Balance", correction: np.ndarray, sizes: np.ndarray, rtol: float) -> Measured:
     """The residual in the energy norm of the exact tangent, relative to that of the strain."""
-    counts = balance.energy > 0 and balance.drive[0] > 0 and not balance.is_rigid(sizes)
+    counts = balance.energy > 0 and not balance.is_at_rest(sizes)
     rounding = ROUNDING * float(np.sqrt(sizes @ balance.moved**2 / balance.energy)) if counts else 0.0
     norm = float(np.sqrt(work(correction, balance.free) / balance.energy)) if counts else 0.0
     return Measured("residual in the energy norm, of that of the strain", norm, max(TIMES * rtol, LEAST), rounding)
@@ -150,7 +150,7 @@ class Balance:
         drive, lever = self.drive
         force, moment = self.left()
         terms = self.energy + float(np.abs(self.internal) @ np.abs(way))
-        if not (drive and terms) or self.is_rigid(sizes):
+        if not (drive and terms) or self.is_at_rest(sizes):
             return ()
         lost = float(np.sqrt(noise @ noise)) / drive
         lost_work = float(np.sqrt((noise * way) @ (noise * way))) / terms
@@ -160,10 +160,17 @@ class Balance:
             Measured("work of the residual on the way, of the forces'", work(self.free, way) / terms, BALANCE, lost_work),
         )
 
-    def is_rigid(self, sizes: np.ndarray) -> bool:
-        """Whether supports alone move the body, and without strain: nothing but rounding is left to be balanced."""
+    def is_at_rest(self, sizes: np.ndarray) -> bool:
+        """Whether only rounding is left to be balanced: no load acts on what is free, no support strains the body."""
+        if self.acted:
+            return False
         part = RIGID_PRODUCT if self.moved is self.way else RIGID
-        return self.pushed and not self.loads.any() and is_rigid(self.energy, sizes, self.way, part)
+        return not self.pushed or is_rigid(self.energy, sizes, self.way, part)
+
+    @cached_property
+    def acted(self) -> bool:
+        """Whether a load acts on anything that supports do not hold."""
+        return moves(self.system.constraints, self.loads)
 
     @cached_property
     def drive(self) -> tuple[float, float]:

@@ -134,7 +134,7 @@ class Roller(Support):
         rows = held_along(place, direction[None])
         if self.kind != "hard":
             return rows
-        if geometry.theory.twist and any(abs(geometry.normal_at(node) @ direction) < IN_PLANE for node in place):
+        if geometry.theory.twist and all(abs(geometry.normal_at(node) @ direction) < IN_PLANE for node in place):
             raise InputError(
                 f"Roller({self.where!r}, {self.direction}, kind='hard'): in theory 'kirchhoff' the normal tilts along an "
                 "edge as the edge itself does, and this direction, in the surface, leaves the edge free to bend: hold the "

@@ -49,7 +49,7 @@ def _holding(sides: list[str], surface: Any, mesh: Mesh, section: Section, sprin
         st.builds(lambda kind: [sk.SimpleSupport("boundary", kind)], KINDS),
         st.just([sk.Clamp("boundary")]),
         st.builds(lambda a, b: [sk.Pin(a), sk.SimpleSupport(b)], side, side),
-        st.builds(lambda s, d: [sk.Clamp(s), sk.Roller("boundary", d)], side, DIRECTIONS),
+        st.builds(lambda s, d, k: [sk.Clamp(s), sk.Roller("boundary", d, k)], side, DIRECTIONS, KINDS),
         st.just([sk.Pin("corners")]) if len(sides) == 4 else point,
         point,
     ]
@@ -68,7 +68,7 @@ def _more(sides: list[str], surface: Any, mesh: Mesh, section: Section, springs:
     if sides:
         side = among(*sides)
         found += [
-            st.builds(sk.Roller, side, DIRECTIONS), st.builds(sk.Symmetry, side), st.builds(sk.NoRotation, side),
+            st.builds(sk.Roller, side, DIRECTIONS, KINDS), st.builds(sk.Symmetry, side), st.builds(sk.NoRotation, side),
             st.builds(sk.SimpleSupport, side, KINDS),
         ]  # fmt: skip
     return st.one_of(*found).map(lambda support: [support])

@@ -21,7 +21,7 @@ def agree(one: Any, two: Any, shown: np.ndarray, what: str, energy: float) -> No
     mighty = float(np.abs(loads).sum(axis=0) @ np.abs(here).max(axis=1))
     assume(not loads.any() or one.system.thermal_energy() or abs(one.work) > 1e-9 * mighty)
     gap, size = float(np.abs(here - shown).max()), float(np.abs(here).max())
-    bounded(f"displacements {what}", gap, error * size + 10 * unsure(one) + 4 * scale)
+    bounded(f"displacements {what}", gap, error * size + 3 * (unsure(one) + unsure(two)) + 4 * scale)
     # Of a heated body that is free to expand the energy is a difference of these two.
     energies = abs(one.strain_energy) + one.system.thermal_energy()
     # Loads that do no work leave the energy of rounded coordinates.

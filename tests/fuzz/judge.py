@@ -15,6 +15,7 @@ from skancf.linear import DirectSolver
 
 REFUSALS = re.compile("|".join([
     "supports leave free",  # a rigid motion
+    "kind=.hard.",  # a hard roller in the surface
     "hangs in the middle of a larger element's edge",
     r"Symmetry\(",  # an edge in no plane, or crossed askew
     "prescribe different values for the same coordinate",

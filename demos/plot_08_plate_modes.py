@@ -152,7 +152,7 @@ def lines(factors: np.ndarray) -> np.ndarray:
 def prestressed(system: object, factors: np.ndarray) -> np.ndarray:
     """The three lowest omega^2 over that of the first mode without load, (n, 3)."""
     first = (2 * np.pi**2 * UNIT) ** 2
-    states = [sk.solve(system, load_factor=factor).solution for factor in factors]
+    states = [sk.solve(system, load_factor=factor, relax=False).solution for factor in factors]
     return np.array([sk.modes(system, 3, state=state).eigenvalues for state in states]) / first
 
 

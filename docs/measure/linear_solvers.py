@@ -17,14 +17,14 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT))  # for the meshes of the benchmark
 
-import skancf.statics.load_steps as load_steps  # noqa: E402
-
 import skancf as sk  # noqa: E402
+import skancf.statics.cascade as cascade  # noqa: E402
 from benchmarks.solvers import graded, shell, uniform  # noqa: E402
 from skancf.assembly.system import System  # noqa: E402
 from skancf.linear import DirectSolver, available_backends, dissection  # noqa: E402
 from skancf.linear.pardiso import ANALYSE, RELEASE, _Handle  # noqa: E402
 from skancf.linear.rslab import Rslab  # noqa: E402
+from skancf.statics import equilibrium  # noqa: E402
 
 COUNT_ENTRIES = 17
 GATES = (0.0, 1e-4, 1e-3, 1e-2)
@@ -89,7 +89,7 @@ def scenes() -> Iterator[tuple[str, System, sk.HalveAndGrow | None]]:
 
 def reuse() -> Iterator[dict[str, Any]]:
     """Iterations and factorisations where factors are kept from a relative residual on."""
-    plain = load_steps.newton
+    plain = cascade.newton
 
     def newton(*arguments: Any, **options: Any) -> Any:
         Keeping.keep = False
@@ -99,7 +99,7 @@ def reuse() -> Iterator[dict[str, Any]]:
 
         return plain(*arguments, watch=watch, **options)
 
-    load_steps.newton, load_steps.DirectSolver = newton, Keeping
+    cascade.newton, equilibrium.DirectSolver = newton, Keeping
     for name, system, control in scenes():
         row: dict[str, Any] = {"scene": name}
         for gate in GATES:

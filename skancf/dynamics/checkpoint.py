@@ -195,7 +195,13 @@ def _state_of(run: Run) -> dict[str, np.ndarray]:
     sums = {f"sum_{name}": np.asarray(book.sums[name]) for name in SUMS}
     forces = {f"forces_{field.name}": np.asarray(getattr(book.before, field.name)) for field in fields(Forces)}
     return {"numbers": np.array(numbers), "q": state.q, "v": state.v, "a": state.a,
-            "jerk": np.zeros(0) if state.jerk is None else state.jerk, **sums, **forces}  # fmt: skip
+            **{name: np.zeros(0) if value is None else value for name, value in _optional(state).items()}, **sums,
+            **forces}  # fmt: skip
+
+
+def _optional(state: State) -> dict[str, np.ndarray | None]:
+    """What only some rules keep of a state."""
+    return {"jerk": state.jerk, "before": state.before}
 
 
 def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
@@ -214,7 +220,7 @@ def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
 
 def _check(files: RunFiles, data: dict[str, np.ndarray], system: System) -> None:
     shapes = {"numbers": (N_NUMBERS,), **dict.fromkeys(("q", "v", "a"), (system.n_dofs,))}
-    names = [*shapes, "jerk", *(f"sum_{name}" for name in SUMS), *(f"forces_{field.name}" for field in fields(Forces))]
+    names = [*shapes, "jerk", "before", *(f"sum_{name}" for name in SUMS), *(f"forces_{field.name}" for field in fields(Forces))]
     if any(name not in data or data[name].shape != shapes.get(name, data[name].shape) for name in names):
         raise files.refused(STATE, "is no state of a run")
 
@@ -225,7 +231,8 @@ def _restore(run: Run, data: dict[str, np.ndarray]) -> None:
         run.solver.close()
         run._on(recorder.systems[-1])
     time, dt, run.dt, run.shortest, run.largest, energy, rough, done, impulses, turnover, tries = data["numbers"].tolist()
-    run.state = State(time, data["q"], data["v"], data["a"], dt, data["jerk"] if data["jerk"].size else None)
+    jerk, before = (data[name] if data[name].size else None for name in ("jerk", "before"))
+    run.state = State(time, data["q"], data["v"], data["a"], dt, jerk, before)
     run.solver.energy, run.solver.rough = energy, bool(rough)
     run.solver.forget()
     recorder.done, book.turnover = int(done), turnover

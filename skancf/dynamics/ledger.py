@@ -1,10 +1,11 @@
 r"""The book of a run: energies, work, dissipation and momenta, and whether they balance.
 
-.. math:: T + U + V = (T + U + V)_0 + W - D + R
+.. math:: T + U + V = (T + U + V)_0 + W - D - D_h + R
 
 with the kinetic, strain and potential energy T, U and V (of weight without a history), the work W of all other loads, of
-supports that move, of impulses and of temperature, the energy D that damping takes, and the change R by changes of the mesh.
-What is left over is the error of the integration: what a rule takes out of what the steps do not resolve, or puts in.
+supports that move, of impulses and of temperature, the energy D that damping takes, D_h that the rule takes out of what the
+steps do not resolve (its numerical dissipation), and the change R by changes of the mesh. What is left over is the error of
+the integration: what a rule gains or loses beside that.
 Momenta change by the impulses of loads, supports, springs and damping.
 """
 
@@ -42,8 +43,8 @@ class Ledger:
 
     Attributes
     ----------
-    times, kinetic, strain, potential, work, dissipation, remeshing : (n,) arrays
-        ``work``, ``dissipation`` and ``remeshing`` are sums from the start.
+    times, kinetic, strain, potential, work, dissipation, numerical, remeshing : (n,) arrays
+        ``work``, ``dissipation``, ``numerical`` (dissipation of the rule) and ``remeshing`` are sums from the start.
     linear, angular : (n, 3) arrays
     linear_impulse, angular_impulse : (n, 3) arrays
         Of loads, supports, springs and damping from outside, from the start.
@@ -56,6 +57,7 @@ class Ledger:
     potential: np.ndarray
     work: np.ndarray
     dissipation: np.ndarray
+    numerical: np.ndarray
     remeshing: np.ndarray
     linear: np.ndarray
     angular: np.ndarray
@@ -107,13 +109,13 @@ class Ledger:
 
 COLUMNS = tuple(field.name for field in fields(Ledger) if field.name not in ("times", "events"))
 AMOUNTS = ("kinetic", "strain", "potential", "work", "dissipation")
-SUMS = ("work", "dissipation", "remeshing", "linear_impulse", "angular_impulse")
+SUMS = ("work", "dissipation", "numerical", "remeshing", "linear_impulse", "angular_impulse")
 
 
 def without_source(book: Mapping[str, Any]) -> Any:
     """Energy less all that came in and went, of the columns of a ledger or of a row; what it changes by has no source."""
     energy = book["kinetic"] + book["strain"] + book["potential"]
-    return energy - book["work"] + book["dissipation"] - book["remeshing"]
+    return energy - book["work"] + book["dissipation"] + book["numerical"] - book["remeshing"]
 
 
 def _interpolated(wanted: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -197,6 +199,7 @@ class Book:
         self._add(
             work=float((middle.loads + middle.supports) @ u) + heat(system, start, end),
             dissipation=-float((middle.viscous + middle.material) @ u),
+            numerical=_numerical(system, rule, start, u, dt),
             linear_impulse=dt * total.reshape(-1, 4, 3)[:, 0].sum(axis=0),
             angular_impulse=dt * sum_of_cross(q, total),
         )  # fmt: skip
@@ -250,6 +253,17 @@ class Book:
 
     def _add(self, **amounts: Any) -> None:
         self.sums = {name: value + amounts.get(name, 0.0) for name, value in self.sums.items()}
+
+
+def _numerical(system: System, rule: Rule, start: State, u: np.ndarray, dt: float) -> float:
+    """Energy that the rule takes out of what a step does not resolve (J)."""
+    stresses = rule.numerical_stresses(system, u, start, dt)
+    if stresses is None:
+        return 0.0
+    force = rule.force_of(system, u, start, dt, stresses)
+    if system.foundation is not None:
+        force -= system.foundation @ (start.q + 0.5 * u - system.undeformed)
+    return float(force @ u)
 
 
 def forces_at_rest(system: System, state: State) -> Forces:

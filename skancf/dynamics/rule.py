@@ -22,6 +22,8 @@ class Rule(ABC):
     """Whether the stiffness is all of the derivative, but for loads that follow."""
     newton_rtol = 1e-5
     """How far Newton's method goes, in the energy norm, where a user does not say it."""
+    balance = 0.1
+    """Part of the energy that a run may gain or lose without a source, where a user does not say it."""
 
     @property
     @abstractmethod
@@ -60,6 +62,11 @@ class Rule(ABC):
         """State and time at which external forces are taken."""
         return start.q + self.stage * u, start.time + self.stage * dt
 
+    def tangent_at(self, u: np.ndarray, start: State) -> tuple[np.ndarray, np.ndarray]:
+        """States to which the rows and the columns of the derivative of the internal force belong, (n_dofs,) each."""
+        at = start.q + self.stage * u
+        return at, at
+
     def stresses(
         self, system: System, u: np.ndarray, start: State, dt: float, change: np.ndarray | None = None
     ) -> np.ndarray:
@@ -76,6 +83,10 @@ class Rule(ABC):
     def viscous_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         """The part of them that the material's damping makes."""
         return self.stresses(system, u, start, dt) - system.stresses(self.at_stage(u, start, dt)[0])
+
+    def numerical_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray | None:
+        """The part of them that takes energy out of what the steps do not resolve, if the rule has one."""
+        return None
 
     def force_of(self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> np.ndarray:
         """Internal force of given stresses."""

@@ -1,6 +1,7 @@
 """State between two steps."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -10,7 +11,8 @@ class State:
     """Nodal coordinates with their rate and acceleration at a time.
 
     ``dt`` is the length of the step that led here, 0 at the start, and ``jerk`` the third derivative over it, if the rule
-    needs it; ``kept`` is what a rule computes once for a state.
+    needs it; ``before`` are the coordinates at the start of that step, if the rule looks back so far, None after a jump or a
+    change of the mesh; ``kept`` is what a rule computes once for a state.
     """
 
     time: float
@@ -19,4 +21,5 @@ class State:
     a: np.ndarray
     dt: float = 0.0
     jerk: np.ndarray | None = None
-    kept: dict[str, np.ndarray] = field(default_factory=dict, compare=False, repr=False)
+    before: np.ndarray | None = None
+    kept: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)

@@ -7,11 +7,13 @@ from scipy.sparse.linalg import LinearOperator, gmres
 
 from skancf.assembly.system import System
 from skancf.dynamics.acceleration import Anderson
+from skancf.dynamics.first_guess import advanced
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
+from skancf.dynamics.turning import TurningFactors
 from skancf.errors import SingularMatrix
 from skancf.linear import BlockMatrix, DirectSolver
-from skancf.statics.stopping import ROUNDING, work
+from skancf.statics.stopping import ROUNDING
 
 MAX_ITERATIONS = 25
 EASY = 4
@@ -21,13 +23,15 @@ SLOW = 0.5
 STALLED = 0.5
 """Where corrections are no more than this smaller, and tiny, rounding is what is left of them."""
 TINY = 1e-20
-"""Energy of such corrections, relative to the largest."""
+"""Energy of such corrections, relative to that of the motion."""
+DIVERGED = 1e6
+"""Times the energy of the first correction, at which an iteration is given up."""
 SMALL = 1e-7
 """Change of coordinates over which the residual is differenced."""
 HARDLY, DEGREE = 0.9, 4
 """Vibrations are hardly resolved whose inertia is less than this part of inertia and stiffness over a step; 15 % of their
 error is taken for resolved."""
-INNER, VECTORS = 1e-3, 8
+INNER, VECTORS = 0.1, 4
 """How far, and with how many vectors, GMRES goes in each iteration."""
 
 
@@ -56,6 +60,7 @@ class StepSolver:
     def __init__(self, system: System, rule: Rule, rtol: float | None = None, backend: str = "auto"):
         self.system, self.rule, self.rtol = system, rule, rule.newton_rtol if rtol is None else rtol
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
+        self.factors = TurningFactors(self.linear, system.constraints)
         self.factored_dt = 0.0
         self.rough = False
         self.energy = 0.0
@@ -85,15 +90,18 @@ class StepSolver:
         self.forget()
         return self.linear.solve(impulse, refinements=2)
 
+    def slowed(self, e: np.ndarray, dt: float) -> np.ndarray:
+        r"""F e, with :math:`F = (M + \beta \Delta t^2 K)^{-1} M` of the factored matrix: less of what a step resolves less."""
+        return self.factors.solve(self.rule.mass_factor(dt) * (self.system.mass @ e))[0]
+
     def resolved(self, error: np.ndarray, dt: float) -> np.ndarray:
         r"""The part of an error of frequencies that a step resolves.
 
-        A polynomial of the factored matrix, :math:`p(F)` with :math:`F = (M + \beta \Delta t^2 K)^{-1} M`: one where F is
-        one, and as small as it can be where F is less than :data:`HARDLY`.
+        A polynomial of :meth:`slowed`, p(F): one where F is one, and as small as it can be where F is less than
+        :data:`HARDLY`.
         """
         def scaled(e: np.ndarray) -> np.ndarray:
-            f = self.linear.solve(self.rule.mass_factor(dt) * (self.system.mass @ e), refinements=0)
-            return 2 / HARDLY * f - e
+            return 2 / HARDLY * self.slowed(e, dt) - e
 
         x = 2 / HARDLY - 1
         before, now, size_before, size = error, scaled(error), 1.0, x
@@ -128,7 +136,7 @@ class StepSolver:
     def _newton(self, start: State, dt: float, fresh: bool = False) -> StepOutcome:
         u = self._first_guess(start, dt, fresh)
         before, step = np.zeros_like(u), u  # the first guess counts as a correction of no increment at all
-        history, factorisations, last, largest, message = Anderson(), 0, np.inf, 0.0, ""
+        history, factorisations, last, first, message = Anderson(), 0, np.inf, 0.0, ""
         for iteration in range(1, MAX_ITERATIONS + 1):
             residual = self.residual(u, start, dt)
             if not np.isfinite(residual).all():
@@ -140,13 +148,14 @@ class StepSolver:
                 except SingularMatrix as singular:
                     return StepOutcome(False, start, u, iteration, factorisations, str(singular))
                 factorisations += 1
-            change = -self.linear.solve(residual, refinements=0)
-            energy = work(change, residual)
-            if not np.isfinite(energy):  # an infinite one would be as small as the largest, itself
-                message = "values that are not finite"
+            if fresh or iteration == 1:
+                self.factors.turn_to(*self.rule.tangent_at(u, start))
+            change, energy = self.factors.solve(-residual)
+            first = first or energy
+            if not energy <= DIVERGED * first:
+                message = "corrections that grow"
                 break
-            largest = max(largest, energy)
-            scale = max(self.energy, largest)
+            scale = max(self.energy, first)
             if energy <= self.rtol**2 * scale + self.rounding or STALLED * last < energy < TINY * scale:
                 return self._finished(u + change, start, dt, iteration, factorisations)
             if not fresh and energy > SLOW**2 * last:
@@ -163,8 +172,7 @@ class StepSolver:
         return StepOutcome(False, start, u, iteration, factorisations, f"{message} {self._place(residual)}")
 
     def _first_guess(self, start: State, dt: float, fresh: bool) -> np.ndarray:
-        """Accelerations of what the steps do not resolve spoil a guess; where the steps are easy they make it better."""
-        u = dt * start.v if fresh else dt * start.v + 0.5 * dt**2 * start.a
+        u = advanced(self.system, start, dt, easy=not fresh)
         target = self.system.undeformed + self.system.prescribed(start.time + dt) - start.q
         return u + self.system.constraints.fixed_part(target - u)
 
@@ -179,7 +187,7 @@ class StepSolver:
 
         def product(x: np.ndarray) -> np.ndarray:
             size = SMALL / max(float(np.abs(x).max()), 1e-300)
-            return self.linear.solve((self.residual(u + size * x, start, dt) - residual) / size, refinements=0)
+            return self.factors.solve((self.residual(u + size * x, start, dt) - residual) / size)[0]
 
         operator = LinearOperator((u.size, u.size), matvec=product, dtype=np.float64)
         return np.asarray(gmres(operator, change, x0=change, rtol=INNER, atol=0.0, restart=VECTORS, maxiter=1)[0])
@@ -191,7 +199,7 @@ class StepSolver:
         values += rule.mass_factor(dt) * system.mass.values
         if system.viscous is not None:
             values += rule.damping_factor(dt) * system.viscous.values
-        self.linear.factor(BlockMatrix(tangent.pattern, values))
+        self.factors.factor(BlockMatrix(tangent.pattern, values), rule.tangent_at(u, start)[0])
         self.factored_dt = dt
         # The energy that rounding of the coordinates puts into a correction.
         self.rounding = ROUNDING**2 * float(np.abs(tangent.diagonal()) @ (start.q + u) ** 2)

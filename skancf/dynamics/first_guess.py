@@ -1,0 +1,48 @@
+"""Where Newton's method begins in a step: the body advanced as a rigid one, and what it deforms along with it."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from skancf.assembly.system import System
+from skancf.dynamics.state import State
+from skancf.vectors import sum_of_cross
+
+
+def advanced(system: System, start: State, dt: float, easy: bool) -> np.ndarray:
+    r"""Increment of the nodal coordinates over a step, (n_dofs,), from rates and accelerations.
+
+    Velocities :math:`\dot c + \omega \times (r - c)` with the momenta of v, and accelerations with those of a, are rigid: the
+    body advances and turns by :math:`\Delta t\,\omega + \tfrac12 \Delta t^2 \dot\omega`. The rest of the velocities deforms it.
+
+    Parameters
+    ----------
+    easy : bool
+        Whether steps resolve the motion, so that the rest of the accelerations counts as well; that of what they do not
+        resolve spoils a guess.
+    """
+    shares, mass = system.shares, system.mass
+    total = shares[:, 0].sum()
+    arms = start.q.reshape(-1, 4, 3).copy()
+    centre = np.einsum("ng,ngi->i", shares, arms) / total
+    arms[:, 0] -= centre
+    of_arms, of_v, of_a = ((mass @ x).reshape(-1, 4, 3) for x in (arms.ravel(), start.v, start.a))
+    second = np.einsum("ngi,ngj->ij", arms, of_arms)
+    inverse = np.linalg.pinv(np.trace(second) * np.eye(3) - second, rcond=1e-12, hermitian=True)
+    velocity, spin = of_v[:, 0].sum(axis=0) / total, inverse @ sum_of_cross(arms, of_v)
+    centripetal = _cross_matrix(spin) @ _cross_matrix(spin)
+    acceleration = of_a[:, 0].sum(axis=0) / total
+    turning = inverse @ sum_of_cross(arms, of_a - of_arms @ centripetal.T)
+    rest = start.v.reshape(-1, 4, 3) - np.cross(spin, arms)
+    rest[:, 0] -= velocity
+    deformed = arms + dt * rest
+    if easy:
+        rest_of_a = start.a.reshape(-1, 4, 3) - arms @ centripetal.T - np.cross(turning, arms) - 2 * np.cross(spin, rest)
+        rest_of_a[:, 0] -= acceleration
+        deformed += 0.5 * dt**2 * rest_of_a
+    new = deformed @ Rotation.from_rotvec(dt * (spin + 0.5 * dt * turning)).as_matrix().T
+    new[:, 0] += centre + dt * velocity + 0.5 * dt**2 * acceleration
+    return np.asarray(new.ravel() - start.q)
+
+
+def _cross_matrix(w: np.ndarray) -> np.ndarray:
+    return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])

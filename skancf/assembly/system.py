@@ -232,6 +232,10 @@ class System:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
         return self.prescription.values(time)
 
+    def load_histories(self) -> list[Any]:
+        """The functions of time that loads are multiplied with, each once."""
+        return list({id(load.history): load.history for load in self.loads if load.history is not None}.values())
+
     def _histories(self) -> Iterable[Any]:
         return chain.from_iterable([*[load.histories() for load in self.loads], self.prescription.histories()])
 

@@ -24,9 +24,10 @@ from skancf.dynamics.run import Run
 from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, Kept, RunFiles
 from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
+from skancf.dynamics.step_solver import Effort
 from skancf.errors import InputError, SkancfError
 
-N_NUMBERS = 11
+N_NUMBERS = 12
 """In a state."""
 PROBLEM = "give read_motion the system of the run, the problem on the mesh that it began with"
 
@@ -190,11 +191,11 @@ class Writer:
 
 def _state_of(run: Run) -> dict[str, np.ndarray]:
     state, book = run.state, run.book
-    numbers = [state.time, state.dt, run.dt, run.shortest, run.largest, run.solver.energy, float(run.solver.rough),
-               float(run.recorder.done), float(len(run.impulses)), book.turnover, float(run.mark.tries)]  # fmt: skip
+    numbers = [state.time, state.dt, run.dt, run.shortest, run.farthest, run.hardest, run.solver.energy, float(run.solver.effort),
+               float(run.recorder.done), float(len(run.strikes)), book.turnover, float(run.mark.tries)]  # fmt: skip
     sums = {f"sum_{name}": np.asarray(book.sums[name]) for name in SUMS}
     forces = {f"forces_{field.name}": np.asarray(getattr(book.before, field.name)) for field in fields(Forces)}
-    return {"numbers": np.array(numbers), "q": state.q, "v": state.v, "a": state.a,
+    return {"numbers": np.array(numbers), "missed": run.impulses.missed, "q": state.q, "v": state.v, "a": state.a,
             **{name: np.zeros(0) if value is None else value for name, value in _optional(state).items()}, **sums,
             **forces}  # fmt: skip
 
@@ -220,7 +221,7 @@ def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
 
 def _check(files: RunFiles, data: dict[str, np.ndarray], system: System) -> None:
     shapes = {"numbers": (N_NUMBERS,), **dict.fromkeys(("q", "v", "a"), (system.n_dofs,))}
-    names = [*shapes, "jerk", "before", *(f"sum_{name}" for name in SUMS), *(f"forces_{field.name}" for field in fields(Forces))]
+    names = [*shapes, "missed", "jerk", "before", *(f"sum_{name}" for name in SUMS), *(f"forces_{field.name}" for field in fields(Forces))]
     if any(name not in data or data[name].shape != shapes.get(name, data[name].shape) for name in names):
         raise files.refused(STATE, "is no state of a run")
 
@@ -230,13 +231,14 @@ def _restore(run: Run, data: dict[str, np.ndarray]) -> None:
     if recorder.systems[-1] is not run.system:
         run.solver.close()
         run._on(recorder.systems[-1])
-    time, dt, run.dt, run.shortest, run.largest, energy, rough, done, impulses, turnover, tries = data["numbers"].tolist()
+    time, dt, run.dt, run.shortest, run.farthest, run.hardest, energy, effort, done, strikes, turnover, tries = data["numbers"].tolist()
     jerk, before = (data[name] if data[name].size else None for name in ("jerk", "before"))
     run.state = State(time, data["q"], data["v"], data["a"], dt, jerk, before)
-    run.solver.energy, run.solver.rough = energy, bool(rough)
+    run.solver.energy, run.solver.effort = energy, Effort(int(effort))
     run.solver.forget()
     recorder.done, book.turnover = int(done), turnover
-    run.impulses = run.impulses[len(run.impulses) - int(impulses) :]
+    run.strikes = run.strikes[len(run.strikes) - int(strikes) :]
+    run.impulses.missed = data["missed"]
     book.sums = {name: data[f"sum_{name}"] if data[f"sum_{name}"].ndim else float(data[f"sum_{name}"]) for name in SUMS}
     forces = {field.name: data[f"forces_{field.name}"] for field in fields(Forces)}
     book.before = Forces(float(forces.pop("time")), **forces)

@@ -77,9 +77,7 @@ class EnergyMomentum(ImplicitMidpoint):
 
     def end(self, u: np.ndarray, start: State, dt: float) -> State:
         end = super().end(u, start, dt)
-        if not self.chi:
-            return end
-        return replace(end, before=start.q, kept={"stresses before": start.kept.get("stresses")})
+        return replace(end, before=start.q if self.chi else None, kept={"step": (u, start.kept)})
 
     def tangent_at(self, u: np.ndarray, start: State) -> tuple[np.ndarray, np.ndarray]:
         """The discrete gradient is nearly that of the middle; the stresses change with the end."""
@@ -89,30 +87,31 @@ class EnergyMomentum(ImplicitMidpoint):
         self, system: System, u: np.ndarray, start: State, dt: float, change: np.ndarray | None = None
     ) -> np.ndarray:
         r"""S with those of the material's damping, :math:`\beta\,(S_{n+1} - S_n) / \Delta t`."""
-        before, after = _at_start(system, start), system.stresses(start.q + u, change)
+        before = _at_start(system, start)
+        after = _at_end(system, u, start) if change is None else system.stresses(start.q + u, change)
         more = system.retardation / dt + self.chi
         stresses = (0.5 - more) * before + (0.5 + more) * after
         last = self._last_change(system, start, dt)
         return stresses if last is None else stresses - self.chi * last
 
     def viscous_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        return system.retardation / dt * (system.stresses(start.q + u) - _at_start(system, start))
+        return system.retardation / dt * (_at_end(system, u, start) - _at_start(system, start))
 
     def numerical_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray | None:
         if not self.chi:
             return None
-        change, last = system.stresses(start.q + u) - _at_start(system, start), self._last_change(system, start, dt)
+        change, last = _at_end(system, u, start) - _at_start(system, start), self._last_change(system, start, dt)
         return self.chi * (change if last is None else change - last)
 
     def _last_change(self, system: System, start: State, dt: float) -> np.ndarray | None:
         """r times the change of the stresses in the step that led here; None after a jump or a change of the mesh."""
         if not self.chi or start.before is None:
             return None
-        kept = start.kept
-        if "last change" not in kept:
-            before = kept.pop("stresses before", None)
-            kept["last change"] = _at_start(system, start) - (system.stresses(start.before) if before is None else before)
-        return min(1.0, dt / start.dt) * kept["last change"]
+        if "last change" not in start.kept:
+            at_start = _at_start(system, start)
+            before = start.kept.pop("stresses before", None)
+            start.kept["last change"] = at_start - (system.stresses(start.before) if before is None else before)
+        return min(1.0, dt / start.dt) * start.kept["last change"]
 
     def force_of(self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> np.ndarray:
         return system.force_between(start.q, start.q + u, stresses)
@@ -133,6 +132,18 @@ class EnergyMomentum(ImplicitMidpoint):
 
 
 def _at_start(system: System, start: State) -> np.ndarray:
-    if "stresses" not in start.kept:
-        start.kept["stresses"] = system.stresses(start.q)
-    return start.kept["stresses"]
+    """Stresses of a state; those that the step to it has computed are not computed again."""
+    kept = start.kept
+    if "stresses" not in kept:
+        u, earlier = kept.pop("step", (None, {}))
+        known, stresses = earlier.get("end", (None, None))
+        kept["stresses before"] = earlier.get("stresses")
+        kept["stresses"] = system.stresses(start.q) if known is None or known is not u else stresses
+    return np.asarray(kept["stresses"])
+
+
+def _at_end(system: System, u: np.ndarray, start: State) -> np.ndarray:
+    """Stresses after an increment, computed once for it."""
+    if start.kept.get("end", (None,))[0] is not u:
+        start.kept["end"] = u, system.stresses(start.q + u)
+    return np.asarray(start.kept["end"][1])

@@ -8,8 +8,8 @@ from skancf.dynamics.state import State
 from skancf.vectors import sum_of_cross
 
 
-def advanced(system: System, start: State, dt: float, easy: bool) -> np.ndarray:
-    r"""Increment of the nodal coordinates over a step, (n_dofs,), from rates and accelerations.
+def advanced(system: System, start: State, dt: float, easy: bool) -> tuple[np.ndarray, np.ndarray]:
+    r"""Increment of the nodal coordinates over a step, (n_dofs,), from rates and accelerations, and its rigid part.
 
     Velocities :math:`\dot c + \omega \times (r - c)` with the momenta of v, and accelerations with those of a, are rigid: the
     body advances and turns by :math:`\Delta t\,\omega + \tfrac12 \Delta t^2 \dot\omega`. The rest of the velocities deforms it.
@@ -39,9 +39,12 @@ def advanced(system: System, start: State, dt: float, easy: bool) -> np.ndarray:
         rest_of_a = start.a.reshape(-1, 4, 3) - arms @ centripetal.T - np.cross(turning, arms) - 2 * np.cross(spin, rest)
         rest_of_a[:, 0] -= acceleration
         deformed += 0.5 * dt**2 * rest_of_a
-    new = deformed @ Rotation.from_rotvec(dt * (spin + 0.5 * dt * turning)).as_matrix().T
-    new[:, 0] += centre + dt * velocity + 0.5 * dt**2 * acceleration
-    return np.asarray(new.ravel() - start.q)
+    turned = Rotation.from_rotvec(dt * (spin + 0.5 * dt * turning)).as_matrix().T
+    moved = centre + dt * velocity + 0.5 * dt**2 * acceleration
+    ends = np.stack([deformed, arms]) @ turned
+    ends[:, :, 0] += moved
+    increment, rigid = ends.reshape(2, -1) - start.q
+    return increment, rigid
 
 
 def _cross_matrix(w: np.ndarray) -> np.ndarray:

@@ -8,6 +8,8 @@ import numpy as np
 
 from skancf.assembly.system import System
 from skancf.atomic import reason
+from skancf.dynamics.error import Measure
+from skancf.dynamics.impulses import LoadImpulses
 from skancf.dynamics.ledger import Book, MeshEvent
 from skancf.dynamics.motion import MotionStatus, Step
 from skancf.dynamics.prescribed import prescribed_acceleration
@@ -15,7 +17,7 @@ from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import StepOutcome, StepSolver
-from skancf.dynamics.steps import Attempt, StepControl
+from skancf.dynamics.steps import FADING, Attempt, StepControl
 from skancf.errors import SkancfError
 from skancf.progress import Progress
 
@@ -79,7 +81,9 @@ class Mark:
     tries: int
     state: State
     dt: float
-    largest: float
+    farthest: float
+    hardest: float
+    missed: np.ndarray
     n_steps: int
     book: Any
     recorder: Any
@@ -99,16 +103,15 @@ class Run:
         a = self.solver.initial_acceleration(q, v, settings.begin, self._driven(settings.begin))
         self.state = State(settings.begin, q, v, a)
         self.steps: list[Step] = []
-        thickness = system.problem.section.thickness
-        self.largest = thickness
-        guess = np.sqrt(2e-3 * thickness / max(self.size(a), 1e-300))
-        self.dt = settings.control.first(min(float(guess), settings.span / 20))
+        self.farthest, self.hardest = self.measure.size(q - system.undeformed), 0.0
+        self.impulses = LoadImpulses(system, settings.begin, settings.span)
+        self.dt = settings.control.first(settings.span / FIRST_STEP)
         self.shortest = self.dt * settings.control.smallest
         self.book = Book(system, self.state)
         recorder.begin(system, self.state)
         recorder.keep(self.state)
         times = [time for time, _ in system.impulses() if settings.begin <= time <= settings.end]
-        self.impulses = [time for time in times if time > settings.begin or not struck]
+        self.strikes = [time for time in times if time > settings.begin or not struck]
         self.knots = system.knots()
         self.looked = 0
         self.mark_here()
@@ -116,17 +119,10 @@ class Run:
     def _on(self, system: System) -> None:
         self.system = system
         self.solver = StepSolver(system, self.settings.rule, self.settings.newton_rtol, self.settings.backend)
-        mass = np.abs(system.shares[:, 0])
-        self.weights = mass / mass.sum()
+        self.measure = Measure(system)
 
     def close(self) -> None:
         self.solver.close()
-
-    def size(self, u: np.ndarray) -> float:
-        """Mass-weighted root mean square of positions."""
-        r = u.reshape(-1, 4, 3)[:, 0]
-        with np.errstate(over="ignore"):
-            return float(np.sqrt(self.weights @ (r * r).sum(axis=1)))
 
     def go(
         self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
@@ -152,12 +148,12 @@ class Run:
         settings = self.settings
         tiny = 1e-12 * settings.span
         while True:
-            while self.impulses and self.impulses[0] <= self.state.time + tiny:
-                self._strike(self.impulses.pop(0))
+            while self.strikes and self.strikes[0] <= self.state.time + tiny:
+                self._strike(self.strikes.pop(0))
             if self.state.time >= settings.end - tiny:
                 return MotionStatus.FINISHED, ""
             knot = next((time for time in self.knots if time > self.state.time + tiny), settings.end)
-            stop = min(knot, settings.end, *self.impulses[:1])
+            stop = min(knot, settings.end, *self.strikes[:1])
             left = stop - self.state.time
             step = left if self.dt > left - tiny else self.dt
             outcome, accepted = self._attempt(step)
@@ -173,21 +169,27 @@ class Run:
 
     def _attempt(self, step: float) -> tuple[StepOutcome, bool]:
         """One step; whether it was accepted. Sets the length of the next."""
-        settings, start, control = self.settings, self.state, self.settings.control
+        settings, start, control, measure = self.settings, self.state, self.settings.control, self.measure
         outcome = self.solver.step(start, step)
         error = imbalance = np.inf
-        accepted = False
+        farthest, over, accepted, missed = self.farthest, 0.0, False, ()
         if outcome.converged:
-            error = self._error(start, outcome.end)
+            error = measure.error(self.solver, start, outcome.end, settings.span)
         if np.isfinite(error):
             mark, before, known = self.book.mark(), self.book.left, self.book.turnover
             self.book.step(self.system, settings.rule, start, outcome.u, outcome.end,
                            lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
             imbalance = (self.book.left - before) / max(self.book.turnover, self._noise)
-            young = self.book.turnover > 2 * known
             done = (outcome.end.time - settings.begin) / settings.span
-            attempt = Attempt(step, settings.span, error, outcome.iterations, imbalance, young, self.book.imbalance / done)
-            accepted = control.accepts(attempt)
+            farthest = max(farthest, measure.size(outcome.end.q - self.system.undeformed))
+            missed = self.impulses.step(start.time, step)
+            attempt = Attempt(
+                step, settings.span, error, outcome.iterations, farthest, farthest - self.farthest, measure.rounding,
+                begins=farthest > SUDDEN * self.farthest and 2 * measure.size(start.a) < measure.size(outcome.end.a),
+                impulses=missed, hardest=self.hardest, imbalance=imbalance, young=self.book.turnover > 2 * known,
+                total=self.book.imbalance / done,
+            )  # fmt: skip
+            accepted, over = control.accepts(attempt), getattr(control, "over", _unmeasured)(attempt)
             # A step cut to end at a given time says nothing against the length that was meant.
             cut = step < self.dt and accepted
             self.dt = max(self.dt, control.next_step(attempt)) if cut else control.next_step(attempt)
@@ -195,27 +197,15 @@ class Run:
                 self.book.rewind(mark)
         else:
             self.dt = step / 2
-        self.steps.append(Step(start.time + step, step, error, outcome.iterations, outcome.factorisations, accepted,
-                               imbalance, self.system.n_dofs))  # fmt: skip
+        self.steps.append(Step(start.time + step, step, error / max(farthest, 1e-300), outcome.iterations,
+                               outcome.factorisations, accepted, imbalance, self.system.n_dofs))  # fmt: skip
         if accepted:
             self.recorder.step(start, outcome.end)
-            self.state = outcome.end
+            self.state, self.farthest, self.hardest = outcome.end, farthest, max(over, FADING * self.hardest)
             self.solver.reached(self.state)
-            self.largest = max(self.largest, self.thickness + self.size(self.state.q - self.system.undeformed))
+            self.impulses.add(missed)
             self.recorder.keep(self.state)
         return outcome, accepted
-
-    def _error(self, start: State, end: State) -> float:
-        """Error of a step, relative.
-
-        The errors of vibrations that it hardly resolves do not add up: what is wrong of them is twice their amplitude at
-        most, whatever the number of steps, so that each has its share of that.
-        """
-        rule = self.settings.rule
-        error = rule.error(start, end)
-        slow = self.solver.resolved(error, end.dt)
-        amplitude = self.size(error - slow) / abs(rule.error_constant)
-        return (self.size(slow) + 2 * amplitude * end.dt / self.settings.span) / self.largest
 
     @property
     def _noise(self) -> float:
@@ -225,10 +215,6 @@ class Run:
     def _is_unbalanced(self, tolerance: float) -> bool:
         """The first steps of a load that jumps cannot be balanced; nor can rounding."""
         return abs(self.book.left) > tolerance * max(self.book.turnover, self._noise) and len(self.steps) > FIRST
-
-    @property
-    def thickness(self) -> float:
-        return float(self.system.problem.section.thickness)
 
     def _driven(self, time: float) -> np.ndarray:
         """Accelerations of prescribed coordinates, (n_dofs,), after a time of the run; before its end."""
@@ -276,12 +262,14 @@ class Run:
     def mark_here(self, tries: int = 0) -> None:
         """Where the run may go back to, from the next look at the mesh; ``tries`` counts how often it did."""
         self.looked = 0
-        self.mark = Mark(tries, self.state, self.dt, self.largest, len(self.steps), self.book.mark(), self.recorder.mark())
+        self.mark = Mark(tries, self.state, self.dt, self.farthest, self.hardest, self.impulses.missed, len(self.steps),
+                         self.book.mark(), self.recorder.mark())  # fmt: skip
 
     def _rewind(self) -> None:
         """Back to the last mark; the steps since then count as rejected."""
         mark = self.mark
-        self.state, self.dt, self.largest = mark.state, mark.dt, mark.largest
+        self.state, self.dt, self.farthest, self.hardest = mark.state, mark.dt, mark.farthest, mark.hardest
+        self.impulses.missed = mark.missed
         self.steps[mark.n_steps :] = [replace(step, accepted=False) for step in self.steps[mark.n_steps :]]
         self.book.rewind(mark.book)
         self.recorder.rewind(mark.recorder)
@@ -317,6 +305,15 @@ def _words(error: Exception) -> str:
     return reason(error) if isinstance(error, OSError) else repr(error)
 
 
+def _unmeasured(attempt: Attempt) -> float:
+    """What controls without an asked error say of a step."""
+    return 0.0
+
+
+FIRST_STEP = 50
+"""Part of the run that is tried at first; what is too long is rejected, and costs little."""
+SUDDEN = 4
+"""Where the displacement grows more than so many times in a step, and the acceleration doubles, the motion only begins."""
 TRIES = 2
 """How often a run goes back to the same look."""
 NOISE = 1e3

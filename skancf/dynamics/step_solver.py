@@ -1,6 +1,7 @@
 """One implicit step: Newton's method that keeps its factors as long as they converge."""
 
 from dataclasses import dataclass, replace
+from enum import IntEnum
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
@@ -35,6 +36,14 @@ INNER, VECTORS = 0.1, 4
 """How far, and with how many vectors, GMRES goes in each iteration."""
 
 
+class Effort(IntEnum):
+    """How often a step factors its tangent: never, at first and where the iteration becomes slow, or at each iteration."""
+
+    KEEP = 0
+    ANEW = 1
+    EACH = 2
+
+
 @dataclass(frozen=True)
 class StepOutcome:
     """The increment and the state at the end of a step, if it converged."""
@@ -62,7 +71,7 @@ class StepSolver:
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
         self.factors = TurningFactors(self.linear, system.constraints)
         self.factored_dt = 0.0
-        self.rough = False
+        self.effort = Effort.KEEP
         self.energy = 0.0
         self.rounding = 0.0
 
@@ -124,33 +133,44 @@ class StepSolver:
             return self._step(start, dt)
 
     def _step(self, start: State, dt: float) -> StepOutcome:
-        outcome = self._newton(start, dt) if self.factored_dt == dt and not self.rough else None
-        if outcome is None or not outcome.converged:
-            spent = outcome
-            outcome = self._newton(start, dt, fresh=True)
-            self.rough = outcome.iterations > EASY
+        efforts = [effort for effort in Effort if effort >= self.effort and (effort > Effort.KEEP or self.factored_dt == dt)]
+        outcome: StepOutcome | None = None
+        for effort in efforts:
+            spent, outcome = outcome, self._newton(start, dt, effort)
+            # What takes few iterations with new factors may be tried with them again.
+            easy = outcome.factorisations < 2 or (effort is Effort.EACH and outcome.iterations <= EASY)
+            self.effort = Effort.KEEP if easy else effort
             if spent is not None:
                 outcome = outcome.after(spent)
+            if outcome.converged:
+                break
+        assert outcome is not None
         return outcome
 
-    def _newton(self, start: State, dt: float, fresh: bool = False) -> StepOutcome:
-        u = self._first_guess(start, dt, fresh)
-        before, step = np.zeros_like(u), u  # the first guess counts as a correction of no increment at all
-        history, factorisations, last, first, message = Anderson(), 0, np.inf, 0.0, ""
+    def _newton(self, start: State, dt: float, effort: Effort) -> StepOutcome:
+        u, before = self._first_guess(start, dt, effort is Effort.KEEP)
+        step = u - before  # what the first guess deforms counts as a correction of a rigid motion
+        history, factorisations, age, last, first, message = Anderson(), 0, 0, np.inf, 0.0, ""
         for iteration in range(1, MAX_ITERATIONS + 1):
             residual = self.residual(u, start, dt)
             if not np.isfinite(residual).all():
                 message = "values that are not finite"
                 break
-            if fresh:
+            age += 1
+            anew = effort is Effort.EACH or (effort is Effort.ANEW and iteration == 1)
+            if not anew:
+                if iteration == 1:
+                    self.factors.turn_to(*self.rule.tangent_at(u, start))
+                change, energy = self.factors.solve(-residual)
+                anew = effort is Effort.ANEW and age > 1 and energy > SLOW**2 * last
+            if anew:
                 try:
                     self._factor(u, start, dt, self.rule.stresses(self.system, before, start, dt, step))
                 except SingularMatrix as singular:
                     return StepOutcome(False, start, u, iteration, factorisations, str(singular))
-                factorisations += 1
-            if fresh or iteration == 1:
-                self.factors.turn_to(*self.rule.tangent_at(u, start))
-            change, energy = self.factors.solve(-residual)
+                factorisations, age = factorisations + 1, 0
+                history.restart()
+                change, energy = self.factors.solve(-residual)
             first = first or energy
             if not energy <= DIVERGED * first:
                 message = "corrections that grow"
@@ -158,23 +178,24 @@ class StepSolver:
             scale = max(self.energy, first)
             if energy <= self.rtol**2 * scale + self.rounding or STALLED * last < energy < TINY * scale:
                 return self._finished(u + change, start, dt, iteration, factorisations)
-            if not fresh and energy > SLOW**2 * last:
-                message = "no convergence with factors of an earlier step"
+            if effort is not Effort.EACH and not anew and energy > SLOW**2 * last:
+                message = "no convergence with factors of an earlier iteration"
                 break
-            if fresh and not self.rule.symmetric:
-                step = self._with_skew_part(change, residual, u, start, dt)
+            if effort is Effort.EACH:
+                step = change if self.rule.symmetric else self._with_skew_part(change, residual, u, start, dt)
             else:
-                step = change if fresh else history.step(change, residual)
+                step = history.step(change, residual)
             before, u, last = u, u + step, energy
         else:
             message = f"no convergence in {MAX_ITERATIONS} iterations"
         self.forget()
         return StepOutcome(False, start, u, iteration, factorisations, f"{message} {self._place(residual)}")
 
-    def _first_guess(self, start: State, dt: float, fresh: bool) -> np.ndarray:
-        u = advanced(self.system, start, dt, easy=not fresh)
+    def _first_guess(self, start: State, dt: float, easy: bool) -> tuple[np.ndarray, np.ndarray]:
+        """An increment that meets the supports, and its rigid part."""
+        u, rigid = advanced(self.system, start, dt, easy)
         target = self.system.undeformed + self.system.prescribed(start.time + dt) - start.q
-        return u + self.system.constraints.fixed_part(target - u)
+        return u + self.system.constraints.fixed_part(target - u), rigid
 
     def _finished(self, u: np.ndarray, start: State, dt: float, iterations: int, factorisations: int) -> StepOutcome:
         end = self.rule.end(u, start, dt)

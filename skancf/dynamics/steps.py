@@ -5,25 +5,50 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from skancf.arguments import whole
-from skancf.errors import InputError, positive
+from skancf.dynamics.impulses import Missed
+from skancf.errors import InputError, number, positive
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """A step that converged: its length and that of the run (s), its error, iterations, and energy without a source.
+    """A step that converged.
 
-    Error and imbalance are relative: see :class:`LocalError` and :class:`EnergyBalance`.
+    Attributes
+    ----------
+    dt, span : float
+        Its length and that of the run (s).
+    error : float
+        What it adds to the error by the end of the run (m): see :class:`LocalError`.
+    iterations : int
+    motion, growth : float
+        The largest displacement so far, that at its end included, and what this is more than before (m).
+    rounding : float
+        The size that rounding of positions has (m).
+    begins : bool
+        Whether the motion has only begun, so that its error says nothing yet.
+    impulses : tuple of Missed
+        What it misses of the loads.
+    hardest : float
+        The largest of earlier steps' :meth:`StepControl.over`, which fades.
+    imbalance, total : float
+        Energy without a source, of the step and of the run so far over the part of its length that is done, relative.
+    young : bool
+        Whether energies more than doubled in the step, so that there is nothing yet to compare the imbalance with.
     """
 
     dt: float
     span: float
     error: float
     iterations: int
-    imbalance: float
+    motion: float = 0.0
+    growth: float = 0.0
+    rounding: float = 0.0
+    begins: bool = False
+    impulses: tuple[Missed, ...] = ()
+    hardest: float = 0.0
+    imbalance: float = 0.0
     young: bool = False
-    """Whether energies more than doubled in the step, so that there is nothing yet to compare the imbalance with."""
     total: float = float("inf")
-    """The imbalance of the run so far, over the part of its length that is done."""
 
 
 class StepControl(Protocol):
@@ -34,7 +59,7 @@ class StepControl(Protocol):
         """A run stops when its step falls below this part of the first one."""
 
     def first(self, guess: float) -> float:
-        """First step, from a guess that the initial acceleration gives."""
+        """First step, from a guess: a fiftieth of the run."""
 
     def accepts(self, attempt: Attempt) -> bool:
         """Whether a step is good enough."""
@@ -88,9 +113,13 @@ def _changed(dt: float, factor: float, largest: float) -> float:
     return min(largest, dt * min(2.0, factor)) if factor > 1.25 else min(largest, dt)
 
 
+FADING = 0.9
+"""How much of a hard step is still thought of one step later: what a step may be swings with a vibration."""
+
+
 @dataclass(frozen=True)
 class _Limited(ABC):
-    """What the three controls share: each step may cause its part of the asked error, by its share of the time."""
+    """What the controls of an error share: each step may cause its part of the asked one."""
 
     rtol: float = 1e-3
     largest: float = float("inf")
@@ -103,41 +132,56 @@ class _Limited(ABC):
         return min(guess, self.largest)
 
     @abstractmethod
-    def measured(self, attempt: Attempt) -> float:
-        """What counts as the error of a step, relative."""
-
-    def _over(self, attempt: Attempt) -> float:
+    def over(self, attempt: Attempt) -> float:
         """Error of a step over what it may be; of order two in the step, since a shorter step may cause less."""
-        return self.measured(attempt) * attempt.span / (self.rtol * attempt.dt)
 
     def accepts(self, attempt: Attempt) -> bool:
-        return self._over(attempt) <= 1
+        return self.over(attempt) <= 1
 
     def next_step(self, attempt: Attempt) -> float:
-        factor = 0.9 * max(self._over(attempt), 1e-30) ** -0.5
-        return _changed(attempt.dt, min(factor, 0.9) if self._over(attempt) > 1 else max(factor, 1.0), self.largest)
+        over = self.over(attempt)
+        if over > 1:
+            return _changed(attempt.dt, min(0.9 * over**-0.5, 0.9), self.largest)
+        hardest = max(over, FADING * attempt.hardest, 1e-30)
+        return _changed(attempt.dt, max(0.9 * hardest**-0.5, 1.0), self.largest)
 
 
-PARTLY = 0.6
-"""How much of the steps' errors adds up: those of an oscillation have both signs. Measured on motions of several kinds."""
+NEGLIGIBLE = 0.05
+"""Part of the asked error that a step may miss of a load at once: what jumps without a knot is found by no short step."""
 
 
 @dataclass(frozen=True)
 class LocalError(_Limited):
-    r"""Steps whose errors add up to ``rtol`` of the displacement over the run.
+    r"""Steps whose errors add up to ``rtol`` of the largest displacement over the run.
 
-    A step of length :math:`\Delta t` in a run of length T may cause the error :math:`r\,\Delta t / T`. The error of a step
-    is :math:`c\,\Delta t^3 |\dddot q|` with the constant of the rule, without the part that the step does not resolve; it is
-    the mass-weighted root mean square over the plate, relative to the largest displacement so far plus the thickness.
+    A step of length :math:`\Delta t` in a run of length T may add the error
+
+    .. math:: \tfrac12 r\,[R\,\Delta t / T + (R - R_{old})] + a\,\Delta t / T
+
+    where R is the largest displacement so far, so that the whole run may add :math:`r R + a`, and a motion that begins at
+    rest has something to compare its errors with. Nothing else has a scale: steps depend neither on the units, nor on how
+    large a load is, nor, where nothing is held, on a common translation. What a step adds is
+
+    .. math:: \frac{\pi}{2} |e_s| + 2 A \frac{\Delta t}{T},
+
+    the part :math:`e_s` of the rule's error :math:`c\,\Delta t^3 \dddot q` that it resolves, and its share of the amplitude A of
+    vibrations that it hardly resolves. Sizes are mass-weighted root mean squares over the plate.
+
+    The impulse of each load with the function of time h is controlled alike: a rule takes h in the middle of a step, and what
+    that misses, :math:`\Delta t\,|h(t_{1/2}) - \bar h|`, may be
+    :math:`\tfrac12 r\,[I\,\Delta t / T + \int_{\Delta t} |h|]`, with the integral I of :math:`|h|` over the run. So no pulse is
+    stepped over that is longer than T / 4096.
 
     Parameters
     ----------
     rtol : float
-        Asked error at the end of the run.
+        Asked error, relative to the largest displacement.
     largest : float
         Longest step (s).
     smallest : float
         A run stops when its step falls below this part of the first guess.
+    atol : float
+        Asked error (m) that is good enough however small the motion is.
 
     References
     ----------
@@ -145,8 +189,23 @@ class LocalError(_Limited):
     Earthquake Eng. Struct. Dyn. 20 (1991) 871-887.
     """
 
-    def measured(self, attempt: Attempt) -> float:
-        return PARTLY * attempt.error
+    atol: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (number("atol", self.atol) >= 0):
+            raise InputError(f"atol = {self.atol} m: an error is not negative")
+
+    def over(self, attempt: Attempt) -> float:
+        share = attempt.dt / attempt.span
+        allowed = 0.5 * self.rtol * (attempt.motion * share + attempt.growth) + self.atol * share + attempt.rounding
+        error = 0.0 if attempt.begins else attempt.error / max(allowed, 1e-300)
+        return max([error, *(self._over_impulse(part, share) for part in attempt.impulses)])
+
+    def _over_impulse(self, part: Missed, share: float) -> float:
+        if part.missed <= NEGLIGIBLE * self.rtol * part.whole:
+            return 0.0
+        return part.missed / (0.5 * self.rtol * (part.whole * share + part.here))
 
 
 @dataclass(frozen=True)
@@ -165,15 +224,15 @@ class EnergyBalance(_Limited):
         As for :class:`LocalError`.
     """
 
-    def measured(self, attempt: Attempt) -> float:
-        return abs(attempt.imbalance)
+    def over(self, attempt: Attempt) -> float:
+        return abs(attempt.imbalance) * attempt.span / (self.rtol * attempt.dt)
 
     def accepts(self, attempt: Attempt) -> bool:
         # What one step loses and the next one gains back adds up to nothing, and no shorter step may lose less.
         return attempt.young or abs(attempt.total) <= self.rtol or super().accepts(attempt)
 
     def next_step(self, attempt: Attempt) -> float:
-        return attempt.dt if self._over(attempt) > 1 and self.accepts(attempt) else super().next_step(attempt)
+        return attempt.dt if self.over(attempt) > 1 and self.accepts(attempt) else super().next_step(attempt)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,74 @@
+"""What steps miss of the impulses of loads: a rule takes a load at one time of a step."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from skancf.assembly.system import System
+
+SAMPLES = 4096
+"""Times in a run at which a load is looked at; a pulse between two of them is not seen."""
+LEAST = 9
+"""Times in a step at which a load is looked at, both ends included."""
+
+
+class Missed(NamedTuple):
+    """What a step misses of the integral of a load's function of time, that of its size over the step, and over the run (s)."""
+
+    missed: float
+    here: float
+    whole: float
+
+
+class LoadImpulses:
+    """The functions of time of all loads of a system, over a run.
+
+    Attributes
+    ----------
+    missed : (n,) array
+        The sums of what accepted steps missed, of each function.
+    """
+
+    def __init__(self, system: System, begin: float, span: float):
+        self.functions: Sequence[Callable[[float], Any]] = system.load_histories()
+        self.span = span
+        times = begin + span * (np.arange(SAMPLES) + 0.5) / SAMPLES
+        self.whole = [span * float(np.abs(_values(h, times)).mean()) for h in self.functions]
+        self.missed = np.zeros(len(self.functions))
+
+    def step(self, start: float, dt: float) -> tuple[Missed, ...]:
+        """What a step from a time on misses of each: the load in its middle is taken for the mean."""
+        n = max(LEAST, int(SAMPLES * dt / self.span) + 2)
+        times = np.append(start + dt * np.arange(n) / (n - 1), start + 0.5 * dt)
+        weights = np.full(n, 1 / (n - 1))
+        weights[[0, -1]] *= 0.5
+        out = []
+        for function, whole in zip(self.functions, self.whole, strict=True):
+            values = _values(function, times)
+            mean, size = weights @ values[:-1], weights @ np.abs(values[:-1])
+            out.append(Missed(dt * float(abs(mean - values[-1])), dt * float(size), whole))
+        return tuple(out)
+
+    def add(self, step: tuple[Missed, ...]) -> None:
+        """Count what an accepted step missed."""
+        self.missed = self.missed + [part.missed for part in step]
+
+    @property
+    def part(self) -> float:
+        """The largest part of a load's impulse that was missed."""
+        parts = [m / whole for m, whole in zip(self.missed.tolist(), self.whole, strict=True) if whole > 0]
+        return max(parts, default=0.0)
+
+
+def _values(function: Callable[[float], Any], times: np.ndarray) -> np.ndarray:
+    return np.array([_tried(function, t) for t in times.tolist()])
+
+
+def _tried(function: Callable[[float], Any], time: float) -> float:
+    """Zero where the function has no value: that is found out when the run gets there."""
+    try:
+        value = float(function(time))
+    except Exception:  # whatever a user's function raises
+        return 0.0
+    return value if np.isfinite(value) else 0.0

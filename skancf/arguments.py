@@ -80,8 +80,9 @@ def function(name: str, value: Any, example: str) -> Callable[..., Any]:
 def choice(name: str, value: Any, choices: Collection[Any]) -> None:
     """InputError for what is none of some names."""
     if not (value is None or isinstance(value, str)) or value not in choices:
-        names = [repr(each) for each in choices]
-        raise InputError(f"{name} = {shown(value)}: choose one of {', '.join(names[:-1])} or {names[-1]}")
+        *names, last = [repr(each) for each in choices]
+        which = f"one of {', '.join(names)} or {last}" if names else last
+        raise InputError(f"{name} = {shown(value)}: choose {which}")
 
 
 def flag(name: str, value: Any) -> bool:

@@ -49,7 +49,7 @@ def asked_of(run: Run, names: Iterable[str], every: int) -> Asked:
     """What makes a run what it is; ``names`` are those of its records."""
     settings, system = run.settings, run.system
     text = {field.name: plain(getattr(settings, field.name)) for field in fields(Settings)}
-    text |= {"backend": run.solver.linear.description, "outputs": run.recorder.times.tolist(), "record": sorted(names),
+    text |= {"backend": run.solver.linear.description, "outputs": run.recorder.asked, "record": sorted(names),
              "every": every, "version": __version__}  # fmt: skip
     problem = asked_problem(system, settings.begin, settings.end)
     start = {"start": run.state.q, "start_velocity": run.state.v}

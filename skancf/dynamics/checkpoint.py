@@ -283,7 +283,8 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     if difference:
         raise InputError(f"folder '{files.folder}': {difference}; {PROBLEM}")
     names: dict[str, Any] = dict.fromkeys(known.settings["record"])
-    recorder = Recorder(np.array(known.settings["outputs"]), names)
+    outputs = known.settings["outputs"]
+    recorder = Recorder(None if outputs == "steps" else np.array(outputs), names)
     at = system.undeformed
     kept = Kept(recorder, [], Book(system, State(known.settings["begin"], at, np.zeros_like(at), np.zeros_like(at))))
     files.read_kept(text, kept, system)

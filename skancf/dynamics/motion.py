@@ -9,6 +9,7 @@ import numpy as np
 
 from skancf.arguments import function
 from skancf.assembly.system import System
+from skancf.checks import Check
 from skancf.dynamics.ledger import Ledger
 from skancf.errors import DidNotConverge, InputError, number
 from skancf.solution import Solution, probe
@@ -79,6 +80,10 @@ class Motion:
         Energies, work, dissipation and momenta at the end of every accepted step; :meth:`book` has them at output times.
     records : dict of name to (times, values)
         The quantities asked for, at every accepted step.
+    checks : tuple of Check
+        Of the balances of energy and momenta, of the loads' impulses and of what the rule took out.
+    error : (n,) array or None
+        Estimated error at the output times (m), a mass-weighted root mean square of positions, if ``check`` was asked for.
     seconds : float
         Wall time, of all processes that a restarted run has taken.
     """
@@ -90,6 +95,8 @@ class Motion:
     status: MotionStatus = MotionStatus.FINISHED
     message: str = ""
     seconds: float = 0.0
+    checks: tuple[Check, ...] = ()
+    error: np.ndarray | None = None
 
     @property
     def finished(self) -> bool:

@@ -24,20 +24,26 @@ class Knot(NamedTuple):
 
 
 class Recorder:
-    """Keeps the states at ``times`` and the ``quantities``.
+    """Keeps the states at ``times``, or at the ends of all steps, and the ``quantities``.
 
     Every stretch of the run, on one mesh and without a jump, also keeps its first and its last state, so that times between
     outputs can be interpolated.
     """
 
-    def __init__(self, times: np.ndarray, quantities: Mapping[str, Quantity]):
-        self.times, self.quantities = times, quantities
-        self.slack = 1e-9 * (times[-1] - times[0] + 1e-300)
+    def __init__(self, times: np.ndarray | None, quantities: Mapping[str, Quantity]):
+        self.every = times is None
+        self.times, self.quantities = np.zeros(1) if times is None else times, quantities
+        self.slack = 1e-9 * (self.times[-1] - self.times[0] + 1e-300)
         self.done = 0
         self.systems: list[System] = []
         self.knots: list[Knot] = []
         self.record_times: list[float] = []
         self.values: dict[str, list[Any]] = {name: [] for name in quantities}
+
+    @property
+    def asked(self) -> list[float] | str:
+        """The output times, or "steps"."""
+        return "steps" if self.every else self.times.tolist()
 
     def begin(self, system: System, state: State) -> None:
         """A new stretch, on a mesh or after a jump."""
@@ -59,10 +65,13 @@ class Recorder:
         self.knots.append(Knot(len(self.systems) - 1, time, q, v, output))
 
     def _due(self, time: float) -> bool:
-        return self.done < len(self.times) and bool(self.times[self.done] <= time + self.slack)
+        return self.every or self.done < len(self.times) and bool(self.times[self.done] <= time + self.slack)
 
     def step(self, start: State, end: State) -> None:
         """The states at output times of a step."""
+        if self.every:
+            self._add(end.time, end.q, end.v, True)
+            return
         while self._due(end.time):
             t = float(self.times[self.done])
             q, v = end.q, end.v

@@ -8,10 +8,12 @@ import numpy as np
 
 from skancf.assembly.system import System
 from skancf.atomic import reason
+from skancf.checks import Check, failures
 from skancf.dynamics.error import Measure
 from skancf.dynamics.impulses import LoadImpulses
 from skancf.dynamics.ledger import Book, MeshEvent
-from skancf.dynamics.motion import MotionStatus, Step
+from skancf.dynamics.motion import Motion, MotionStatus, Step
+from skancf.dynamics.motion_checks import MOMENTA, checks_of
 from skancf.dynamics.prescribed import prescribed_acceleration
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.rule import Rule
@@ -123,6 +125,19 @@ class Run:
 
     def close(self) -> None:
         self.solver.close()
+
+    def motion(self, status: MotionStatus, message: str) -> Motion:
+        """What the run left behind; one that reached its end with momenta out of balance has not finished."""
+        ledger, settings = self.book.ledger(), self.settings
+        checks: tuple[Check, ...] = ()
+        if self.steps:
+            size = float(np.abs(self.state.q.reshape(-1, 4, 3)[:, 0]).max())
+            checks = checks_of(ledger, mass=self.measure.mass, size=size, missed=self.impulses.part, noise=self._noise,
+                               balance=settings.balance, rtol=getattr(settings.control, "rtol", None))  # fmt: skip
+        out_of_balance = failures(check for check in checks if MOMENTA in check.name)
+        if status is MotionStatus.FINISHED and out_of_balance:
+            status, message = MotionStatus.UNBALANCED, out_of_balance
+        return Motion(self.recorder.stretches, tuple(self.steps), ledger, self.recorder.records, status, message, 0.0, checks)
 
     def go(
         self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,

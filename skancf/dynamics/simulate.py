@@ -2,19 +2,20 @@
 
 import time as clock
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from skancf.arguments import function, having, mapping, whole
+from skancf.arguments import choice, function, having, mapping, whole
 from skancf.assembly.system import System
 from skancf.atomic import AnyPath
 from skancf.dynamics.asked import asked_of
 from skancf.dynamics.checkpoint import Checkpoint
 from skancf.dynamics.energy_momentum import EnergyMomentum
-from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.motion_checks import warn_of
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
@@ -37,16 +38,17 @@ def simulate(
     steps: StepControl | None = None,
     rule: Rule | None = None,
     rho_inf: float | None = None,
-    outputs: int | Sequence[float] = 201,
+    outputs: int | str | Sequence[float] = 201,
     record: Mapping[str, Quantity] | None = None,
     velocity: Velocity = None,
     start: Solution | None = None,
-    balance: float | None = 0.1,
+    balance: float | str | None = "auto",
     follow: MeshPolicy | None = None,
     checkpoint: Checkpoint | AnyPath | None = None,
     resume: bool = False,
     newton_rtol: float | None = None,
     backend: str = "auto",
+    check: bool = False,
     progress: bool = True,
 ) -> Motion:
     """Motion from the undeformed state at rest, or from ``start``.
@@ -56,27 +58,29 @@ def simulate(
     t_end : float
         Length of the run (s).
     rtol : float
-        Asked accuracy: errors of the steps add up to this part of the displacement (plus the thickness) by the end of the
-        run, so that a longer run takes shorter steps; see :class:`LocalError`.
+        Asked accuracy: errors of the steps add up to this part of the largest displacement by the end of the run, so that a
+        longer run takes shorter steps; see :class:`LocalError`.
     dt : float, optional
         Fixed step (s) instead.
     steps
         Any other step control; overrides ``dt`` and ``rtol``.
     rule
-        A rule of integration; default :class:`GeneralizedAlpha`, and :class:`EnergyMomentum` where energy must be kept.
+        A rule of integration; default :class:`EnergyMomentum`.
     rho_inf : float, optional
-        Short for ``rule=GeneralizedAlpha(rho_inf)``: spectral radius at infinite frequency, default 0.8; 1 damps nothing, 0
-        most.
-    outputs : int or times
-        Number of equidistant output times, or the times. States between steps are interpolated with cubics.
+        Short for ``rule=EnergyMomentum(rho_inf)``: spectral radius at infinite frequency, default 0.8; 1 keeps energy, 1/3
+        damps most.
+    outputs : int, times or "steps"
+        Number of equidistant output times, or the times: states between steps are interpolated with cubics, good for
+        positions, and where the body turns much in a step not for stresses. ``"steps"``: the end of every step.
     record : mapping of name to function of a Solution, optional
         Quantities kept at every accepted step.
     velocity : RigidVelocity, function, or (n_dofs,) array, optional
         Initial velocity: of a rigid body; of the surface, a function of the parameters (x, y) that returns (3, ...); or
         rates of the nodal coordinates. Supports overrule it. Default: that of ``start``, or rest.
-    balance : float or None
-        Largest part of the energy that the integration may gain or lose: a run in which the energy balance leaves this
-        tolerance stops. None: do not look.
+    balance : float, "auto" or None
+        Largest part of the energy, and of the momenta, that may come or go without a source: a run whose energy leaves this
+        tolerance stops, and one whose momenta left it has not finished. ``"auto"``: 1e-3 for :class:`EnergyMomentum`, 0.1
+        for other rules. None: do not look.
     follow
         Meshes that follow the motion, see :class:`~skancf.Follow`.
     checkpoint : Checkpoint or folder, optional
@@ -87,6 +91,9 @@ def simulate(
     newton_rtol : float, optional
         Newton's method ends when the energy of its correction is less than this squared times the largest kinetic energy
         so far, or the step's first correction. Default: that of the rule.
+    check : bool
+        Run again with steps of twice the length (four times ``rtol``), for a third to a half of the time more, and estimate
+        the error by the difference: ``motion.error``.
     progress : bool
         Show a progress bar.
 
@@ -100,13 +107,15 @@ def simulate(
     InputError
         For times, tolerances or velocities that cannot be used.
     """
-    check_asked(system, backend, start=start, resume=resume, progress=progress)
+    check_asked(system, backend, start=start, resume=resume, check=check, progress=progress)
     t_end = positive("t_end", t_end, "s")
-    _check(record, follow, newton_rtol=newton_rtol, balance=balance)
     rule = _rule(rule, rho_inf)
+    balance = _balance(balance, rule)
+    _check(record, follow, newton_rtol=newton_rtol, balance=balance)
     control = _control(steps, dt, rtol, rule)
     if follow is not None:
         follow.check(system)
+    doubled = _doubled(control, follow) if check else None
     warn_if_mass_is_off(system)
     begin = 0.0 if start is None or start.time is None else start.time
     system.check_histories(begin, begin + t_end)
@@ -116,16 +125,51 @@ def simulate(
     v = _initial_velocity(system, velocity, start, begin, t_end)
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
     began = clock.perf_counter()
+    # A state that has a time is the one after what happened then.
+    struck = start is not None and start.time is not None
     with Progress("dynamics", t_end, shown=progress) as bar:
-        # A state that has a time is the one after what happened then.
-        struck = start is not None and start.time is not None
         run = Run(system, settings, Recorder(times, record or {}), q, v, struck)
         try:
             status, message, seconds = _go(run, bar, checkpoint, resume)
         finally:
             run.close()
-    return Motion(run.recorder.stretches, tuple(run.steps), run.book.ledger(), run.recorder.records, status, message,
-                  clock.perf_counter() - began if seconds is None else seconds)  # fmt: skip
+    motion = run.motion(status, message)
+    if doubled is not None and motion.finished:
+        with Progress("the same with steps twice as long", t_end, shown=progress) as bar:
+            again = Run(system, replace(settings, control=doubled), Recorder(motion.times, {}), q, v, struck)
+            try:
+                again.go(bar)
+            finally:
+                again.close()
+        motion = replace(motion, error=_difference(motion, again) / ORDER)
+    warn_of(motion)
+    return replace(motion, seconds=clock.perf_counter() - began if seconds is None else seconds)
+
+
+ORDER = 3
+"""The error of a rule of order two is a third of what a step of twice the length changes."""
+
+
+def _doubled(control: Any, follow: Any) -> StepControl:
+    """The control whose steps are twice as long."""
+    if follow is not None:
+        raise InputError("check = True and follow: two runs have states on different meshes; compare a quantity of both, or "
+                         "run without follow")  # fmt: skip
+    if isinstance(control, LocalError):
+        return replace(control, rtol=4 * control.rtol, atol=4 * control.atol, largest=2 * control.largest)
+    if isinstance(control, FixedStep):
+        return replace(control, dt=2 * control.dt)
+    raise InputError(f"check = True and steps = {shown(control)}: it is known of LocalError and FixedStep only what steps of "
+                     "twice the length are")  # fmt: skip
+
+
+def _difference(motion: Motion, again: Run) -> np.ndarray:
+    """Mass-weighted root mean squares at the output times; not a number where the second run did not come."""
+    other = again.motion(MotionStatus.FINISHED, "")
+    n = len(other.times)
+    out = np.full(len(motion.times), np.nan)
+    out[:n] = [again.measure.size(one - two) for one, two in zip(motion.q[:n], other.q, strict=True)]
+    return out
 
 
 def _go(
@@ -147,6 +191,13 @@ def _go(
         return status, message, writer.seconds
     finally:
         writer.close()
+
+
+def _balance(balance: float | str | None, rule: Rule) -> float | None:
+    if isinstance(balance, str):
+        choice("balance", balance, ("auto",))
+        return rule.balance
+    return balance
 
 
 def _check(record: Any, follow: Any, **positive_or_none: float | None) -> None:
@@ -187,7 +238,7 @@ def _check_number_of_steps(control: Any, t_end: float) -> None:
 
 def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:
     if rule is None:
-        return GeneralizedAlpha() if rho_inf is None else GeneralizedAlpha(rho_inf)
+        return EnergyMomentum() if rho_inf is None else EnergyMomentum(rho_inf)
     if rho_inf is not None:
         raise InputError(f"rho_inf = {rho_inf} and rule = {shown(rule)}: rho_inf is short for a rule; give one of them")
     if not isinstance(rule, Rule):
@@ -195,8 +246,13 @@ def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:
     return rule
 
 
-def output_times(outputs: int | Sequence[float], begin: float, end: float, n_dofs: int = 12) -> np.ndarray:
-    """The output times of a run."""
+def output_times(
+    outputs: int | str | Sequence[float], begin: float, end: float, n_dofs: int = 12
+) -> np.ndarray | None:
+    """The output times of a run; None for the end of every step."""
+    if isinstance(outputs, str):
+        choice("outputs", outputs, ("steps",))
+        return None
     if isinstance(outputs, int | float | np.integer | np.floating):
         n = whole("outputs", outputs, least=2)
         require_much(16 * n * n_dofs, f"outputs = {n}", f"to keep states of {n_dofs} unknowns", "ask for fewer")

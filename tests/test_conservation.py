@@ -55,7 +55,7 @@ def test_energy_and_momenta_of_a_free_body(dt, theory, body):
     """The membrane's slowest frequency is about 100 rad/s: steps are one and more of its periods over 2 pi."""
     problem, mesh = BODIES[body]
     system = problem.on(mesh, theory)
-    motion = run(system, 0.6, dt, sk.EnergyMomentum())
+    motion = run(system, 0.6, dt, sk.EnergyMomentum(1.0))
     ledger = motion.ledger
     assert motion.finished and max(drifts(ledger)) < KEPT, drifts(ledger)
     assert ledger.strain.max() > 0.01 * ledger.kinetic.max(), "nothing was bent"
@@ -80,12 +80,12 @@ def test_energy_is_kept_where_the_midpoint_rule_blows_up():
     motion = run(system, 0.6, 0.02, sk.ImplicitMidpoint(), rtol=1e-9, balance=0.5)
     assert motion.status is MotionStatus.UNBALANCED and motion.ledger.energy[-1] > 2 * motion.ledger.energy[0]
     assert "gained" in motion.message and "EnergyMomentum" in motion.message
-    assert max(drifts(run(system, 0.6, 0.02, sk.EnergyMomentum()).ledger)) < KEPT
+    assert max(drifts(run(system, 0.6, 0.02, sk.EnergyMomentum(1.0)).ledger)) < KEPT
 
 
 def test_adaptive_steps_keep_them_too():
     problem, mesh = BODIES["laminate"]
-    motion = sk.simulate(problem.on(mesh, "kirchhoff"), 0.5, rtol=2e-2, rule=sk.EnergyMomentum(), newton_rtol=1e-11,
+    motion = sk.simulate(problem.on(mesh, "kirchhoff"), 0.5, rtol=2e-2, rule=sk.EnergyMomentum(1.0), newton_rtol=1e-11,
                          velocity=sk.RigidVelocity((0, 0, 0), (2.0, 6.0, 1.0)), progress=False)  # fmt: skip
     assert len({step.dt for step in motion.steps}) > 2 and max(drifts(motion.ledger)) < KEPT
 

@@ -59,10 +59,12 @@ def test_energy_and_momenta_balance_with_everything_on(theory):
 
 
 @theories
-@pytest.mark.parametrize("entry", ["work", "dissipation", "potential", "strain", "linear_impulse", "angular_impulse"])
+@pytest.mark.parametrize("entry", ["work", "dissipation", "numerical", "potential", "strain", "linear_impulse", "angular_impulse"])
 def test_an_entry_left_out_is_seen(entry, theory):
     ledger = booked(theory).ledger
-    assert imbalances(replace(ledger, **{entry: 0 * getattr(ledger, entry)})).max() > 1e-2
+    # All of them but what the rule takes out, which is little here, are a hundredth and more of the largest energy.
+    least = 1e-6 if entry == "numerical" else 1e-2
+    assert imbalances(replace(ledger, **{entry: 0 * getattr(ledger, entry)})).max() > least
 
 
 @pytest.mark.parametrize(("rule", "theory", "own"), [
@@ -74,7 +76,7 @@ def test_other_rules_balance_to_order_two(rule, theory, own):
     system = everything(theory)
     coarse, fine = (imbalances(run(system, n, rule).ledger) for n in (80, 160))
     kept = np.arange(3)[1 : 1 + own]
-    assert (fine[kept] < 1e-12).all()
+    assert (fine[kept] < 1e-11).all()  # what Newton's method leaves
     rates = np.delete(np.log2(coarse / fine), kept)
     # Measured 1.8 to 2.0, and 1e-4 at the most; a source at the wrong time of the step would give 1.0.
     assert (rates > 1.7).all() and fine.max() < 2e-4, (rates, fine)
@@ -97,7 +99,7 @@ def test_at_output_times_it_is_between_the_steps_and_balances_there():
 def test_table_has_a_column_of_each_number(tmp_path):
     ledger = booked("kirchhoff").ledger
     table = ledger.table()
-    assert set(table) == {"time", "kinetic", "strain", "potential", "work", "dissipation", "remeshing", "balance",
+    assert set(table) == {"time", "kinetic", "strain", "potential", "work", "dissipation", "numerical", "remeshing", "balance",
                           *(f"{name}_{i}" for name in ("linear", "angular", "linear_impulse", "angular_impulse")
                             for i in "xyz")}  # fmt: skip
     assert all(column.shape == ledger.times.shape for column in table.values())

@@ -78,7 +78,7 @@ def test_impulses_make_velocities_jump(theory):
     blows = [((0.5, 0.25), (0.0, 0.0, 0.5), 0.0), ((1.0, 0.5), (0.02, 0.0, -0.1), 0.0337),
              ((0.0, 0.0), (0.0, 0.03, 0.1), 0.06)]  # fmt: skip
     system = free(theory, *(sk.Impulse(*blow) for blow in blows))
-    motion = quiet(system, 0.1, dt=0.01, rule=sk.EnergyMomentum(), outputs=11, balance=None)
+    motion = quiet(system, 0.1, dt=0.01, rule=sk.EnergyMomentum(1.0), outputs=11, balance=None)
     ledger = motion.ledger
     for at, impulse, time in blows:
         k = np.flatnonzero(np.abs(ledger.times - time) < 1e-15)

@@ -93,7 +93,7 @@ def test_a_spin_of_the_undeformed_plate(theory):
     system, spin = free(PLATE, theory, 3), np.array([0.0, 0.0, 4.0])
     equilibrium = spinning(system, spin).strain_energy
     velocity = sk.RigidVelocity(spin=tuple(spin), about=tuple(centre(system)))
-    motion = turns(system, spin, 1, 200, sk.EnergyMomentum(), velocity=velocity)
+    motion = turns(system, spin, 1, 200, sk.EnergyMomentum(1.0), velocity=velocity)
     strain = motion.ledger.strain
     assert strain[0] < 1e-20 and strain[1] < 0.2 * equilibrium
     assert strain.max() > 2 * equilibrium

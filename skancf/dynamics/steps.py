@@ -213,7 +213,7 @@ class EnergyBalance(_Limited):
     """Steps whose energy without a source adds up to ``rtol`` of the largest energy over the run.
 
     For rules that do not keep energy themselves; :class:`~skancf.EnergyMomentum` balances at any step, right or wrong. With
-    :class:`~skancf.GeneralizedAlpha`, whose accelerations belong to other times than its states, less than about a hundredth
+    :class:`~skancf.GeneralizedAlpha`, whose accelerations belong to other times than its states, less than a few hundredths
     cannot always be kept, whatever the step: the run stops and says so.
 
     Parameters
@@ -267,4 +267,4 @@ class NewtonCount:
         return True
 
     def next_step(self, attempt: Attempt) -> float:
-        return _changed(attempt.dt, (self.iterations / max(attempt.iterations, 1)) ** 0.5, self.largest)
+        return _changed(attempt.dt, self.iterations / max(attempt.iterations, 1), self.largest)

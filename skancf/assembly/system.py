@@ -232,21 +232,19 @@ class System:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
         return self.prescription.values(time)
 
-    def load_histories(self) -> list[Any]:
-        """The functions of time that loads are multiplied with, each once."""
-        return list({id(load.history): load.history for load in self.loads if load.history is not None}.values())
-
-    def _histories(self) -> Iterable[Any]:
-        return chain.from_iterable([*[load.histories() for load in self.loads], self.prescription.histories()])
+    def histories(self) -> list[Any]:
+        """The functions of time of loads and prescribed motions, and the paths of loads that move, each once."""
+        every = chain.from_iterable([*[load.histories() for load in self.loads], self.prescription.histories()])
+        return list({id(history): history for history in every if history is not None}.values())
 
     def check_histories(self, begin: float, end: float) -> None:
         """InputError where a load or a prescribed motion has a table that does not cover the times of a run (s)."""
-        for history in self._histories():
+        for history in self.histories():
             check_cover(history, begin, end)
 
     def knots(self) -> list[float]:
         """Times, ascending, at which the functions of time of loads and prescribed motions begin, end or bend (s)."""
-        return sorted({float(t) for history in self._histories() for t in getattr(history, "knots", ())})
+        return sorted({float(t) for history in self.histories() for t in getattr(history, "knots", ())})
 
     def strain_energy(self, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
         r"""Half of stress times elastic strain, integrated, and the energy of springs and foundations (J).

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skancf.assembly.system import System
-from skancf.dynamics.motion import Stretch, hermite
+from skancf.dynamics.between import Between
+from skancf.dynamics.motion import Stretch
 from skancf.dynamics.state import State
 from skancf.solution import Solution
 
@@ -65,7 +66,7 @@ class Recorder:
         self.knots.append(Knot(len(self.systems) - 1, time, q, v, output))
 
     def _due(self, time: float) -> bool:
-        return self.every or self.done < len(self.times) and bool(self.times[self.done] <= time + self.slack)
+        return self.every or (self.done < len(self.times) and bool(self.times[self.done] <= time + self.slack))
 
     def step(self, start: State, end: State) -> None:
         """The states at output times of a step."""
@@ -76,7 +77,7 @@ class Recorder:
             t = float(self.times[self.done])
             q, v = end.q, end.v
             if t < end.time - self.slack:
-                q, v = hermite(t, np.array([start.time, end.time]), np.array([start.q, end.q]), np.array([start.v, end.v]))
+                q, v = Between(self.systems[-1].constraints).inside(t, start, end)
             self._add(t, q, v, True)
             self.done += 1
 

@@ -159,8 +159,8 @@ def _doubled(control: Any, follow: Any) -> StepControl:
         return replace(control, rtol=4 * control.rtol, atol=4 * control.atol, largest=2 * control.largest)
     if isinstance(control, FixedStep):
         return replace(control, dt=2 * control.dt)
-    raise InputError(f"check = True and steps = {shown(control)}: it is known of LocalError and FixedStep only what steps of "
-                     "twice the length are")  # fmt: skip
+    raise InputError(f"check = True and steps = {shown(control)}: steps of LocalError and FixedStep alone can be "
+                     "doubled")  # fmt: skip
 
 
 def _difference(motion: Motion, again: Run) -> np.ndarray:

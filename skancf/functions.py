@@ -1,11 +1,11 @@
 """What a user's own functions of place and time return, checked."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, finite, shown
+from skancf.errors import InputError, SkancfError, finite, shown
 
 ONE_POINT = (TypeError, ValueError)
 """What functions of numbers, such as ``math.sin`` or ``1.0 if x > 0 else 0.0``, raise when they are given arrays."""
@@ -19,12 +19,43 @@ def is_function(value: Any) -> bool:
 
 
 def called(name: str, function: Callable[..., Any], *arguments: Any) -> Any:
-    """What a user's function returns; what it raises passes through with a note that names the argument."""
+    """What a user's function returns; what it raises passes through with a note that names the argument.
+
+    Arrays are given as copies, so that a function that changes them in place changes nothing else.
+    """
     try:
-        return function(*arguments)
+        return function(*_own(arguments))
+    except StopIteration as wrong:  # which would end a generator of this library without a word
+        stopped = RuntimeError(f"StopIteration({wrong})")
+        stopped.add_note(_note(name))
+        raise stopped from wrong
     except Exception as wrong:
-        wrong.add_note(_note(name))
+        if not isinstance(wrong, SkancfError):  # which names what is wrong itself
+            wrong.add_note(_note(name))
         raise
+
+
+def measured(name: str, function: Callable[..., Any], state: Any) -> Any:
+    """What a user's function finds in a state: numbers, in an array of any shape.
+
+    Raises
+    ------
+    InputError
+        For anything else, such as None of a function that forgets to return. What the function itself raises passes through
+        with a note.
+    """
+    value = called(name, function, state)
+    try:
+        kind = np.asarray(value).dtype.kind
+    except Exception:
+        kind = "O"  # ragged
+    if kind not in "biufc":
+        raise InputError(f"{name}: the function returned {shown(value)}; it must return a number, or an array of numbers")
+    return value
+
+
+def _own(arguments: Iterable[Any]) -> list[Any]:
+    return [each.copy() if isinstance(each, np.ndarray) else each for each in arguments]
 
 
 def true_at(name: str, function: Callable[..., Any], at: np.ndarray) -> np.ndarray:
@@ -38,7 +69,7 @@ def true_at(name: str, function: Callable[..., Any], at: np.ndarray) -> np.ndarr
         For other values, and another number of them. What the function itself raises passes through with a note.
     """
     try:
-        found = function(*at)
+        found = function(*_own(at))
     except ONE_POINT as wrong:
         found = [_at_one(name, function, point, wrong) for point in at.T.tolist()]
     except Exception as wrong:
@@ -85,7 +116,7 @@ def values_at(name: str, given: Any, at: np.ndarray, components: int | None = No
     if not is_function(given):
         return _spread(name, given, points, components)
     try:
-        found = given(*at)
+        found = given(*_own(at))
     except ONE_POINT as wrong:
         return _point_by_point(name, given, at, components, wrong)
     except Exception as wrong:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import skfem
 
-from skancf.arguments import MESH, SURFACE, having, instance
+from skancf.arguments import MESH, SURFACE, having, instance, plain
 from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System, assemble
@@ -63,6 +63,7 @@ class Problem:
     damping: Damping | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         having("surface", self.surface, ("position", "derivatives"), SURFACE)
         _ = self.section  # what is wrong with it is told here, not where it is first used
         for name, method in (("supports", "rows"), ("loads", "on")):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.arguments import STATE, flag, instance, system_like
+from skancf.arguments import STATE, flag, instance, plain, system_like
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
@@ -53,6 +53,7 @@ class Solution:
     small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
+        plain(self)
         if not isinstance(self.system, System):
             system_like(self.system)
         n = self.system.undeformed.size

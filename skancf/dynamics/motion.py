@@ -10,7 +10,8 @@ import numpy as np
 from skancf.arguments import function
 from skancf.assembly.system import System
 from skancf.dynamics.ledger import Ledger
-from skancf.errors import DidNotConverge, InputError, number
+from skancf.errors import DidNotConverge, InputError, number, shown
+from skancf.functions import measured
 from skancf.solution import Solution, probe
 
 
@@ -148,7 +149,7 @@ class Motion:
         """The states at the output times, each with its own system."""
         for part in self.stretches:
             for t, q, v in zip(part.times[part.outputs], part.q[part.outputs], part.v[part.outputs], strict=True):
-                yield Solution(part.system, q, v, float(t))
+                yield Solution(part.system, q.copy(), v.copy(), float(t))
 
     def book(self) -> Ledger:
         """The ledger at the output times."""
@@ -169,7 +170,11 @@ class Motion:
     def history(self, quantity: Callable[[Solution], Any]) -> np.ndarray:
         """A quantity of each state at the output times, (n, ...)."""
         function("quantity", quantity, "a function of a Solution")
-        return np.array([quantity(state) for state in self.states])
+        values = [measured("quantity", quantity, state) for state in self.states]
+        if len({np.shape(value) for value in values}) > 1:
+            raise InputError(f"quantity: it returned {shown(values[0])} and {shown(values[-1])}; let it give numbers, or "
+                             "arrays of one shape")  # fmt: skip
+        return np.array(values)
 
 
 def hermite(t: float, times: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

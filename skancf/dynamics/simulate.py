@@ -102,7 +102,9 @@ def simulate(
     """
     check_asked(system, backend, start=start, resume=resume, progress=progress)
     t_end = positive("t_end", t_end, "s")
-    _check(record, follow, newton_rtol=newton_rtol, balance=balance)
+    _check(record, follow)
+    newton_rtol = None if newton_rtol is None else positive("newton_rtol", newton_rtol)
+    balance = None if balance is None else positive("balance", balance)
     rule = _rule(rule, rho_inf)
     control = _control(steps, dt, rtol, rule)
     if follow is not None:
@@ -149,10 +151,7 @@ def _go(
         writer.close()
 
 
-def _check(record: Any, follow: Any, **positive_or_none: float | None) -> None:
-    for name, value in positive_or_none.items():
-        if value is not None:
-            positive(name, value)
+def _check(record: Any, follow: Any) -> None:
     if follow is not None:
         having("follow", follow, ("change", "check"), "a policy of meshes, for example sk.Follow(rtol=0.2)")
     if record is not None:

@@ -108,7 +108,8 @@ class Spectrum:
         """
         if count is not None:
             count = whole("count", count, floats=True)
-        if not 0 <= number("prominence", prominence) < 1:
+        prominence = number("prominence", prominence)
+        if not 0 <= prominence < 1:
             raise InputError(f"prominence = {prominence}: give a share of the largest peak, at least 0 and less than 1")
         from scipy.signal import find_peaks  # not at the top: it takes as long to load as all else
 

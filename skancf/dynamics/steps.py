@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
-from skancf.arguments import whole
+from skancf.arguments import plain, whole
 from skancf.errors import InputError, positive
 
 
@@ -69,6 +69,7 @@ class FixedStep:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(dt=self.dt, smallest=self.smallest)
 
     def first(self, guess: float) -> float:
@@ -97,6 +98,7 @@ class _Limited(ABC):
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(self.largest, rtol=self.rtol, smallest=self.smallest)
 
     def first(self, guess: float) -> float:
@@ -198,6 +200,7 @@ class NewtonCount:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(self.largest, dt=self.dt, smallest=self.smallest)
         whole("iterations", self.iterations)
 

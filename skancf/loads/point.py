@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, vector
@@ -27,6 +28,7 @@ class PointForce:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         vector("at", self.at, 2)
         vector("force", self.force, 3)
@@ -64,6 +66,7 @@ class DiskForce:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         vector("at", self.at, 2)
         positive("radius", self.radius, "m")

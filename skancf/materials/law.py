@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.arguments import choice
+from skancf.arguments import choice, plain
 from skancf.errors import InputError, finite, number, positive, shown, vector
 
 SHEAR_CORRECTION = 5 / 6
@@ -136,6 +136,7 @@ class Anisotropic:
     _stiffness: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        plain(self)
         vector("expansion", self.expansion, 6)
         object.__setattr__(self, "_stiffness", build(self, finite("matrix", self.matrix)))
 

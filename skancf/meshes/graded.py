@@ -117,7 +117,8 @@ def _along(
 ) -> Sizes:
     """The wanted lengths in one direction."""
     shares = fractions(regions, finest)
-    if not 1 < number("growth", growth) <= LARGEST_RATIO:
+    growth = number("growth", growth)
+    if not 1 < growth <= LARGEST_RATIO:
         raise InputError(f"growth = {growth}: neighbouring lengths may grow by a factor greater than 1 and at most 2")
     ramp = pair("transition", transition)[direction]
     if ramp < 0:

@@ -216,6 +216,8 @@ def effectivity(
 
 
 def _check_number(name: str, given: Sequence[Any], meshes: Sequence[skfem.MeshQuad]) -> None:
+    if getattr(given, "shape", None) == ():
+        raise InputError(f"{name} = {given!r}: give a list, one for each mesh")
     if len(given) != len(meshes):
         raise InputError(f"{name}: {len(given)} for {len(meshes)} meshes; give one for each")
 

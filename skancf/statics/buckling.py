@@ -112,7 +112,7 @@ def buckling(
         a check fails, for example as load factors are missing that further searches did not find.
     """
     check_asked(system, backend)
-    check_tolerance(tolerance)
+    tolerance = check_tolerance(tolerance)
     choice("signs", signs, ("positive", "both"))
     n = checked_count(n, system.constraints)
     require_support(system)

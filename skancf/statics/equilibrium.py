@@ -6,7 +6,7 @@ import numpy as np
 
 from skancf.arguments import instance
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, OutOfDepth, number
+from skancf.errors import DidNotConverge, OutOfDepth, number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -77,7 +77,7 @@ def solve(
     """
     check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
                 follow=follow, relax=relax, progress=progress)  # fmt: skip
-    number("load_factor", load_factor)
+    load_factor, rtol = number("load_factor", load_factor), positive("rtol", rtol)
     if control is not None:
         instance("control", control, HalveAndGrow, "a HalveAndGrow, or call trace for paths by another control")
     require_support(system)

@@ -115,7 +115,7 @@ def modes(
     check_asked(system, backend)
     if state is not None:
         require_same_mesh(system, state, "state")
-    check_tolerance(tolerance)
+    tolerance = check_tolerance(tolerance)
     warn_if_mass_is_off(system)
     n = checked_count(n, system.constraints)
     stiffness = state_tangent(system, state)
@@ -310,10 +310,12 @@ def checked_count(n: int, constraints: Constraints) -> int:
     return n
 
 
-def check_tolerance(tolerance: float) -> None:
+def check_tolerance(tolerance: float) -> float:
     """InputError for what is no relative accuracy of eigenvalues, from zero (rounding) to less than one."""
-    if not 0 <= number("tolerance", tolerance) < 1:
+    checked = number("tolerance", tolerance)
+    if not 0 <= checked < 1:
         raise InputError(f"tolerance = {tolerance}: give the relative accuracy of the eigenvalues, less than one")
+    return checked
 
 
 def free_directions(constraints: Constraints) -> np.ndarray:

@@ -135,7 +135,7 @@ def trace(
     if not (system.external_force(at.q).any() or system.prescribed().any()):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
-        follower = Follower(system, solver, rtol, int(max_iterations), mixed)
+        follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)
         return _Run(system, control, follower, until).go(at, int(steps), bar)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
@@ -66,6 +67,7 @@ class DrivenClamp(Support):
     static: float | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         unit_vector("axis", self.axis, "a body turns about an axis; give its direction")
         vector("through", self.through, 3)
         if self.static is not None:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebpts2, chebvander
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function, values_at
@@ -80,6 +81,7 @@ class Prescribed(Support):
     rotation: Any = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         if self.rotation is not None and not is_function(self.rotation):
             vector("rotation", self.rotation, 3)

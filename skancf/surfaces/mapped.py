@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, finite, positive, shown
 from skancf.functions import called, is_function
 from skancf.surfaces.differences import POINTS, difference
@@ -61,6 +62,7 @@ class MappedSurface:
     step: float = 1 / 256
 
     def __post_init__(self) -> None:
+        plain(self)
         if not is_function(self.function):
             raise InputError(f"function = {shown(self.function)}: give a function of x and y that returns three components")
         _check_bounds(self.bounds)
@@ -186,7 +188,7 @@ def _check_bounds(bounds: Any) -> None:
 def _check_names(sides: Any) -> None:
     strings = isinstance(sides, tuple) and all(isinstance(name, str) and name for name in sides)
     if not strings or len(sides) != 4 or len(set(sides)) != 4:
-        raise InputError(f"sides = {sides}: give four different names, for x = min, x = max, y = min and y = max")
+        raise InputError(f"sides = {shown(sides)}: give four different names, for x = min, x = max, y = min and y = max")
     if set(sides) & set(TAKEN):
         raise InputError(f"sides = {sides}: {' and '.join(TAKEN[:2])} mean all sides and all corners, "
                          f"{TAKEN[2]} the edges of openings; choose other names")  # fmt: skip

@@ -7,7 +7,6 @@ from numbers import Integral, Real
 from typing import Any, TypeVar
 
 import numpy as np
-import skfem
 
 from skancf.errors import InputError, finite, number, shown
 
@@ -161,13 +160,6 @@ def system_like(value: Any) -> None:
     """InputError for what solvers cannot take as a system."""
     if isinstance(value, type) or not all(hasattr(value, name) for name in ("undeformed", "constraints", "pattern")):
         instance("system", value, (), SYSTEM)
-
-
-def drawable(mesh: Any, surface: Any) -> None:
-    """InputError for what is no mesh, and for what is no surface and not None."""
-    instance("mesh", mesh, skfem.MeshQuad, MESH)
-    if surface is not None:
-        having("surface", surface, ("position", "derivatives"), SURFACE)
 
 
 def sequence(name: str, value: Any, kind: Any, example: str) -> tuple[Any, ...]:

@@ -82,8 +82,9 @@ def _as_floats(name: str, value: Any) -> np.ndarray:
         raise InputError(f"{name} = {shown(value)}: not a number; give finite numbers ({wrong})") from wrong
     mixed = isinstance(value, list | tuple) and any(_is_truth(part) for part in value)
     if array.dtype.kind not in "iuf" or mixed or isinstance(value, bytearray):
+        kind = "b" if mixed else array.dtype.kind
         what = {"b": ", but a truth value", "c": ", but complex", "U": ", but text", "S": ", but bytes"}
-        raise InputError(f"{name} = {shown(value)}: not a number{what.get('b' if mixed else array.dtype.kind, '')}; give finite numbers")
+        raise InputError(f"{name} = {shown(value)}: not a number{what.get(kind, '')}; give finite numbers")
     if np.any(getattr(value, "mask", False)):
         raise InputError(f"{name} = {shown(value)}: has masked entries; give finite numbers, as in values.filled(0.0)")
     return array.astype(float, copy=False)

@@ -18,7 +18,7 @@ def judge(state: Solution) -> None:
     positions = system.geometry.surface.position(*system.geometry.parameters(CENTRE)[:, :, 0])
     reach = NEAR_SINGULAR * system.problem.section.thickness
     away = np.ones(system.mesh.nelements, dtype=bool)
-    for point in system.geometry.surface.position(*near).T:
+    for point in np.asarray(system.geometry.surface.position(*near)).T:
         away &= np.linalg.norm(positions.T - point, axis=1) > reach
     away[touching(system.mesh.leaves, near)] = False
     areas = system.assembly.areas.sum(axis=1)

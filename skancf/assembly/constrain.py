@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, OutOfDepth
+from skancf.errors import InputError, OutOfDepth, finite, shown, vector
+from skancf.functions import Noted, is_ours
 from skancf.history import amplitude
 from skancf.linear import BlockMatrix, Constraints
 
@@ -84,7 +85,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
 def _conditions(geometry: Geometry, support: Any, histories: list[Any]) -> tuple[np.ndarray, np.ndarray]:
     """The nodes (m,) that a support holds, and of each of its conditions the unit vector and the values for all histories,
     (m, 12 + n_histories)."""
-    found = support.rows(geometry)
+    found = support.rows(geometry) if is_ours(support) else _own_rows(geometry, support)
     ties, nodes = geometry.ties, np.array([row.node for row in found], dtype=int)
     given = np.array([row.a for row in found]).reshape(-1, 12)
     seen = np.array([not row.own for row in found], dtype=bool)  # with the slopes seen from that node of the mesh
@@ -97,6 +98,22 @@ def _conditions(geometry: Geometry, support: Any, histories: list[Any]) -> tuple
     sizes = np.linalg.norm(a, axis=1)
     kept = sizes > PARALLEL * np.linalg.norm(given, axis=1)  # a vector that a pole does not have needs no holding
     return ties.node_of[nodes[kept]], np.hstack([a, values])[kept] / sizes[kept, None]
+
+
+def _own_rows(geometry: Geometry, support: Any) -> list[Any]:
+    """The conditions of a support of the user's own."""
+    with Noted("support.rows"):
+        rows = list(support.rows(geometry))
+        for row in rows:
+            if not all(hasattr(row, name) for name in ("node", "a", "value", "own")):
+                raise InputError(f"support.rows of {shown(support)}: {shown(row)} is no condition; give a Row of "
+                                 "skancf.supports.conditions")  # fmt: skip
+            vector("a, of a row of support.rows,", row.a, 12)
+            finite("value, of a row of support.rows,", row.value)
+            if not 0 <= row.node < geometry.mesh.p.shape[1]:
+                raise InputError(f"node = {shown(row.node)} of a row of support.rows: the mesh has nodes 0 to "
+                                 f"{geometry.mesh.p.shape[1] - 1}")  # fmt: skip
+    return rows
 
 
 def _held(

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from skancf.arguments import flag
 from skancf.assembly.system import System
 from skancf.atomic import reason
 from skancf.dynamics.ledger import Book, MeshEvent
@@ -16,7 +17,8 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import StepOutcome, StepSolver
 from skancf.dynamics.steps import Attempt, StepControl
-from skancf.errors import SkancfError
+from skancf.errors import InputError, SkancfError, positive
+from skancf.functions import called
 from skancf.progress import Progress
 
 
@@ -102,8 +104,9 @@ class Run:
         thickness = system.problem.section.thickness
         self.largest = thickness
         guess = np.sqrt(2e-3 * thickness / max(self.size(a), 1e-300))
-        self.dt = settings.control.first(min(float(guess), settings.span / 20))
-        self.shortest = self.dt * settings.control.smallest
+        first = called("steps.first", settings.control.first, min(float(guess), settings.span / 20))
+        self.dt = positive("steps.first", first, "s")
+        self.shortest = self.dt * positive("steps.smallest", settings.control.smallest)
         self.book = Book(system, self.state)
         recorder.begin(system, self.state)
         recorder.keep(self.state)
@@ -187,10 +190,14 @@ class Run:
             young = self.book.turnover > 2 * known
             done = (outcome.end.time - settings.begin) / settings.span
             attempt = Attempt(step, settings.span, error, outcome.iterations, imbalance, young, self.book.imbalance / done)
-            accepted = control.accepts(attempt)
+            accepted = flag("steps.accepts", called("steps.accepts", control.accepts, attempt))
             # A step cut to end at a given time says nothing against the length that was meant.
             cut = step < self.dt and accepted
-            self.dt = max(self.dt, control.next_step(attempt)) if cut else control.next_step(attempt)
+            following = positive("steps.next_step", called("steps.next_step", control.next_step, attempt), "s")
+            if not accepted and not following < step:
+                raise InputError(f"steps.next_step = {following} s after a step of {step} s that was not accepted; a step "
+                                 "that is tried again must be shorter")  # fmt: skip
+            self.dt = max(self.dt, following) if cut else following
             if not accepted:
                 self.book.rewind(mark)
         else:

@@ -162,7 +162,7 @@ def _check(record: Any, follow: Any) -> None:
 
 def _control(steps: Any, dt: float | None, rtol: float, rule: Rule) -> StepControl:
     if steps is not None:
-        having("steps", steps, ("first", "accepts", "next_step"),
+        having("steps", steps, ("first", "accepts", "next_step", "smallest"),
                "a step control, for example LocalError(1e-3), or a length as dt")  # fmt: skip
     positive("rtol", rtol)
     control: StepControl = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))

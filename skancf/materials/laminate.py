@@ -7,7 +7,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive, shown
-from skancf.materials.law import Law, require_law, turned, turned_strain
+from skancf.materials.law import Law, require_law, stiffness_of, turned, turned_strain
 from skancf.materials.section import Section, stack
 
 
@@ -42,7 +42,7 @@ class Layer:
 
     def stiffness(self) -> np.ndarray:
         """C, shape (6, 6), in the frame of the surface (Pa)."""
-        return turned(self.material.stiffness(), self.angle)
+        return turned(stiffness_of(self.material), self.angle)
 
     def thermal_strain(self) -> np.ndarray:
         """Free strain per kelvin, shape (6,), in the frame of the surface."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.arguments import MESH, SURFACE, having, instance, whole
+from skancf.arguments import MESH, instance, whole
 from skancf.elements.nodal import require_aligned
 from skancf.errors import InputError, shown
 from skancf.functions import is_function
@@ -17,6 +17,7 @@ from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TO
 from skancf.meshes.names import Names
 from skancf.meshes.snap import onto_bounds
 from skancf.surfaces import Surface, closed_directions
+from skancf.surfaces.asked import require_surface
 
 # Of the extent of the mesh: coordinates that are closer are one line.
 SAME = 1e-9
@@ -299,7 +300,7 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     """
     instance("mesh", mesh, skfem.MeshQuad, MESH)
     if surface is not None:
-        having("surface", surface, ("position", "derivatives"), SURFACE)
+        require_surface(surface, ("position", "derivatives"))
     closed = closed_directions(surface) if surface is not None else (False, False)
     if isinstance(mesh, MeshQuadTree):
         if surface is None or closed == tuple(mesh.leaves.forest.closed):

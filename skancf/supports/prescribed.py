@@ -173,7 +173,7 @@ def _three(value: Any) -> bool:
     """Whether it has three entries in an order."""
     if isinstance(value, np.ndarray):
         return value.shape[:1] == (3,)
-    return isinstance(value, Sequence) and len(value) == 3
+    return isinstance(value, Sequence) and not isinstance(value, str | bytes | bytearray) and len(value) == 3
 
 
 class Fields:

@@ -11,15 +11,15 @@ from skancf.errors import InputError, finite, positive, shown
 from skancf.functions import called, is_function
 from skancf.surfaces.differences import POINTS, difference
 from skancf.surfaces.kinks import check_kinks
-from skancf.surfaces.protocol import Interval, parameters
+from skancf.surfaces.protocol import TAKEN, Interval, parameters
 
 # A parameter may miss the bounds by this fraction of their range.
 ROUNDING = 1e-9
+# Of steps over the range of a parameter; of shorter ones the differences are rounding.
+SMALLEST_STEP = 1e-7
 # What tells a wrong function (a seam that gapes or kinks, derivatives of something else) from inexact differences,
 # relative to the largest value.
 MISTAKE = 1e-4
-# Names that every mesh gives to its outer boundary, its corners and its openings.
-TAKEN = ("boundary", "corners", "openings")
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,9 @@ class MappedSurface:
         _check_names(self.sides)
         if not _is_pair(self.closed):
             raise InputError(f"closed = {shown(self.closed)}: give two of True or False, for x and for y")
-        if positive("step", self.step) > 1 / POINTS:
-            raise InputError(f"step = {self.step}: {POINTS} values must fit into the range; give at most 1/{POINTS}")
+        if not SMALLEST_STEP <= positive("step", self.step) <= 1 / POINTS:
+            raise InputError(f"step = {self.step}: {POINTS} different values must fit into the range; give at least "
+                             f"{SMALLEST_STEP:g} and at most 1/{POINTS}")  # fmt: skip
         self._check_function()
 
     def position(self, x: Any, y: Any) -> np.ndarray:
@@ -165,6 +166,9 @@ def _components(name: str, given: Any, x: np.ndarray, y: np.ndarray) -> np.ndarr
     if any(shape not in ((), x.shape) for shape in shapes):
         raise InputError(f"{name} returned components of shapes {shapes} at x and y of shape {x.shape}; each needs that "
                          "shape, or is a number")
+    kinds = {np.asarray(component).dtype.kind for component in given}
+    if not kinds <= set("biuf"):
+        raise InputError(f"{name} returned {shown(given)}; give the three components of space as numbers")
     values = np.stack([np.broadcast_to(np.asarray(component, float), x.shape) for component in given])
     wrong = ~np.isfinite(values).all(axis=0)
     if wrong.any():

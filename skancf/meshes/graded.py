@@ -156,7 +156,10 @@ def _check_choice(*choices: Any) -> None:
 
 def _shape(shape: Any) -> tuple[int, int]:
     try:
-        nx, ny = shape
-    except (TypeError, ValueError) as wrong:
-        raise InputError(f"shape = {shown(shape)}: give the two numbers of cells (nx, ny)") from wrong
+        counts = () if isinstance(shape, str | bytes | bytearray | set | dict) else tuple(shape)
+    except TypeError:
+        counts = ()
+    if len(counts) != 2:
+        raise InputError(f"shape = {shown(shape)}: give the two numbers of cells (nx, ny)")
+    nx, ny = counts
     return whole("nx", nx), whole("ny", ny)

@@ -138,8 +138,8 @@ def test_a_record_that_changes_the_state_changes_a_copy():
 
 @pytest.mark.parametrize("value", [None, "1.0", {}, [1.0, None], [[1.0], [1.0, 2.0]], (v for v in (1.0,)), object(), b"1"])
 def test_what_is_no_quantity_of_a_state_is_named(value):
-    with pytest.raises(sk.InputError, match=r"record\['a'\]: the function returned .*an array of numbers"):
-        measured("record['a']", lambda state: value, None)
+    with pytest.raises(sk.InputError, match=r"quantity: the function returned .*an array of numbers"):
+        measured("quantity", lambda state: value, None)
 
 
 def test_what_callbacks_raise_has_a_note():

@@ -8,7 +8,7 @@ import numpy as np
 from skancf.assembly.system import System
 from skancf.dynamics.motion import Stretch, hermite
 from skancf.dynamics.state import State
-from skancf.functions import measured
+from skancf.functions import called
 from skancf.solution import Solution
 
 Quantity = Callable[[Solution], Any]
@@ -77,7 +77,7 @@ class Recorder:
         self.record_times.append(state.time)
         for name, quantity in self.quantities.items():
             seen = Solution(self.systems[-1], state.q.copy(), state.v.copy(), state.time)
-            self.values[name].append(measured(f"record[{name!r}]", quantity, seen))
+            self.values[name].append(called(f"record[{name!r}]", quantity, seen))
 
     def end(self, state: State) -> None:
         """Closes a stretch with its last state."""

@@ -336,3 +336,109 @@ def test_a_mapped_surface_with_derivatives_of_its_own():
     surface = Wrong(lambda x, y: (x, y, 0.2 * np.sin(3 * x) * y), ((0.0, 1.0), (0.0, 1.0)))
     with pytest.raises(InputError, match="second_derivatives give X_xx"):
         put(surface, uniform(surface, 4, 4))
+
+
+def waves(amplitude, number, length=1.0):
+    """A wavy sheet over a square, with its derivatives."""
+    k, a, L = number, amplitude, length
+
+    class Waves:
+        def position(self, x, y):
+            return np.stack([x, y, a * L * np.sin(k * x / L) * np.cos(k * y / L)])
+
+        def derivatives(self, x, y):
+            one, zero = np.ones_like(x), np.zeros_like(x)
+            c, s = a * k * np.cos(k * x / L) * np.cos(k * y / L), a * k * np.sin(k * x / L) * np.sin(k * y / L)
+            return np.stack([one, zero, c]), np.stack([zero, one, -s])
+
+        def second_derivatives(self, x, y):
+            zero, c = np.zeros_like(x), a * k * k / L
+            xx, xy = -c * np.sin(k * x / L) * np.cos(k * y / L), -c * np.cos(k * x / L) * np.sin(k * y / L)
+            return tuple(np.stack([zero, zero, v]) for v in (xx, xy, xx))
+
+    return Waves
+
+
+@pytest.mark.parametrize("corner", [(0, 0), (1, 0), (0, 1), (1, 1)])
+def test_derivatives_that_are_wrong_in_a_corner_only(corner):
+    base, length = waves(0.05, 5.0, 30.0), 30.0
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, length, 7), np.linspace(0, length, 9))
+
+    def there(x, y):
+        return (np.abs(x / length - corner[0]) < 0.04) & (np.abs(y / length - corner[1]) < 0.04)
+
+    for method, names, size in (("derivatives", ("X_x", "X_y"), 0.05), ("second_derivatives", ("X_xx", "X_xy", "X_yy"), 0.01)):
+        for k, name in enumerate(names):
+
+            def wrong(self, x, y, method=method, k=k, size=size):
+                found = [v.copy() for v in getattr(base, method)(self, x, y)]
+                found[k][2] += size * there(x, y)
+                return tuple(found)
+
+            with pytest.raises(InputError, match=rf"give {name} = .* at \(x, y\) = .* differences give"):
+                put(type("Wrong", (base,), {method: wrong})(), mesh)
+
+
+@pytest.mark.parametrize("number", [0.7, 4.0, 15.0])
+@pytest.mark.parametrize("length", [1e-6, 1.0, 1e5])
+def test_noise_of_a_millionth_is_no_contradiction(number, length, rng):
+    base = waves(0.05, number, length)
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, length, 14), np.linspace(0, length, 12))
+
+    def noise(of):
+        return 1e-6 * rng.uniform(-1, 1, of.shape)
+
+    class Noisy(base):
+        def derivatives(self, x, y):
+            return tuple(v + noise(v) for v in super().derivatives(x, y))
+
+        def second_derivatives(self, x, y):
+            return tuple(v + noise(v) / length for v in super().second_derivatives(x, y))
+
+    class Rough(base):
+        def position(self, x, y):
+            found = super().position(x, y)
+            return found + noise(found) * length
+
+    class Forward(base):
+        """As many write it."""
+
+        def derivatives(self, x, y):
+            h, here = 1e-7 * length, self.position(x, y)
+            return (self.position(x + h, y) - here) / h, (self.position(x, y + h) - here) / h
+
+    for surface in (base, Noisy, Rough, Forward):
+        put(surface(), mesh)
+        with pytest.raises(InputError, match="give X_xy"):
+            put(type("Wrong", (surface,), {"second_derivatives": lambda self, x, y: (
+                lambda xx, xy, yy: (xx, -xy, yy))(*super(type(self), self).second_derivatives(x, y))})(), mesh)  # fmt: skip
+
+
+def test_a_surface_is_asked_within_the_mesh_only():
+    class Cap:
+        """A half sphere, which ends not far from the mesh."""
+
+        def position(self, x, y):
+            assert (x * x + y * y < 1).all()
+            return np.stack([x, y, np.sqrt(1 - x * x - y * y)])
+
+        def derivatives(self, x, y):
+            z, one, zero = self.position(x, y)[2], np.ones_like(x), np.zeros_like(x)
+            return np.stack([one, zero, -x / z]), np.stack([zero, one, -y / z])
+
+        def second_derivatives(self, x, y):
+            z, o = self.position(x, y)[2], np.zeros_like(x)
+            return tuple(np.stack([o, o, v]) for v in (-1 / z - x * x / z**3, -x * y / z**3, -1 / z - y * y / z**3))
+
+    u, v = (square := skfem.MeshQuad.init_tensor(*[np.linspace(-0.99, 0.99, 8)] * 2)).p
+    put(Cap(), made(square, 0.97 * np.stack([u * np.sqrt(1 - v * v / 2), v * np.sqrt(1 - u * u / 2)])))
+
+
+def test_exact_derivatives_that_are_wrong_between_the_places_a_mapped_surface_looks_at():
+    def slopes(x, y):
+        bump = 0.1 * np.exp(-(((x - 0.36) / 0.02) ** 2) - ((y - 0.52) / 0.02) ** 2)
+        return (np.ones_like(x), np.zeros_like(x), y + bump), (np.zeros_like(x), np.ones_like(x), x)
+
+    surface = sk.MappedSurface(lambda x, y: (x, y, x * y), ((0.0, 1.0), (0.0, 1.0)), exact_derivatives=slopes)
+    with pytest.raises(InputError, match="derivatives give X_x"):
+        put(surface, uniform(surface, 25, 25))

@@ -1,5 +1,6 @@
 """A problem: what the user asks, without a mesh."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,11 +12,12 @@ from skancf.arguments import MESH, SURFACE, having, instance
 from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System, assemble
-from skancf.errors import InputError, positive, shown
+from skancf.errors import InputError, OutOfDepth, positive, shown
 from skancf.loads import Load
 from skancf.materials import Damping, Laminate, Law, Section, section_of
 from skancf.memory import SYSTEM, require_mesh
-from skancf.meshes.snap import onto_bounds
+from skancf.meshes.outline import misnamed
+from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
@@ -97,13 +99,18 @@ class Problem:
         ------
         InputError
             For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there.
+        OutOfDepth
+            Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one.
         NotEnoughMemory
             For a mesh whose system would not fit into memory, before any is taken.
         """
         instance("mesh", mesh, skfem.MeshQuad, MESH)
         tolerance = positive("tolerance", tolerance)
-        bounds = getattr(self.surface, "bounds", None)
-        mesh = mesh if bounds is None else onto_bounds(mesh, bounds)
+        if hasattr(self.surface, "bounds"):
+            mesh = onto_bounds(mesh, self.surface.bounds)
+            hint = misnamed(mesh, self.surface) if hasattr(self.surface, "sides") else None
+            if hint:
+                warnings.warn(hint, OutOfDepth, stacklevel=2)
         if isinstance(theory, str) and theory == "auto":
             return self._on_chosen(mesh, tolerance)
         return self._on(mesh, theory_named(theory))
@@ -123,6 +130,8 @@ class Problem:
         require_mesh(mesh.nelements, SYSTEM[theory.name])
         if not theory.twist:
             warn_if_full_is_off(self.section)
+        else:
+            mesh = onto_lines(mesh)
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)
         assembly = assemble(geometry, self.section)

@@ -269,6 +269,66 @@ def test_what_to_do_with_a_mesh_that_cannot_be_adapted():
     plate.on(wrong, theory="full")
 
 
+@pytest.mark.parametrize("origin", [(0.0, 0.0), (123.4, -17.3), (1234.567, 4321.4)])
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e6])
+def test_single_precision_far_from_the_origin(origin, unit):
+    """Nodes are beside the bounds by more than a millionth of the range, and beside their lines if it also computes."""
+    plate = sk.Rectangle(5.0 * unit, 3.0 * unit, origin=(origin[0] * unit, origin[1] * unit))
+    mesh, rng = uniform(plate, 4, 3), np.random.default_rng(5)
+    off = np.float32(1) + rng.choice([-1, 0, 1], mesh.p.shape).astype(np.float32) * np.float32(2.0**-23)
+    problem = sk.Problem(plate, 0.1 * unit, sk.Isotropic(1e5, 0.3, 1.0))
+    for p in (mesh.p.astype(np.float32), mesh.p.astype(np.float32) * off):
+        rough = skfem.MeshQuad(p, mesh.t, sort_t=False, _boundaries=mesh.boundaries)
+        for system in (problem.on(rough), problem.on(rough, "kirchhoff"), problem.on(quadtree(rough, plate).refined([1]))):
+            for axis, bounds in enumerate(plate.bounds):
+                assert (system.mesh.p[axis].min(), system.mesh.p[axis].max()) == bounds
+        for axis in (0, 1):
+            assert len(np.unique(problem.on(rough, "kirchhoff").mesh.p[axis])) == (5, 4)[axis]
+
+
+def test_what_is_askew_by_more_than_rounding_is_left_and_named():
+    plate = sk.Problem(PLATE, 0.1, sk.Isotropic(1e5, 0.3, 1.0))
+    mesh = uniform(PLATE, 4, 4)
+    inner = np.setdiff1d(np.arange(mesh.p.shape[1]), mesh.boundary_nodes())
+    for off in (1e-5, 0.02):
+        p = mesh.p.copy()
+        p[:, inner[1]] += off
+        askew = made(mesh, p)
+        assert plate.on(askew).mesh is askew
+        with pytest.raises(InputError, match="no aligned rectangles"):
+            plate.on(askew, "kirchhoff")
+    assert plate.on(mesh, "kirchhoff").mesh is mesh
+    # A mesh whose elements are themselves that small keeps them.
+    fine = np.concatenate([[0.0], np.geomspace(1e-10, 1.0, 12)])
+    graded_far = tensor(PLATE, 2 * fine - 0.5, fine + 3.0)
+    assert plate.on(graded_far, "kirchhoff").mesh is graded_far
+
+
+@pytest.mark.parametrize("family", ["ring", "tube", "ball"])
+def test_seams_of_single_precision(family, rng):
+    surface, mesh = MESHES[family]
+    off = rng.choice([-1, 0, 1], mesh.p.shape) * 2.0**-23
+    rough = skfem.MeshQuad((mesh.p * (1 + off)).astype(np.float32), mesh.t, sort_t=False)
+    problem = sk.Problem(surface, 0.1, sk.Isotropic(1e5, 0.3, 1.0))
+    for theory in ("full", "kirchhoff"):
+        assert problem.on(rough, theory).geometry.n_nodes == problem.on(mesh, theory).geometry.n_nodes
+
+
+def test_names_on_another_side_than_that_of_the_surface_are_told():
+    centred = sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))
+    plate = sk.Problem(centred, 0.1, sk.Isotropic(1e5, 0.3, 1.0), [sk.Clamp("left")])
+    mesh = uniform(centred, 4, 4)
+    plate.on(mesh)
+    plate.on(skfem.MeshQuad(mesh.p, mesh.t).with_defaults().refined())
+    for p, there in ((mesh.p * [[-1], [1]], "x = 1, .* 'right'"), (mesh.p[::-1], "y = -1, .* 'bottom'")):
+        turned = skfem.MeshQuad(p, mesh.t, _boundaries=mesh.boundaries)
+        with pytest.warns(sk.OutOfDepth, match=f"boundary 'left' of the mesh lies on {there}"):
+            plate.on(turned)
+    # A name of the user's own that is elsewhere, or on a part of the side.
+    plate.on(skfem.MeshQuad(mesh.p, mesh.t).with_boundaries({"left": lambda x: (x[0] == -1) & (x[1] > 0)}))
+    plate.on(skfem.MeshQuad(mesh.p, mesh.t).with_boundaries({"left": lambda x: x[0] < 0, "here": lambda x: x[1] == 1}))
+
+
 # --- derivatives -----------------------------------------------------------------------------------------------------
 
 
@@ -367,7 +427,8 @@ def test_derivatives_that_are_wrong_in_a_corner_only(corner):
     def there(x, y):
         return (np.abs(x / length - corner[0]) < 0.04) & (np.abs(y / length - corner[1]) < 0.04)
 
-    for method, names, size in (("derivatives", ("X_x", "X_y"), 0.05), ("second_derivatives", ("X_xx", "X_xy", "X_yy"), 0.01)):
+    second = ("second_derivatives", ("X_xx", "X_xy", "X_yy"), 0.01)
+    for method, names, size in (("derivatives", ("X_x", "X_y"), 0.05), second):
         for k, name in enumerate(names):
 
             def wrong(self, x, y, method=method, k=k, size=size):

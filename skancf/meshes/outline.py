@@ -98,10 +98,29 @@ def check_outline(mesh: skfem.MeshQuad, bounds: Any = None) -> None:
     if free.any():
         share = areas[areas > 0].sum() / np.prod(box[:, 1] - box[:, 0])
         middle = ends.mean(axis=1)[:, free][:, 0]
-        raise InputError(f"the mesh covers {100 * share:.4g} % of the surface, which spans {_span(box)}: the edge of an "
+        covered = f"{100 * share:.4g} %" if share < 0.9999 else f"all but {100 * abs(1 - share):.1g} %"
+        raise InputError(f"the mesh covers {covered} of the surface, which spans {_span(box)}: the edge of an "
                          f"element at {_place(middle)} is within it. What has no elements carries nothing; give a surface "
                          "of the size of the mesh, mesh all of it, or cut openings= (edges of cuts in a mesh of your own "
                          f"are the boundary {OPENING!r})")  # fmt: skip
+
+
+def misnamed(mesh: skfem.MeshQuad, surface: Any) -> str | None:
+    """What is said of a boundary that has the name of one side of the surface and lies on another one; None without such.
+
+    So it is where a mesh was mirrored, or its parameters exchanged.
+    """
+    box, names = _box(mesh, surface.bounds), surface.sides
+    for k, name in enumerate(names):
+        facets = np.asarray((mesh.boundaries or {}).get(name, []), dtype=int)
+        on = _on_box(mesh, facets, box)[0].any(axis=2).ravel()
+        if on.any() and not on[k]:
+            other = int(np.argmax(on))
+            here, there = (f"{'xy'[n // 2]} = {box[n // 2, n % 2]:.6g}" for n in (k, other))
+            return (f"boundary {name!r} of the mesh lies on {there}, where the surface has {names[other]!r}; its "
+                    f"own {name!r} is {here}. Supports and loads go where the mesh has the name: rename it, or mesh the "
+                    "surface anew if the mesh was mirrored or turned")  # fmt: skip
+    return None
 
 
 def _box(mesh: skfem.MeshQuad, bounds: Any) -> np.ndarray:

@@ -1,6 +1,7 @@
 """Derivatives of a surface that are those of another one."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,13 +39,13 @@ def check_derivatives(surface: Surface, mesh: Any) -> None:
     places, steps = _places(mesh)
     extent = np.ptp(mesh.p, axis=1)
 
-    def jet(at: np.ndarray) -> np.ndarray:
-        return np.stack([np.broadcast_to(np.asarray(v), (3, at.shape[1])) for v in surface.derivatives(*at)])
+    def slope(axis: int, at: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(np.asarray(surface.derivatives(*at)[axis]), (3, at.shape[1]))
 
     def position(at: np.ndarray) -> np.ndarray:
         return np.asarray(surface.position(*at))
 
-    here, slopes = position(places), jet(places)
+    here, slopes = position(places), np.stack([slope(axis, places) for axis in (0, 1)])
     size, rounding = np.ptp(here, axis=1).max(), ROUNDING * np.abs(here).max()
     for axis, name in enumerate(("X_x", "X_y")):
         slack = (NOISE * size + rounding) / steps[axis]
@@ -56,14 +57,14 @@ def check_derivatives(surface: Surface, mesh: Any) -> None:
         # Of the longest slope in either direction: where one of them vanishes, its noise does not.
         noise = NOISE * np.abs(slopes * extent[:, None, None]).max() / extent[of]
         given = np.broadcast_to(np.asarray(value), here.shape)
-        _compare(name, "second_derivatives", given, lambda at, of=of: jet(at)[of], axis, places, steps, noise / steps[axis])
+        _compare(name, "second_derivatives", given, partial(slope, of), axis, places, steps, noise / steps[axis])
 
 
 def _places(mesh: Any) -> tuple[np.ndarray, np.ndarray]:
     """Places (2, n) in elements, and steps (2, n) along x and y that do not leave these."""
     corners = mesh.p[:, mesh.t]
     ahead = np.roll(corners, -1, axis=1) - corners
-    area = np.abs((ahead[0, 0] * ahead[1, 1] - ahead[1, 0] * ahead[0, 1]))
+    area = np.abs(ahead[0, 0] * ahead[1, 1] - ahead[1, 0] * ahead[0, 1])
     width = (area / np.ptp(corners, axis=1))[::-1]
     _, first = np.unique(mesh.t, return_index=True)
     corner, element = np.unravel_index(first, mesh.t.shape)
@@ -103,5 +104,5 @@ def _compare(
             return
     x, y = places[:, left[0]]
     raise InputError(f"surface: its {method} give {name} = {given[:, left[0]]} at (x, y) = ({x:.6g}, {y:.6g}), but "
-                     f"differences give {shown[:, left[0]]} ({left.size} such places); correct one of them, or give the position "
-                     "to sk.MappedSurface, which makes its derivatives")  # fmt: skip
+                     f"differences give {shown[:, left[0]]} ({left.size} such places); correct one of them, or give the "
+                     "position to sk.MappedSurface, which makes its derivatives")  # fmt: skip

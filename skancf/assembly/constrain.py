@@ -1,6 +1,5 @@
 """Conditions of supports on the nodal coordinates, turned into constraints in nodal frames."""
 
-import warnings
 from collections.abc import Sequence
 from functools import partial
 from itertools import chain
@@ -9,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, OutOfDepth
+from skancf.errors import InputError
 from skancf.history import amplitude
 from skancf.linear import BlockMatrix, Constraints
 
@@ -26,12 +25,14 @@ class PrescribedMotion:
         """The functions of time."""
         return [history for _, history in self.parts]
 
+    @property
+    def without_time(self) -> list[str]:
+        """What is to be said where values are taken without a time."""
+        return sorted({hint for history in self.histories() if (hint := getattr(history, "without_time", None))})
+
     def values(self, time: float | None) -> np.ndarray:
-        """(n_dofs,); without a time at full amplitude, with a warning where there is none."""
+        """(n_dofs,); without a time at full amplitude, and at rest where there is none: see ``without_time``."""
         total = np.zeros(self.n_dofs)
-        hints = {getattr(history, "without_time", None) for history in self.histories()} if time is None else {None}
-        for hint in filter(None, hints):
-            warnings.warn(hint, OutOfDepth, stacklevel=4)
         for change, history in self.parts:
             total += amplitude(history, time) * change
         return total

@@ -1,6 +1,7 @@
 """Is an answer within the depth of its theory?"""
 
 import warnings
+from typing import Any
 
 import numpy as np
 
@@ -9,6 +10,12 @@ from skancf.solution import Solution
 
 THICK = 0.05
 """From this share of shear energy on, a thin answer comes with a warning."""
+
+
+def warn_without_time(system: Any, stacklevel: int = 3) -> None:
+    """A warning for each support that is a function of time alone, which statics takes at rest."""
+    for hint in getattr(getattr(system, "prescription", None), "without_time", ()):
+        warnings.warn(hint, OutOfDepth, stacklevel=stacklevel)
 
 
 def warn_if_thick(solution: Solution, elements: np.ndarray | None = None) -> Solution:

@@ -15,6 +15,7 @@ from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.memory import require_much
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.asked import check_asked
+from skancf.statics.depth import warn_without_time
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -117,6 +118,8 @@ def modes(
         require_same_mesh(system, state, "state")
     check_tolerance(tolerance)
     warn_if_mass_is_off(system)
+    if state is None:
+        warn_without_time(system)
     n = checked_count(n, system.constraints)
     stiffness = state_tangent(system, state)
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)

@@ -1,6 +1,5 @@
 """A problem: what the user asks, without a mesh."""
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,7 +11,7 @@ from skancf.arguments import MESH, SURFACE, having, instance
 from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System, assemble
-from skancf.errors import InputError, OutOfDepth, positive, shown
+from skancf.errors import InputError, positive, shown, warn
 from skancf.loads import Load
 from skancf.materials import Damping, Laminate, Law, Section, section_of
 from skancf.memory import SYSTEM, require_mesh
@@ -110,7 +109,7 @@ class Problem:
             mesh = onto_bounds(mesh, self.surface.bounds)
             hint = misnamed(mesh, self.surface) if hasattr(self.surface, "sides") else None
             if hint:
-                warnings.warn(hint, OutOfDepth, stacklevel=2)
+                warn(hint)
         if isinstance(theory, str) and theory == "auto":
             return self._on_chosen(mesh, tolerance)
         return self._on(mesh, theory_named(theory))

@@ -72,7 +72,7 @@ def first_system(
     for hint in (drift(system), _between_lines(quantity, mesh)):
         if hint:
             warnings.warn(hint, OutOfDepth, stacklevel=3)
-    warn_without_time(system, stacklevel=4)
+    warn_without_time(system)
     if isinstance(analysis, StaticAnalysis):
         require_support(system)
     return system

@@ -1,7 +1,6 @@
 """Conditions of supports on the nodal coordinates, turned into constraints in nodal frames."""
 
 from collections.abc import Sequence
-from functools import partial
 from itertools import chain
 from typing import Any
 
@@ -50,8 +49,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     for history in chain.from_iterable(support.histories for support in supports):
         if not any(history is known for known in histories):
             histories.append(history)
-    # No comprehension: it has a frame of its own in some Pythons, which would shift where warnings point.
-    conditions = list(map(partial(_conditions, geometry, histories=histories), supports))
+    conditions = [_conditions(geometry, support, histories) for support in supports]
     if geometry.theory.twist:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]

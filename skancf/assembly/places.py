@@ -12,7 +12,7 @@ import skfem
 from scipy.sparse.csgraph import connected_components
 
 from skancf.assembly.ties import SAME, Ties
-from skancf.errors import InputError, shown, vector
+from skancf.errors import InputError, shown, vector, warn
 from skancf.functions import is_function, true_at
 from skancf.surfaces import Interval, Surface, closed_directions
 
@@ -52,7 +52,22 @@ class Places:
         facets = self.points_and_facets(where)[1]
         if not len(facets):
             raise InputError(f"where = {shown(where)} means no edge of the boundary; known names: {self.names()}")
+        if hint := self.strays(where):
+            warn(f"where = {hint}, where nothing acts; narrow the function if one edge is meant and others are in it")
         return facets
+
+    def strays(self, where: Any) -> str | None:
+        """What is said of a function that is true along edges of the boundary and at nodes inside too, as one with a wide
+        tolerance is; None for one that is true everywhere."""
+        if not is_function(where):
+            return None
+        nodes, facets = self.points_and_facets(where)
+        inside = np.setdiff1d(nodes, self.ends(self.mesh.boundary_facets()))
+        if not (len(facets) and len(inside)) or len(nodes) == len(self.ties.representative):
+            return None
+        x, y = self.mesh.p[:, self.ties.representative[inside[0]]]
+        return (f"{shown(where)} is true along {len(facets)} edges of the boundary and at {len(inside)} nodes inside the "
+                f"surface too, ({x:.6g}, {y:.6g}) for one")  # fmt: skip
 
     def names(self) -> list[str]:
         """Names that this mesh has."""

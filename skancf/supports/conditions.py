@@ -7,7 +7,8 @@ of them, in the order of their lowest x and then y, and ``"corners"``.
 
 Points are single points, however many there are: between them slopes are free, and of three or more in a row along an edge
 :class:`~skancf.OutOfDepth` is warned by supports that hold positions. A name means edges, and so does a function
-of (x, y) where it is true at both ends of one: slopes along them are held too.
+of (x, y) where it is true at both ends of one: slopes along them are held too. A function that is true along edges and at
+nodes inside as well, as one with a wide tolerance is, is warned of too, unless it is true everywhere.
 """
 
 from typing import Any, NamedTuple

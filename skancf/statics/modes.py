@@ -325,9 +325,12 @@ def free_directions(constraints: Constraints) -> np.ndarray:
     return np.array([constraints.from_frame(e) for e in np.eye(constraints.fixed.size)[numbers]])
 
 
+MODE = "mode of arbitrary size"
+
+
 def moved_along(state: Solution, mode: np.ndarray, size: float | None) -> Solution:
     """A state moved along a mode until its nodes moved by ``size`` at most; by default a tenth of the structure's extent."""
     r = state.system.undeformed.reshape(-1, 4, 3)[:, 0]
     size = 0.1 * float(np.linalg.norm(np.ptp(r, axis=0))) if size is None else positive("size", size, "m")
     largest = float(np.linalg.norm(mode.reshape(-1, 4, 3)[:, 0], axis=1).max())
-    return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor)
+    return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor, note=MODE)

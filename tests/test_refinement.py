@@ -77,7 +77,7 @@ def test_a_bent_state_without_a_depth_is_told(theory, ask):
         ask(bent)
     assert told[0].filename == __file__
     face = sk.nodal_measure(bent, z="top")
-    assert face.max() == pytest.approx(6 * 3 / 0.03**2, rel=0.05)
+    assert face.max() == pytest.approx(6 * 3 / 0.03**2, rel=0.1)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ask(bent, z=0.0)

@@ -124,8 +124,8 @@ thickness, 12 % less at five."""
 
 
 def warn_if_full_is_off(section: Section) -> None:
-    r"""A warning where the stiffness of layers is so far off the reference surface that theory `full` locks on coarse meshes:
-    by :math:`B_{ii} / A_{ii}`, which is the offset of layers of one material, over the thickness that bends."""
+    r"""A warning where the stiffness of layers is so far off the surface that theory `full` locks on coarse meshes: by
+    :math:`B_{ii} / A_{ii}`, which is the offset of layers of one material, over the thickness that bends."""
     abd, thickness = section.abd(), section.bending_thickness
     ratios = abd[:3, 3:].diagonal()[:2] / abd[:3, :3].diagonal()[:2]
     off = float(ratios[np.argmax(np.abs(ratios))])

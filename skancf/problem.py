@@ -15,7 +15,7 @@ from skancf.errors import InputError, positive, shown, warn
 from skancf.loads import Load
 from skancf.materials import Damping, Laminate, Law, Section, section_of
 from skancf.memory import SYSTEM, require_mesh
-from skancf.meshes.outline import misnamed
+from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
 from skancf.surfaces import Surface
@@ -99,7 +99,8 @@ class Problem:
         InputError
             For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there.
         OutOfDepth
-            Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one.
+            Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one, and for two
+            sides that lie on each other and are not joined, where no support or load names one of them.
         NotEnoughMemory
             For a mesh whose system would not fit into memory, before any is taken.
         """
@@ -107,12 +108,17 @@ class Problem:
         tolerance = positive("tolerance", tolerance)
         if hasattr(self.surface, "bounds"):
             mesh = onto_bounds(mesh, self.surface.bounds)
-            hint = misnamed(mesh, self.surface) if hasattr(self.surface, "sides") else None
-            if hint:
-                warn(hint)
+            self._tell_of_sides(mesh)
         if isinstance(theory, str) and theory == "auto":
             return self._on_chosen(mesh, tolerance)
         return self._on(mesh, theory_named(theory))
+
+    def _tell_of_sides(self, mesh: skfem.MeshQuad) -> None:
+        if hasattr(self.surface, "sides"):
+            wheres = [getattr(item, "where", None) for item in (*self.supports, *self.loads)]
+            for hint in (misnamed(mesh, self.surface), unjoined(mesh, self.surface, wheres)):
+                if hint:
+                    warn(hint)
 
     def _on_chosen(self, mesh: skfem.MeshQuad, tolerance: float) -> System:
         try:

@@ -1,5 +1,6 @@
 """Meshes and surfaces that would give right answers to another problem are refused, and right ones are not."""
 
+import warnings
 from math import pi
 
 import numpy as np
@@ -318,8 +319,10 @@ def test_names_on_another_side_than_that_of_the_surface_are_told():
     centred = sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))
     plate = sk.Problem(centred, 0.1, sk.Isotropic(1e5, 0.3, 1.0), [sk.Clamp("left")])
     mesh = uniform(centred, 4, 4)
-    plate.on(mesh)
-    plate.on(skfem.MeshQuad(mesh.p, mesh.t).with_defaults().refined())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        plate.on(mesh)
+        plate.on(skfem.MeshQuad(mesh.p, mesh.t).with_defaults().refined())
     for p, there in ((mesh.p * [[-1], [1]], "x = 1, .* 'right'"), (mesh.p[::-1], "y = -1, .* 'bottom'")):
         turned = skfem.MeshQuad(p, mesh.t, _boundaries=mesh.boundaries)
         with pytest.warns(sk.OutOfDepth, match=f"boundary 'left' of the mesh lies on {there}"):
@@ -503,3 +506,70 @@ def test_exact_derivatives_that_are_wrong_between_the_places_a_mapped_surface_lo
     surface = sk.MappedSurface(lambda x, y: (x, y, x * y), ((0.0, 1.0), (0.0, 1.0)), exact_derivatives=slopes)
     with pytest.raises(InputError, match="derivatives give X_x"):
         put(surface, uniform(surface, 25, 25))
+
+
+# --- seams -----------------------------------------------------------------------------------------------------------
+
+
+class Shell:
+    """A cylinder, or a part of one."""
+
+    bounds, sides, closed = ((0.0, 2.0), (0.0, 2 * pi)), ("low", "high", "from", "to"), (False, True)
+    turns, climb = 1.0, 0.0
+
+    def position(self, x, y):
+        angle = self.turns * y
+        return np.stack([np.cos(angle), np.sin(angle), x + self.climb * y])
+
+    def derivatives(self, x, y):
+        angle, zero = self.turns * y, np.zeros_like(x)
+        along = [-self.turns * np.sin(angle), self.turns * np.cos(angle), self.climb + zero]
+        return np.stack([zero, zero, zero + 1]), np.stack(along)
+
+    def second_derivatives(self, x, y):
+        zero, bent = np.zeros_like(x), -(self.turns**2) * self.position(x, y)
+        bent[2] = 0.0
+        return np.stack([zero] * 3), np.stack([zero] * 3), bent
+
+
+@pytest.mark.parametrize("change", [{"turns": 0.25}, {"climb": 0.1}, {"closed": (True, True)}, {"turns": 1.001}])
+def test_surfaces_that_are_said_to_be_closed_and_are_not(change):
+    surface = type("Changed", (Shell,), change)()
+    put(Shell(), uniform(Shell(), 3, 8))
+    with pytest.raises(InputError, match=r"closed in [xy], but X differs by .* between the two ends"):
+        put(surface, uniform(surface, 3, 8))
+
+
+SLIT = [
+    type("Open", (Shell,), {"closed": (False, False)})(),
+    sk.CylinderSector(1.0, 2.0, 2 * pi),
+    sk.AnnulusSector(1.0, 2.0, 2 * pi, start=0.3),
+]
+
+
+@pytest.mark.parametrize("surface", SLIT, ids=["own", "tube", "ring"])
+def test_a_slit_that_nobody_names_is_told(surface):
+    law, names, mesh = sk.Isotropic(1e5, 0.3, 1.0), surface.sides, uniform(surface, 3, 8)
+
+    def on(*supports, loads=()):
+        return sk.Problem(surface, 0.05, law, supports, loads).on(mesh)
+
+    for supports in ([sk.Clamp(names[0])], [sk.Clamp("boundary")], [sk.Pin([names[0], names[1]])]):
+        with pytest.warns(sk.OutOfDepth, match=f"'{names[2]}' and '{names[3]}' .* not joined.*closed=True") as told:
+            on(*supports)
+        assert len(told) == 1 and told[0].filename == __file__
+    # Whoever names one of its edges knows of the slit.
+    end = surface.bounds[1][1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        on(sk.Clamp(names[2]))
+        on(sk.Pin(lambda x, y: y > end - 1e-9), loads=[sk.EdgeLoad(names[0], (0, 0, 1.0))])
+        on(sk.Clamp(names[0]), loads=[sk.EdgeLoad(names[3], (0, 0, 1.0))])
+
+
+@families
+def test_whole_surfaces_have_no_slit(family):
+    surface, mesh = MESHES[family]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sk.Problem(surface, 0.05, sk.Isotropic(1e5, 0.3, 1.0)).on(mesh)

@@ -76,8 +76,8 @@ def fills(mesh: skfem.MeshQuad, bounds: Any = None) -> bool:
     So they do where every edge of the boundary lies on the rectangle, and together they are as long as its sides: the number
     of elements over a point changes at the boundary only. There are no slits then either.
     """
-    box = _box(mesh, bounds)
-    on, length = _on_box(mesh, mesh.boundary_facets(), box)
+    box = box_of(mesh, bounds)
+    on, length = on_box(mesh, mesh.boundary_facets(), box)
     return bool(on.any(axis=(0, 1)).all() and (np.abs((on * length).sum(axis=2) - 1) < ONE_PLACE).all())
 
 
@@ -92,8 +92,8 @@ def check_outline(mesh: skfem.MeshQuad, bounds: Any = None) -> None:
     loops, areas = (_around if hasattr(mesh, "hanging") else _loops)(mesh, facets, ends)
     if bounds is None:
         return
-    box = _box(mesh, bounds)
-    on, _ = _on_box(mesh, facets, box)
+    box = box_of(mesh, bounds)
+    on, _ = on_box(mesh, facets, box)
     free = (areas[loops] > 0) & ~on.any(axis=(0, 1)) & ~np.isin(facets, (mesh.boundaries or {}).get(OPENING, []))
     if free.any():
         share = areas[areas > 0].sum() / np.prod(box[:, 1] - box[:, 0])
@@ -105,30 +105,12 @@ def check_outline(mesh: skfem.MeshQuad, bounds: Any = None) -> None:
                          f"are the boundary {OPENING!r})")  # fmt: skip
 
 
-def misnamed(mesh: skfem.MeshQuad, surface: Any) -> str | None:
-    """What is said of a boundary that has the name of one side of the surface and lies on another one; None without such.
-
-    So it is where a mesh was mirrored, or its parameters exchanged.
-    """
-    box, names = _box(mesh, surface.bounds), surface.sides
-    for k, name in enumerate(names):
-        facets = np.asarray((mesh.boundaries or {}).get(name, []), dtype=int)
-        on = _on_box(mesh, facets, box)[0].any(axis=2).ravel()
-        if on.any() and not on[k]:
-            other = int(np.argmax(on))
-            here, there = (f"{'xy'[n // 2]} = {box[n // 2, n % 2]:.6g}" for n in (k, other))
-            return (f"boundary {name!r} of the mesh lies on {there}, where the surface has {names[other]!r}; its "
-                    f"own {name!r} is {here}. Supports and loads go where the mesh has the name: rename it, or mesh the "
-                    "surface anew if the mesh was mirrored or turned")  # fmt: skip
-    return None
-
-
-def _box(mesh: skfem.MeshQuad, bounds: Any) -> np.ndarray:
+def box_of(mesh: skfem.MeshQuad, bounds: Any) -> np.ndarray:
     """Smallest and largest x, and y, (2, 2)."""
     return np.stack([mesh.p.min(axis=1), mesh.p.max(axis=1)], axis=1) if bounds is None else np.array(bounds, float)
 
 
-def _on_box(mesh: skfem.MeshQuad, facets: np.ndarray, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def on_box(mesh: skfem.MeshQuad, facets: np.ndarray, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Whether edges lie on x = min, x = max and y = min, y = max, (2, 2, n), and their lengths over those of these sides,
     (2, 1, n)."""
     ends = mesh.p[:, mesh.facets[:, facets]]

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from skancf.errors import InputError
-from skancf.surfaces.protocol import Surface
+from skancf.surfaces.mapped import check_seam
+from skancf.surfaces.protocol import Surface, closed_directions
 
 # Of the largest value of a component.
 MISTAKE = 1e-3
@@ -22,6 +23,8 @@ STEPS = (0.1, 0.3, 1.0, 0.03, 1e-2, 1e-3)
 # Places in the middle of an element, near its corners, and the step of each over its width.
 MIDDLE, NEAR_CORNER = (0.5, 0.4), (0.1, 0.08)
 MOST_PLACES = 3000
+# Places along and across a seam.
+SEAM = 6
 
 
 def check_derivatives(surface: Surface, mesh: Any) -> None:
@@ -32,10 +35,11 @@ def check_derivatives(surface: Surface, mesh: Any) -> None:
 
     in the middle of each element and near each node. Several steps h are tried, and one that agrees is enough; noise of a
     millionth is no contradiction. Surfaces of the library are right by their tests and are not looked at, unless they have
-    derivatives that were given.
+    derivatives that were given. Directions that are said to be closed must come back to where they began.
     """
     if type(surface).__module__.startswith("skancf.") and getattr(surface, "exact_derivatives", None) is None:
         return
+    _check_seams(surface)
     places, steps = _places(mesh)
     extent = np.ptp(mesh.p, axis=1)
 
@@ -58,6 +62,19 @@ def check_derivatives(surface: Surface, mesh: Any) -> None:
         noise = NOISE * np.abs(slopes * extent[:, None, None]).max() / extent[of]
         given = np.broadcast_to(np.asarray(value), here.shape)
         _compare(name, "second_derivatives", given, partial(slope, of), axis, places, steps, noise / steps[axis])
+
+
+def _check_seams(surface: Any) -> None:
+    """The two ends of closed directions are one curve with one tangent plane."""
+    closed = closed_directions(surface)
+    if not any(closed):
+        return
+    x, y = np.meshgrid(*[np.linspace(low, high, SEAM) for low, high in surface.bounds], indexing="ij")
+    flat = [surface.position(x.ravel(), y.ravel()), *surface.derivatives(x.ravel(), y.ravel())]
+    jet = [np.broadcast_to(np.asarray(v), (3, x.size)).reshape(3, *x.shape) for v in flat]
+    for axis in (0, 1):
+        if closed[axis]:
+            check_seam(axis, jet)
 
 
 def _places(mesh: Any) -> tuple[np.ndarray, np.ndarray]:

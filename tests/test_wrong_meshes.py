@@ -287,6 +287,24 @@ def test_single_precision_far_from_the_origin(origin, unit):
             assert len(np.unique(problem.on(rough, "kirchhoff").mesh.p[axis])) == (5, 4)[axis]
 
 
+@pytest.mark.parametrize("theory", ["full", "kirchhoff"])
+def test_points_mean_the_nodes_that_single_precision_moved(theory):
+    plate = sk.Rectangle(1.0, 0.7, origin=(40.1, -0.3))
+    mesh = uniform(plate, 7, 3)
+    rough = skfem.MeshQuad(mesh.p.astype(np.float32), mesh.t, sort_t=False)
+    problem = sk.Problem(plate, 0.1, sk.Isotropic(1e5, 0.3, 1.0))
+    geometry = problem.on(rough, theory).geometry
+    for node, point in enumerate(mesh.p.T):
+        assert geometry.node_at(point) == geometry.ties.node_of[node]
+    for off in (1e-3, 1e-4):
+        with pytest.raises(InputError, match="no node of the mesh is there"):
+            geometry.node_at(mesh.p[:, 9] + off)
+    # Not where nodes are that close together.
+    fine = problem.on(tensor(plate, [40.1, 40.1 + 1e-7, 41.1], [-0.3, 0.4])).geometry
+    with pytest.raises(InputError, match="no node of the mesh is there"):
+        fine.node_at((40.1 + 5e-8, -0.3))
+
+
 def test_what_is_askew_by_more_than_rounding_is_left_and_named():
     plate = sk.Problem(PLATE, 0.1, sk.Isotropic(1e5, 0.3, 1.0))
     mesh = uniform(PLATE, 4, 4)

@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from skancf.assembly.ties import SAME, Ties
 from skancf.errors import InputError, shown, vector, warn
 from skancf.functions import is_function, true_at
+from skancf.meshes.snap import NEAR, OF_AN_EDGE, SINGLE
 from skancf.surfaces import Interval, Surface, closed_directions
 
 Found = tuple[np.ndarray, np.ndarray]
@@ -211,8 +212,11 @@ class Places:
         """The node at a point of the parameter plane."""
         point = vector("point", at, 2)
         distance = np.linalg.norm(self.mesh.p - point[:, None], axis=0)
-        nearest = int(np.argmin(distance))
-        if distance[nearest] > 1e-8 * np.ptp(self.mesh.p, axis=1).max():
+        nearest, next_one = np.argpartition(distance, 1)[:2].tolist()
+        size = np.ptp(self.mesh.p, axis=1).max()
+        # Single precision may have moved it, by less than would mistake its neighbour for it.
+        rounded = min(max(NEAR * size, SINGLE * np.abs(point).max()), OF_AN_EDGE * distance[next_one])
+        if distance[nearest] > max(1e-8 * size, rounded):
             raise InputError(
                 f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
                 f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"

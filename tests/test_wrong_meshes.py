@@ -526,6 +526,34 @@ def test_exact_derivatives_that_are_wrong_between_the_places_a_mapped_surface_lo
         put(surface, uniform(surface, 25, 25))
 
 
+MALFORMED = [
+    ({"position": lambda self, x, y: [x, y, 0 * x]}, "position is a list"),
+    ({"position": lambda self, x, y: np.stack([x, y, 0 * x], axis=-1)}, r"position is an array of shape \(\d+, 3\)"),
+    ({"position": lambda self, x, y: np.stack([x, y, np.where(x > 1.8, np.nan, 0.0)])}, r"position is .*nan.* finite"),
+    ({"derivatives": lambda self, x, y: Own.derivatives(self, x, y)[:1]}, "derivatives return .*must return X_x, X_y"),
+    ({"derivatives": lambda self, x, y: Own.derivatives(self, x, y)[::-1]}, "derivatives give X_x = .*differences"),
+    ({"second_derivatives": lambda self, x, y: (None, None, None)}, "X_xx of second_derivatives is a NoneType"),
+    ({"second_derivatives": lambda self, x, y: Own.second_derivatives(self, x, y)[1:]}, "must return X_xx, X_xy, X_yy"),
+]
+
+
+@pytest.mark.parametrize(("change", "words"), MALFORMED)
+def test_surfaces_that_return_something_else(change, words):
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    with pytest.raises(InputError, match=f"surface: .*{words}"):
+        put(type("Changed", (Own,), change)(), mesh)
+
+
+def test_the_thin_theory_asks_for_second_derivatives():
+    class First:
+        position, derivatives, factor = Own.position, Own.derivatives, Own.factor
+
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    put(First(), mesh)
+    with pytest.raises(InputError, match="second_derivatives, which theory 'kirchhoff' needs"):
+        Geometry(mesh, First(), theory_named("kirchhoff"))
+
+
 # --- seams -----------------------------------------------------------------------------------------------------------
 
 

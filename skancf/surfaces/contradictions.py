@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError
+from skancf.errors import InputError, shown
 from skancf.surfaces.mapped import check_seam
 from skancf.surfaces.protocol import Surface, closed_directions
 
@@ -42,26 +42,53 @@ def check_derivatives(surface: Surface, mesh: Any) -> None:
     _check_seams(surface)
     places, steps = _places(mesh)
     extent = np.ptp(mesh.p, axis=1)
+    position = partial(_position, surface)
 
     def slope(axis: int, at: np.ndarray) -> np.ndarray:
-        return np.broadcast_to(np.asarray(surface.derivatives(*at)[axis]), (3, at.shape[1]))
+        return _several(surface, "derivatives", at)[axis]
 
-    def position(at: np.ndarray) -> np.ndarray:
-        return np.asarray(surface.position(*at))
-
-    here, slopes = position(places), np.stack([slope(axis, places) for axis in (0, 1)])
+    here, slopes = position(places), np.stack(_several(surface, "derivatives", places))
     size, rounding = np.ptp(here, axis=1).max(), ROUNDING * np.abs(here).max()
     for axis, name in enumerate(("X_x", "X_y")):
         slack = (NOISE * size + rounding) / steps[axis]
         _compare(name, "derivatives", slopes[axis], position, axis, places, steps, slack)
     if not hasattr(surface, "second_derivatives"):
         return
-    second: Any = surface.second_derivatives(*places)
-    for name, value, of, axis in zip(("X_xx", "X_xy", "X_yy"), second, (0, 0, 1), (0, 1, 1), strict=True):
+    second = _several(surface, "second_derivatives", places)
+    for name, given, of, axis in zip(("X_xx", "X_xy", "X_yy"), second, (0, 0, 1), (0, 1, 1), strict=True):
         # Of the longest slope in either direction: where one of them vanishes, its noise does not.
         noise = NOISE * np.abs(slopes * extent[:, None, None]).max() / extent[of]
-        given = np.broadcast_to(np.asarray(value), here.shape)
         _compare(name, "second_derivatives", given, partial(slope, of), axis, places, steps, noise / steps[axis])
+
+
+def _position(surface: Any, at: np.ndarray) -> np.ndarray:
+    return _components("position", surface.position(*at), at)
+
+
+def _several(surface: Any, method: str, at: np.ndarray) -> list[np.ndarray]:
+    """The derivatives of an order at places (2, n), each (3, n)."""
+    found = getattr(surface, method)(*at)
+    names = NAMES[method]
+    if not isinstance(found, tuple | list | np.ndarray) or len(found) != len(names):
+        raise InputError(f"surface: its {method} return {shown(found)}; they must return {', '.join(names)}")
+    return [_components(f"{name} of {method}", value, at) for name, value in zip(names, found, strict=True)]
+
+
+NAMES = {"derivatives": ("X_x", "X_y"), "second_derivatives": ("X_xx", "X_xy", "X_yy")}
+
+
+def _components(what: str, found: Any, at: np.ndarray) -> np.ndarray:
+    n = at.shape[1]
+    if not isinstance(found, np.ndarray) or found.shape not in ((3, n), (3, 1)) or found.dtype.kind not in "biuf":
+        shape = f"an array of shape {found.shape}" if isinstance(found, np.ndarray) else f"a {type(found).__name__}"
+        raise InputError(f"surface: {what} is {shape} at x and y of shape {(n,)}; it must be an array of numbers of shape "
+                         f"{(3, n)}, the three components of space first, as np.stack makes it")  # fmt: skip
+    values = np.broadcast_to(found, (3, n))
+    wrong = np.flatnonzero(~np.isfinite(values).all(axis=0))
+    if wrong.size:
+        (x, y), value = at[:, wrong[0]], values[:, wrong[0]]
+        raise InputError(f"surface: {what} is {value} at (x, y) = ({x:.6g}, {y:.6g}): it must be finite")
+    return values
 
 
 def _check_seams(surface: Any) -> None:
@@ -70,8 +97,8 @@ def _check_seams(surface: Any) -> None:
     if not any(closed):
         return
     x, y = np.meshgrid(*[np.linspace(low, high, SEAM) for low, high in surface.bounds], indexing="ij")
-    flat = [surface.position(x.ravel(), y.ravel()), *surface.derivatives(x.ravel(), y.ravel())]
-    jet = [np.broadcast_to(np.asarray(v), (3, x.size)).reshape(3, *x.shape) for v in flat]
+    at = np.stack([x.ravel(), y.ravel()])
+    jet = [values.reshape(3, *x.shape) for values in (_position(surface, at), *_several(surface, "derivatives", at))]
     for axis in (0, 1):
         if closed[axis]:
             check_seam(axis, jet)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.arguments import STATE, flag, instance, system_like, texts
+from skancf.arguments import STATE, flag, instance, system_like, text
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
@@ -72,7 +72,7 @@ class Solution:
         if type(self.linear) is not bool:
             flag("linear", self.linear)
         if type(self.note) is not str:
-            texts(note=self.note)
+            text("note", self.note)
         if self.small is not None:
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.

@@ -1,5 +1,7 @@
 """Errors of this library. Each message names the value, the rule and the way out."""
 
+import sys
+import warnings
 from collections.abc import Sequence
 from decimal import Decimal
 from numbers import Real
@@ -30,6 +32,14 @@ class DidNotConverge(SkancfError):
 
 class OutOfDepth(UserWarning):
     """An answer that leaves out what may matter: shear of a thick plate, mass off its surface, loads that may flutter."""
+
+
+def warn(message: str) -> None:
+    """Warn of what is :class:`OutOfDepth`, at the line outside of this library that led to it."""
+    frame, level = sys._getframe(1), 2
+    while frame is not None and frame.f_globals.get("__name__", "").startswith("skancf."):
+        frame, level = frame.f_back, level + 1  # type: ignore[assignment]
+    warnings.warn(message, OutOfDepth, stacklevel=level)
 
 
 class SingularMatrix(SkancfError):

@@ -13,13 +13,14 @@ from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.assembly.system import System, assemble
-from skancf.errors import InputError, positive, shown
+from skancf.errors import InputError, positive, shown, warn
 from skancf.functions import Noted, is_ours
 from skancf.loads import Load
 from skancf.loads.acting import Acting
 from skancf.materials import Damping, Laminate, Law, Section, section_of
 from skancf.memory import SYSTEM, require_mesh
-from skancf.meshes.snap import onto_bounds
+from skancf.meshes.sides import misnamed, unjoined
+from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.surfaces.asked import require_surface, require_vectors
@@ -103,16 +104,27 @@ class Problem:
         ------
         InputError
             For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there.
+        OutOfDepth
+            Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one, and for two
+            sides that lie on each other and are not joined, where no support or load names one of them.
         NotEnoughMemory
             For a mesh whose system would not fit into memory, before any is taken.
         """
         instance("mesh", mesh, skfem.MeshQuad, MESH)
         tolerance = positive("tolerance", tolerance)
-        bounds = getattr(self.surface, "bounds", None)
-        mesh = mesh if bounds is None else onto_bounds(mesh, bounds)
+        if hasattr(self.surface, "bounds"):
+            mesh = onto_bounds(mesh, self.surface.bounds)
+            self._tell_of_sides(mesh)
         if isinstance(theory, str) and theory == "auto":
             return self._on_chosen(mesh, tolerance)
         return self._on(mesh, theory_named(theory))
+
+    def _tell_of_sides(self, mesh: skfem.MeshQuad) -> None:
+        if hasattr(self.surface, "sides"):
+            wheres = [getattr(item, "where", None) for item in (*self.supports, *self.loads)]
+            for hint in (misnamed(mesh, self.surface), unjoined(mesh, self.surface, wheres)):
+                if hint:
+                    warn(hint)
 
     def _on_chosen(self, mesh: skfem.MeshQuad, tolerance: float) -> System:
         try:
@@ -129,6 +141,8 @@ class Problem:
         require_mesh(mesh.nelements, SYSTEM[theory.name])
         if not theory.twist:
             warn_if_full_is_off(self.section)
+        else:
+            mesh = onto_lines(mesh)
         require_vectors(self.surface, mesh.p[:, mesh.t].mean(axis=1))
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)

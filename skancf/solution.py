@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.arguments import STATE, flag, instance, plain, system_like
+from skancf.arguments import STATE, flag, instance, plain, system_like, text
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
@@ -42,6 +42,8 @@ class Solution:
         A small-deflection answer, in equilibrium with the tangent of the undeformed state.
     small : (n_dofs,) array or None
         Its change from the undeformed coordinates: their sum keeps only the digits that positions have.
+    note : str
+        What is to be known of it, such as that a mode has no size of its own; titles of pictures say it.
     """
 
     system: System
@@ -51,6 +53,7 @@ class Solution:
     load_factor: float = 1.0
     linear: bool = False
     small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
+    note: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         plain(self)
@@ -69,6 +72,8 @@ class Solution:
             number("load_factor", self.load_factor)
         if type(self.linear) is not bool:
             flag("linear", self.linear)
+        if type(self.note) is not str:
+            text("note", self.note)
         if self.small is not None:
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.

@@ -409,7 +409,8 @@ def add_solvers(add: Any, s: Scene) -> None:
 def add_states(add: Any, s: Scene) -> None:
     state, place = s.solution, (0.5, 0.5)
     add("Solution", sk.Solution, system=s.system, q=state.q, velocity=0 * state.q, time=0.1, load_factor=1.0, linear=False,
-        small=state.q - s.system.undeformed, kinds={"time": "optional"}, takes="velocity:none,small:none")  # fmt: skip
+        small=state.q - s.system.undeformed, note="a mode", kinds={"time": "optional"},
+        takes="velocity:none,small:none")  # fmt: skip
     points = np.array([[0.2, 0.4], [0.3, 0.9]])
     for name in ("displacement", "position"):
         add(f"Solution.{name}", getattr(state, name), at=place, z=0.001, kinds={"at": "numbers"})
@@ -448,8 +449,9 @@ def add_adaptive(add: Any, s: Scene) -> None:
     add("residual", sk.residual, state=s.solution, backend="auto")
     add("recovery", sk.recovery, solution=s.solution)
     for name in ("stress_indicator", "nodal_measure"):
-        add(name, getattr(sk, name), solution=s.solution, components="in_plane", z=0.001)
-    add("stress_regions", sk.stress_regions, solution=s.solution, components=["S11"], z=0.001, radius=2.0, size=1.0, cap=2.0)
+        add(name, getattr(sk, name), solution=s.solution, components="in_plane", z=0.001, kinds={"z": "optional"})
+    add("stress_regions", sk.stress_regions, solution=s.solution, components=["S11"], z=0.001, radius=2.0, size=1.0, cap=2.0,
+        kinds={"z": "optional"})  # fmt: skip
     grid = np.stack(np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4)), axis=-1).reshape(-1, 2).T
     add("find_regions", sk.find_regions, points=grid, sigma=np.arange(16.0), spacing=0.3, positions=None, cell=0.3,
         radius=2.0, size=1.0, cap=2.0, takes="positions:none", kinds={"cell": "optional"})  # fmt: skip

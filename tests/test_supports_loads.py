@@ -586,6 +586,34 @@ def test_other_points_and_edges_do_not_warn(where):
         sk.Problem(surface, 0.05, sk.Isotropic(1e7, 0.3, 1e3), [sk.Pin(where)]).on(sk.meshes.uniform(surface, 3, 2))
 
 
+WIDE = [
+    (sk.Pin, "full"), (sk.NoRotation, "kirchhoff"), (lambda w: sk.Prescribed(w, (None, None, lambda x, y: y)), "full"),
+    (lambda w: sk.EdgeLoad(w, (0.0, 0.0, 1.0)), "kirchhoff"), (lambda w: sk.EdgeMoment(w, (0.0, 1.0, 0.0)), "full"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "theory"), WIDE)
+def test_a_function_with_a_wide_tolerance_is_told(kind, theory):
+    surface = sk.CylinderSector(1.0, 2.0, 1.5)
+    mesh = sk.meshes.uniform(surface, 4, 3, openings=[((1.0, 1.5), (0.5, 1.0))])
+
+    def made(where):
+        item = kind(where)
+        part = {"supports": [item]} if hasattr(item, "rows") else {"loads": [item]}
+        return sk.Problem(surface, 0.02, sk.Isotropic(1e7, 0.3, 1e3), **part).on(mesh, theory)
+
+    with pytest.warns(sk.OutOfDepth, match=r"3 edges of the boundary and at 2 nodes inside.*\(0\.5, 0\.5\)") as told:
+        made(lambda x, y: (x < 0.6) & (y > 0.4))
+    assert len(told) == 1 and told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        made(lambda x, y: x < 1e-9)
+        made("openings")
+        if "supports" in kind("left").__module__:
+            made(lambda x, y: x > -1.0)  # everywhere is no accident, and neither is a patch inside
+            made(lambda x, y: (abs(x - 1.5) < 0.6) & (abs(y - 0.75) < 0.3) & (x > 1.6))
+
+
 def test_points_around_an_opening_and_across_a_seam_are_in_a_row():
     tube, plate = sk.CylinderSector(1.0, 2.0, 2 * math.pi, closed=True), sk.Rectangle(4.0, 4.0)
     for surface, mesh, where in (

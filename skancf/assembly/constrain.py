@@ -1,15 +1,13 @@
 """Conditions of supports on the nodal coordinates, turned into constraints in nodal frames."""
 
-import warnings
 from collections.abc import Sequence
-from functools import partial
 from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, OutOfDepth, finite, shown, vector
+from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import Noted, is_ours
 from skancf.history import amplitude
 from skancf.linear import BlockMatrix, Constraints
@@ -27,12 +25,14 @@ class PrescribedMotion:
         """The functions of time."""
         return [history for _, history in self.parts]
 
+    @property
+    def without_time(self) -> list[str]:
+        """What is to be said where values are taken without a time."""
+        return sorted({hint for history in self.histories() if (hint := getattr(history, "without_time", None))})
+
     def values(self, time: float | None) -> np.ndarray:
-        """(n_dofs,); without a time at full amplitude, with a warning where there is none."""
+        """(n_dofs,); without a time at full amplitude, and at rest where there is none: see ``without_time``."""
         total = np.zeros(self.n_dofs)
-        hints = {getattr(history, "without_time", None) for history in self.histories()} if time is None else {None}
-        for hint in filter(None, hints):
-            warnings.warn(hint, OutOfDepth, stacklevel=4)
         for change, history in self.parts:
             total += amplitude(history, time) * change
         return total
@@ -50,8 +50,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     for history in chain.from_iterable(support.histories for support in supports):
         if not any(history is known for known in histories):
             histories.append(history)
-    # No comprehension: it has a frame of its own in some Pythons, which would shift where warnings point.
-    conditions = list(map(partial(_conditions, geometry, histories=histories), supports))
+    conditions = [_conditions(geometry, support, histories) for support in supports]
     if geometry.theory.twist:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]

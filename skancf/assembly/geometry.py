@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 import skfem
 
+from skancf.arguments import having
 from skancf.assembly.hanging import Hanging
 from skancf.assembly.maps import local_maps
 from skancf.assembly.places import Places
@@ -49,9 +50,11 @@ class Geometry(Places):
 
     def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Theory):
         check_mesh_on(mesh, getattr(surface, "bounds", None))
-        check_derivatives(surface, mesh.p[:, mesh.t].mean(axis=1), np.ptp(mesh.p, axis=1))
+        check_derivatives(surface, mesh)
         if theory.twist:
             require_aligned(mesh)
+            having("surface", surface, ("second_derivatives",), "one with second_derivatives, which theory 'kirchhoff' "
+                   "needs; sk.MappedSurface makes them of a position")  # fmt: skip
         self.mesh, self.surface, self.theory = mesh, surface, theory
         check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
         self.ties = find_ties(mesh, surface, theory.twist)

@@ -15,7 +15,7 @@ from skancf.memory import require_mesh
 from skancf.meshes.check import check_mesh
 from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TOP, Forest, Leaves
 from skancf.meshes.names import Names
-from skancf.meshes.snap import onto_bounds
+from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.surfaces import Surface, closed_directions
 from skancf.surfaces.asked import require_surface
 
@@ -310,6 +310,7 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     bounds = getattr(surface, "bounds", None)
     if bounds is not None:
         mesh = onto_bounds(mesh, bounds)
+    mesh = onto_lines(mesh)
     forest = forest_of(mesh, closed)
     coarse = skfem.MeshQuad(forest.points, forest.corners)
     names = Names.of(replace(coarse, _boundaries=_facets_by_ends(mesh, coarse), _subdomains=mesh.subdomains))

@@ -1,14 +1,21 @@
 """Is an answer within the depth of its theory?"""
 
 import warnings
+from typing import Any
 
 import numpy as np
 
-from skancf.errors import OutOfDepth
+from skancf.errors import OutOfDepth, warn
 from skancf.solution import Solution
 
 THICK = 0.05
 """From this share of shear energy on, a thin answer comes with a warning."""
+
+
+def warn_without_time(system: Any) -> None:
+    """A warning for each support that is a function of time alone, which statics takes at rest."""
+    for hint in getattr(getattr(system, "prescription", None), "without_time", ()):
+        warn(hint)
 
 
 def warn_if_thick(solution: Solution, elements: np.ndarray | None = None) -> Solution:

@@ -14,9 +14,9 @@ from skancf.statics.asked import check_asked
 from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
-from skancf.statics.depth import warn_if_thick
+from skancf.statics.depth import warn_if_thick, warn_without_time
 from skancf.statics.newton import OPEN, Status
-from skancf.statics.path import trace
+from skancf.statics.path import traced
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 from skancf.statics.verify import Balance, unmet
 
@@ -81,6 +81,7 @@ def solve(
     if control is not None:
         instance("control", control, HalveAndGrow, "a HalveAndGrow, or call trace for paths by another control")
     require_support(system)
+    warn_without_time(system)
     result = equilibrium(
         system, load_factor, control=control, start=start, rtol=rtol, max_iterations=max_iterations, mixed=mixed,
         follow=follow, relax=relax, backend=backend, progress=progress,
@@ -113,7 +114,7 @@ def _followed(
 ) -> StaticResult:
     """The whole way by arc length."""
     first = ArcLength().first * (load_factor - start.load_factor)
-    found = trace(
+    found = traced(
         start.system, ArcLength(first=first), until=load_factor, start=start, rtol=rtol, mixed=mixed, backend=backend,
         progress=progress,
     )  # fmt: skip
@@ -144,6 +145,7 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     """
     check_asked(system, backend)
     require_support(system)
+    warn_without_time(system)
     return warn_if_thick(small_deflection(system, backend=backend))
 
 

@@ -13,6 +13,7 @@ from skancf.solution import Solution
 from skancf.statics.asked import check_asked
 from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
+from skancf.statics.depth import warn_without_time
 from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, Status, largest_turn
 from skancf.statics.points import Follower, Point
@@ -128,6 +129,19 @@ def trace(
     check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
                 mixed=mixed, progress=progress)  # fmt: skip
     require_support(system)
+    warn_without_time(system)
+    return traced(
+        system, control, until=until, steps=steps, start=start, rtol=rtol, max_iterations=max_iterations, mixed=mixed,
+        backend=backend, progress=progress,
+    )  # fmt: skip
+
+
+def traced(
+    system: System, control: ArcLength | DisplacementControl | None = None, *,
+    until: float | DisplacementReached | None = None, steps: int = 200, start: Solution | None = None, rtol: float = 1e-7,
+    max_iterations: int = 15, mixed: bool = True, backend: str = "auto", progress: bool = False,
+) -> PathResult:  # fmt: skip
+    """:func:`trace` for a system that is known to be supported, and arguments that are checked."""
     at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
     control = ArcLength() if control is None else control
     if not isinstance(control, ArcLength | DisplacementControl):

@@ -1,12 +1,11 @@
 """Points in a row along an edge of the boundary, which do not hold the edge."""
 
-import warnings
 from typing import Any
 
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import OutOfDepth, shown
+from skancf.errors import shown, warn
 from skancf.supports.conditions import Edges, edges, single_points
 
 STRAIGHT = 0.87
@@ -16,15 +15,16 @@ STRAIGHT = 0.87
 def edges_or_points(name: str, geometry: Geometry, where: Any) -> Edges:
     """:func:`~skancf.supports.conditions.edges` of a support that holds positions, with a warning for points in a row."""
     place = edges(geometry, where)
+    if hint := geometry.strays(where):
+        warn(f"{name}: where = {hint}; those are held as single points, between which the surface is free. Narrow the "
+             "function if an edge alone is meant")  # fmt: skip
     row = points_in_a_row(geometry, place)
     if row is not None:
         x, y = row
-        warnings.warn(
+        warn(
             f"{name}: where = {shown(where)} are single points, of which three or more are neighbours along one edge, at "
             f"({x:.6g}, {y:.6g}) for example: between them the edge is free, and stresses grow without limit as the mesh is "
-            "refined. To hold the edge as well, give its name, or a function of (x, y) that is true along it",
-            OutOfDepth,
-            stacklevel=7,
+            "refined. To hold the edge as well, give its name, or a function of (x, y) that is true along it"
         )
     return place
 

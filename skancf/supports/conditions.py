@@ -3,11 +3,13 @@
 A place is the name of a boundary, a list of names, a point (x, y) of the parameter plane or a list of them (nodes must be
 there), or a function of (x, y) that is true at the nodes meant. Names are those of the mesh (``"left"``), ``"boundary"`` for
 the outer boundary, which the edges of openings are no part of, ``"openings"`` for those, ``"opening 1"`` and so on for one
-of them, in the order of their lowest x and then y, and ``"corners"``.
+of them, in the order of their lowest x and then y, and ``"corners"``. An opening that reaches the outer boundary is a notch,
+and its edges are part of that.
 
 Points are single points, however many there are: between them slopes are free, and of three or more in a row along an edge
 :class:`~skancf.OutOfDepth` is warned by supports that hold positions. A name means edges, and so does a function
-of (x, y) where it is true at both ends of one: slopes along them are held too.
+of (x, y) where it is true at both ends of one: slopes along them are held too. A function that is true along edges and at
+nodes inside as well, as one with a wide tolerance is, is warned of too, unless it is true everywhere.
 """
 
 from typing import Any, NamedTuple

@@ -27,7 +27,8 @@ class DrivenClamp(Support):
     run from rest begins with an angle and a displacement of zero.
 
     Statics has no time. It takes the body where it is at the time ``static``; without one it stands at the undeformed place,
-    and :class:`~skancf.OutOfDepth` is warned. Modes and buckling modes are about a body that stands still in any case.
+    and :class:`~skancf.OutOfDepth` is warned once by ``solve``, ``solve_linear``, ``trace``, ``buckling``, ``adapt``, and
+    ``modes`` without a state. Modes and buckling modes are about a body that stands still in any case.
 
     Unlike on the edge of a :class:`Clamp`, all nodal vectors follow, so the surface does not stretch at these nodes. The
     place may be an edge, single points, or a whole part of the surface, a hub for example.

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, shown, unit_vector
+from skancf.errors import InputError, shown, unit_vector, warn
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import (
     FOURTH,
@@ -70,7 +70,10 @@ class NoRotation(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        return no_turn_about(geometry, edges(geometry, self.where))
+        place = edges(geometry, self.where)
+        if hint := geometry.strays(self.where):
+            warn(f"NoRotation: where = {hint}; narrow the function if an edge alone is meant")
+        return no_turn_about(geometry, place)
 
 
 @dataclass(frozen=True)

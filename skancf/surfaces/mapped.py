@@ -127,7 +127,7 @@ class MappedSurface:
         jet = [self.position(x, y), *self.derivatives(x, y)]
         for axis, closed in enumerate(self.closed):
             if closed:
-                _check_seam(axis, jet)
+                check_seam(axis, jet)
         check_kinks(self._value, self.bounds)
         if self.exact_derivatives is not None:
             differences = [self._along_x(self._value, x, y), self._along_y(self._value, x, y)]
@@ -135,7 +135,7 @@ class MappedSurface:
                 _check_exact(name, exact, near, x, y)
 
 
-def _check_seam(axis: int, jet: list[np.ndarray]) -> None:
+def check_seam(axis: int, jet: list[np.ndarray]) -> None:
     """X, X_x and X_y on a grid are the same at both ends of the axis."""
     for name, values in zip(("X", "X_x", "X_y"), jet, strict=True):
         # The origin of space does not matter to the size of a surface.

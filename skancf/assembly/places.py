@@ -137,6 +137,12 @@ class Places:
         along = ends[:, 1] - ends[:, 0]
         return along / np.linalg.norm(along, axis=0)
 
+    def in_extents(self, along: np.ndarray) -> np.ndarray:
+        """Directions (2, ...) of the parameter plane, of unit length where each parameter counts in its extent: two of them
+        compare so whatever the units."""
+        counted = (along.T / np.ptp(self.mesh.p, axis=1)).T
+        return np.asarray(counted / np.linalg.norm(counted, axis=0))
+
     @cached_property
     def boundary(self) -> np.ndarray:
         """Facets on the boundary of the surface: of one element only, no seam and no pole."""
@@ -195,9 +201,9 @@ class Places:
     def node_at(self, at: Any) -> int:
         """The node at a point of the parameter plane."""
         point = vector("point", at, 2)
-        distance = np.linalg.norm(self.mesh.p - point[:, None], axis=0)
+        distance = np.linalg.norm((self.mesh.p - point[:, None]) / np.ptp(self.mesh.p, axis=1)[:, None], axis=0)
         nearest = int(np.argmin(distance))
-        if distance[nearest] > 1e-8 * np.ptp(self.mesh.p, axis=1).max():
+        if distance[nearest] > 1e-8:
             raise InputError(
                 f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
                 f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"

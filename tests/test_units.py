@@ -115,3 +115,17 @@ def test_a_point_that_is_no_node_is_none_in_every_unit(length):
     with pytest.raises(sk.InputError, match="no node of the mesh is there"):
         sk.Problem(surface, 0.01 * length, MATERIAL, [sk.Pin((length, 0.6))]).on(mesh)
     assert sk.Problem(surface, 0.01 * length, MATERIAL, [sk.Pin((length, 0.75))]).on(mesh).constraints.fixed.sum() == 3
+
+
+def test_a_slanting_roller_leaves_a_thin_plate_its_digits():
+    """A flat plate that is moved by its edges bends in proportion to what they move, however thin it is."""
+    found, surface = [], sk.AnnulusSector(0.4, 1.0, 1.1)
+    for h in (1e-2, 1e-6):
+        supports = [
+            sk.Clamp("outer"), sk.Roller("inner", (1.0, 2.0, -0.4)), sk.Prescribed("inner", (None, None, h)),
+            sk.Roller("start", (-0.2, 1.0, 0.0)),
+        ]  # fmt: skip
+        system = sk.Problem(surface, h, MATERIAL, supports).on(sk.meshes.uniform(surface, 2, 3), "kirchhoff")
+        found.append(sk.solve_linear(system).displacements[2] / h)
+    # A frame that mixes bending with the membrane by 1e-16 loses 1e-16 (L / h)^2.
+    assert np.abs(found[0] - found[1]).max() < 1e-9

@@ -12,6 +12,8 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, OutOfDepth
@@ -113,7 +115,7 @@ def _held(
 
     The conditions A (n, 12) are those on coordinates in multiples of their scales (12,).
     """
-    span, others = _span(A)
+    span = _span(A)
     change = span.T @ np.linalg.lstsq(A @ span.T, values, rcond=None)[0]
     _check_consistent(geometry, node, A @ change, values)
     change *= scales[:, None]
@@ -121,31 +123,39 @@ def _held(
     if len(axes) == len(span):
         frame, held = None, np.eye(12)[axes]
     else:
-        frame = _frame(span, others, scales)
+        frame = _frame(span, scales)
         axes = np.arange(len(span))
         held = frame[axes]
     return axes, frame, held.T @ (held @ change)
 
 
-def _span(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Orthonormal rows that span those of A, and rows across them."""
+def _span(A: np.ndarray) -> np.ndarray:
+    """Orthonormal rows that span those of A."""
     counts = np.abs(A) > PARALLEL
     if (counts.sum(axis=1) == 1).all():
-        axes = np.flatnonzero(counts.any(axis=0))
-        return np.eye(12)[axes], np.delete(np.eye(12), axes, axis=0)
+        return np.eye(12)[counts.any(axis=0)]
     _, sizes, rows = np.linalg.svd(A)
-    rank = int((sizes > PARALLEL * sizes[0]).sum())
-    return rows[:rank], rows[rank:]
+    return np.asarray(rows[: int((sizes > PARALLEL * sizes[0]).sum())])
 
 
-def _frame(span: np.ndarray, others: np.ndarray, scales: np.ndarray) -> np.ndarray:
+def _frame(span: np.ndarray, scales: np.ndarray) -> np.ndarray:
     """An orthonormal frame (12, 12) of coordinates as they are, of which the first rows are those held.
 
-    Of all bases the one that is orthogonal in multiples of the scales too: each direction has a scale of its own, so that a
-    stiffness in the frame keeps its digits.
+    Of all of them the one that mixes no more coordinates than a condition does, and is orthogonal in multiples of the scales
+    too, so that a direction has one scale: the bending stiffness of a thin plate would be lost beside the rounding of a
+    membrane stiffness that a frame mixes with it.
     """
-    held, free = (np.linalg.svd(rows.T, full_matrices=False)[0].T for rows in (span / scales, others * scales))
-    frame = np.vstack([held, free])
+    projector = span.T @ span
+    n, part = connected_components(sp.csr_matrix(np.abs(projector) > PARALLEL), directed=False)
+    held, free = [], []
+    for k in range(n):
+        own = np.flatnonzero(part == k)
+        shares, vectors = np.linalg.eigh(projector[np.ix_(own, own)])
+        for rows, of, factors in ((held, shares > 0.5, 1 / scales[own]), (free, shares < 0.5, scales[own])):
+            basis = np.zeros((np.count_nonzero(of), 12))
+            basis[:, own] = np.linalg.svd(factors[:, None] * vectors[:, of], full_matrices=False)[0].T
+            rows.append(basis)
+    frame = np.vstack([*held, *free])
     return np.asarray(1.5 * frame - 0.5 * frame @ frame.T @ frame)  # orthonormal to the last digit
 
 

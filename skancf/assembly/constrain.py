@@ -147,7 +147,8 @@ def _frame(span: np.ndarray, scales: np.ndarray) -> np.ndarray:
     """
     projector = span.T @ span
     n, part = connected_components(sp.csr_matrix(np.abs(projector) > PARALLEL), directed=False)
-    held, free = [], []
+    held: list[np.ndarray] = []
+    free: list[np.ndarray] = []
     for k in range(n):
         own = np.flatnonzero(part == k)
         shares, vectors = np.linalg.eigh(projector[np.ix_(own, own)])

@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 from fuzz.case import Case, Mesh
-from fuzz.transforms import in_units
+from fuzz.transforms import in_frame, in_units
 
 import skancf as sk
 
@@ -52,6 +52,19 @@ def test_the_same_in_every_unit_of_length(name, theory):
         assert there.system.constraints.n_free == here.system.constraints.n_free
         # Rounding of thin bending, 1e-16 (L / h)^2, with digits in hand.
         assert np.abs(there.displacements / length - here.displacements).max() < 1e-9 * size
+
+
+@pytest.mark.filterwarnings("ignore::skancf.OutOfDepth")
+@theories
+def test_a_tube_clamped_at_a_point_answers_the_same_in_every_frame(theory):
+    """Where it lies along an axis of space a coordinate is held nearly alone, with 1e-3 of another one that counts."""
+    tube = sk.CylinderSector(900.0, 1500.0, 2 * pi, closed=True)
+    supports, loads = [sk.Clamp((1500.0, 0.0))], [sk.PointForce((0.0, pi), (300.0, -200.0, 500.0))]
+    here = Case(sk.Problem(tube, 300.0, sk.Isotropic(300.0, 0.3, 1e-9), supports, loads), AROUND, theory)
+    turn = np.linalg.qr([[0.9, 0.8, 0.3], [-0.3, 1.0, 0.6], [0.2, 0.3, 1.0]])[0]
+    there = in_frame(here, turn, np.array([2e3, -5e2, 0.0]))
+    one, two = (sk.solve_linear(case.system()).displacements for case in (here, there))
+    assert np.abs(turn.T @ two - one).max() < 1e-9 * np.abs(one).max()
 
 
 def barrel(unit):

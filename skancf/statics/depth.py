@@ -10,6 +10,24 @@ from skancf.solution import Solution
 THICK = 0.05
 """From this share of shear energy on, a thin answer comes with a warning."""
 
+LOOSE = 0.05
+"""From this share of energy in strains that are left out on, one more than a tenth off was the rule in measurements."""
+
+
+def warn_if_loose(solution: Solution) -> Solution:
+    """The solution; with a warning where more than a twentieth of its energy is in membrane strains that theory `kirchhoff`
+    leaves out of the assumed ones, in motions of single elements."""
+    share = solution.rest_share if hasattr(solution.system, "geometry") else 0.0
+    if share > LOOSE:
+        warnings.warn(
+            f"{100 * share:.2g} % of the strain energy (over {100 * LOOSE:.0f} %) is in membrane strains that the assumed "
+            "ones of theory 'kirchhoff' leave out, and that hardly count on this mesh: single elements may move many times "
+            "too far. Take a finer mesh, above all around supports and forces at points, or Kirchhoff(assumed=False)",
+            OutOfDepth,
+            stacklevel=3,
+        )
+    return solution
+
 
 def warn_if_thick(solution: Solution, elements: np.ndarray | None = None) -> Solution:
     """The solution; with a warning where theory `kirchhoff` leaves out more than a twentieth of the strain energy, in some

@@ -14,7 +14,7 @@ from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.materials import Section
-from skancf.thinness import BILINEAR, shear_forces, shear_share
+from skancf.thinness import BILINEAR, FREE, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 Depth = float | str
@@ -239,6 +239,21 @@ class Solution:
                 raise InputError(f"elements = {shown(elements)}: give a mask of the {len(Q)} elements")
             Q = Q * elements[:, None, None]
         return shear_share(self.system, Q, weights, points, self.strain_energy, heat)
+
+    @property
+    def rest_share(self) -> float:
+        """How much of the strain energy is in membrane strains that the assumed ones of theory `kirchhoff` leave out.
+
+        Where it is large, motions of single elements that hardly cost energy rule the answer. Zero in theory `full`.
+        """
+        system = self.system
+        if not system.geometry.theory.twist:
+            return 0.0
+        heat = self.load_factor**2 * system.thermal_energy(self.time)
+        thin: Any = system.assembly
+        rest = self._of_state(lambda q: thin.rest_strains(q.reshape(-1, 4, 3)))
+        energy = self.strain_energy
+        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, averaged over the elements that meet there: (n_mesh_nodes, 6).

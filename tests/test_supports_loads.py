@@ -555,6 +555,35 @@ def test_a_hard_roller_in_the_surface_is_refused_where_the_normal_follows_the_ed
     assert upright.on(mesh, "kirchhoff").n_dofs
 
 
+def test_a_hard_roller_askew_to_the_surface_comes_with_a_warning_that_points_here():
+    flat, roof = sk.Rectangle(1.0, 1.5), sk.CylinderSector(2.0, 1.0, 1.4, -0.7)
+    for surface, direction, askew in (
+        (flat, (2.0, 1.0, -1.0), True), (flat, (0.1, 0.0, -1.0), False), (roof, (1.0, 0.6, 0.6), True),
+        (roof, (0, 1.0, 0), False),
+    ):  # fmt: skip
+        sides = [surface.sides[0], surface.sides[1]]
+        problem = sk.Problem(surface, 0.1, MATERIAL, [sk.Roller(sides, direction, kind="hard")])
+        mesh = sk.meshes.uniform(surface, 2, 4)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            problem.on(mesh, "full")
+            problem.on(mesh, "kirchhoff")
+        assert [w.category for w in said] == ([sk.OutOfDepth] if askew else [])
+        assert all(w.filename == __file__ and "askew" in str(w.message) for w in said)
+
+
+def test_the_answer_with_such_a_roller_depends_on_the_mesh():
+    """So that the warning is worth its words: with more nodes, and conforming functions, it gets stiffer."""
+    surface, found = sk.Rectangle(1.3, 1.3), []
+    for n in (2, 4, 8):
+        supports = [sk.Clamp("left"), sk.Roller("boundary", (1.0, -2.0, 0.5), kind="hard")]
+        problem = sk.Problem(surface, 0.26, MATERIAL, supports, [sk.PointForce((0.65, 0.65), (0.0, 0.0, 50.0))])
+        with pytest.warns(sk.OutOfDepth):
+            system = problem.on(sk.meshes.uniform(surface, n, n), sk.Kirchhoff(assumed=False))
+            found.append(sk.solve_linear(system).strain_energy)
+    assert found[2] < 0.9 * found[1] < 0.81 * found[0]
+
+
 # ----------------------------------------------------------------------------------------------- points in a row on an edge
 
 HOLDERS = [

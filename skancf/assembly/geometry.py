@@ -99,6 +99,16 @@ class Geometry(Places):
         n = np.cross(*tangents)
         return np.asarray(n / np.linalg.norm(n) * np.sign(n @ beside))
 
+    @cached_property
+    def scales(self) -> np.ndarray:
+        """What each of the 12 coordinates at a node counts in, (n_nodes, 12), powers of two: of the size of the surface, of
+        the undeformed slopes, and of a twist or of one, whatever the units of length and of the parameters."""
+        extent = np.ptp(self.undeformed[:, 0], axis=0).max()
+        slopes = np.linalg.norm(self.undeformed[:, 1:3], axis=2)
+        fourth = slopes.prod(axis=1) / extent if self.theory.twist else np.ones(self.n_nodes)
+        sizes = np.column_stack([np.full(self.n_nodes, extent), slopes, fourth])
+        return np.repeat(np.exp2(np.round(np.log2(sizes))), 3, axis=1)
+
     @property
     def n_nodes(self) -> int:
         return self.points.shape[1]
@@ -159,7 +169,10 @@ class Geometry(Places):
         bending = np.array([[xx, xy], [xy, yy]]).transpose(2, 0, 1)
         metric = slopes @ slopes.swapaxes(1, 2)
         out = np.zeros_like(slopes)
-        regular = np.linalg.det(metric) >= 1e-18 * np.trace(metric, axis1=1, axis2=2) ** 2
+        # A slope is zero at a pole, relative to what it is elsewhere: the two have units of their own.
+        lengths = np.linalg.norm(slopes, axis=2).max(axis=0)
+        relative = metric / np.outer(lengths, lengths)
+        regular = np.linalg.det(relative) >= 1e-18 * np.trace(relative, axis1=1, axis2=2) ** 2
         out[regular] = -bending[regular] @ np.linalg.solve(metric[regular], slopes[regular])
         return out
 

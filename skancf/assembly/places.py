@@ -153,6 +153,12 @@ class Places:
         along = ends[:, 1] - ends[:, 0]
         return along / np.linalg.norm(along, axis=0)
 
+    def in_extents(self, along: np.ndarray) -> np.ndarray:
+        """Directions (2, ...) of the parameter plane, of unit length where each parameter counts in its extent: two of them
+        compare so whatever the units."""
+        counted = (along.T / np.ptp(self.mesh.p, axis=1)).T
+        return np.asarray(counted / np.linalg.norm(counted, axis=0))
+
     @cached_property
     def boundary(self) -> np.ndarray:
         """Facets on the boundary of the surface: of one element only, no seam and no pole."""
@@ -211,12 +217,12 @@ class Places:
     def node_at(self, at: Any) -> int:
         """The node at a point of the parameter plane."""
         point = vector("point", at, 2)
-        distance = np.linalg.norm(self.mesh.p - point[:, None], axis=0)
+        extent = np.ptp(self.mesh.p, axis=1)
+        distance = np.linalg.norm((self.mesh.p - point[:, None]) / extent[:, None], axis=0)
         nearest, next_one = np.argpartition(distance, 1)[:2].tolist()
-        size = np.ptp(self.mesh.p, axis=1).max()
         # Single precision may have moved it, by less than would mistake its neighbour for it.
-        rounded = min(max(NEAR * size, SINGLE * np.abs(point).max()), OF_AN_EDGE * distance[next_one])
-        if distance[nearest] > max(1e-8 * size, rounded):
+        rounded = min(max(NEAR, SINGLE * np.abs(point / extent).max()), OF_AN_EDGE * distance[next_one])
+        if distance[nearest] > max(1e-8, rounded):
             raise InputError(
                 f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
                 f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"

@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.assembly import local
+from skancf.assembly.constrain import free_rigid_motions
 from skancf.assembly.folds import first_fold
 from skancf.assembly.full.assembly import FullAssembly
 from skancf.assembly.geometry import Geometry
@@ -70,6 +71,10 @@ class System:
     def mesh(self) -> Any:
         """The mesh in the parameter plane."""
         return self.geometry.mesh
+
+    def free_rigid_motions(self) -> list[str]:
+        """Rigid motions that no support and no spring holds, in words."""
+        return free_rigid_motions(self.geometry, self.constraints, self.foundation)
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         """Derivative of the strain energy, springs and foundations included, (n_dofs,)."""

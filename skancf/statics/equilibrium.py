@@ -14,7 +14,7 @@ from skancf.statics.asked import check_asked
 from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
-from skancf.statics.depth import warn_if_thick, warn_without_time
+from skancf.statics.depth import warn_if_loose, warn_if_thick, warn_without_time
 from skancf.statics.newton import OPEN, Status
 from skancf.statics.path import traced
 from skancf.statics.static_result import HalveAndGrow, StaticResult
@@ -87,6 +87,7 @@ def solve(
         follow=follow, relax=relax, backend=backend, progress=progress,
     )  # fmt: skip
     warn_if_thick(result.solution)
+    warn_if_loose(result.solution)
     return result
 
 
@@ -141,12 +142,15 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     Warns
     -----
     OutOfDepth
-        Where they are out of balance by more than a millionth.
+        Where they are out of balance by more than a millionth, and where the answer is out of the depth of its theory or
+        of its mesh.
     """
     check_asked(system, backend)
     require_support(system)
     warn_without_time(system)
-    return warn_if_thick(small_deflection(system, backend=backend))
+    solution = small_deflection(system, backend=backend)
+    warn_if_thick(solution)
+    return warn_if_loose(solution)
 
 
 def small_deflection(system: System, load_factor: float = 1.0, *, backend: str = "auto") -> Solution:

@@ -6,10 +6,10 @@ import numpy as np
 
 from skancf.assembly.geometry import Geometry
 from skancf.errors import shown, warn
-from skancf.supports.conditions import Edges, edges, single_points
+from skancf.supports.conditions import Edges, edges, single_points, space_tangent
 
 STRAIGHT = 0.87
-"""Cosine of the angle by which a boundary turns at most where it counts as one line, 30 degrees."""
+"""Cosine of the angle by which a boundary turns in space at most where it counts as one line, 30 degrees."""
 
 
 def edges_or_points(name: str, geometry: Geometry, where: Any) -> Edges:
@@ -37,7 +37,10 @@ def points_in_a_row(geometry: Geometry, place: Edges) -> np.ndarray | None:
     facets = geometry.boundary[np.isin(geometry.ends(geometry.boundary), alone).all(axis=0)]
     ends, directions = geometry.ends(facets), geometry.facet_directions(facets)
     for node in alone.tolist():
-        at_it = np.flatnonzero((ends == node).any(axis=0))
-        if len(at_it) == 2 and abs(directions[:, at_it[0]] @ directions[:, at_it[1]]) > STRAIGHT:
-            return np.asarray(geometry.mesh.p[:, geometry.ties.representative[node]])
+        at_it, seen = np.flatnonzero((ends == node).any(axis=0)), int(geometry.ties.representative[node])
+        if len(at_it) != 2:
+            continue
+        one, two = (space_tangent(geometry, seen, directions[:, facet]) for facet in at_it)
+        if abs(one @ two) > STRAIGHT:
+            return np.asarray(geometry.mesh.p[:, seen])
     return None

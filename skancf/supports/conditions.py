@@ -83,13 +83,14 @@ def edges(geometry: Geometry, where: Any) -> Edges:
         place = tuple(geometry.mesh.p[:, hanging[times < 2][0]].tolist())
         raise InputError(f"support on {where!r}: the line ends at {place}, where a node hangs in the middle of a larger "
                          "element's edge and cannot be held by itself; refine the mesh around it")  # fmt: skip
-    out: dict[int, list[np.ndarray]] = {int(n): [] for n in ends.ravel()}
-    for pair, along in zip(ends.T.tolist(), geometry.facet_directions(facets).T, strict=True):
-        x, y = along.tolist()
+    found: dict[int, list[tuple[float, float, np.ndarray]]] = {int(n): [] for n in ends.ravel()}
+    directions = geometry.facet_directions(facets)
+    compared = geometry.in_extents(directions)
+    for pair, along, (x, y) in zip(ends.T.tolist(), directions.T, compared.T.tolist(), strict=True):
         for node in pair:
-            if all(abs(x * known[1] - y * known[0]) > 1e-8 for known in out[node]):
-                out[node].append(along)
-    out = {node: directions for node, directions in out.items() if node_of[node] >= 0}
+            if all(abs(x * known_y - y * known_x) > 1e-8 for known_x, known_y, _ in found[node]):
+                found[node].append((x, y, along))
+    out = {node: [along for _, _, along in known] for node, known in found.items() if node_of[node] >= 0}
     alone = np.setdiff1d(nodes, node_of[list(out)] if out else [])
     return {**out, **{int(n): [] for n in np.flatnonzero(np.isin(node_of, alone))}}
 

@@ -222,7 +222,7 @@ class Fields:
         """A line through a node, the same from both sides of a seam, and the sign of a direction along it."""
         own = int(self.geometry.ties.node_of[node])
         seen = (own, -1) if own >= 0 and own not in self.geometry.ties.poles else (own, node)
-        x, y = np.round(along, 6).tolist()
+        x, y = np.round(self.geometry.in_extents(along), 6).tolist()
         sign = 1.0 if (x, y) > (0.0, 0.0) else -1.0
         return (*seen, sign * x + 0.0, sign * y + 0.0), sign
 

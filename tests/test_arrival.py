@@ -283,6 +283,70 @@ def test_a_pillow_is_inflated():
     assert heights == sorted(heights) and heights[0] > 0.05
 
 
+# --- saddles: states that attract a flow in steps too long, and are not stable ----------------------------------------
+
+
+def round_bag():
+    """A quarter of two discs joined along their edge, under pressure: radial wrinkles all round."""
+    surface = sk.AnnulusSector(0.0, 0.2, pi / 2)
+    return surface, (6, 8), sk.Problem(
+        surface, 1e-4, sk.Isotropic(1e9, 0.3, 1000.0),
+        [sk.Symmetry("start"), sk.Symmetry("end"), sk.Roller("outer")], [sk.FollowerPressure(3000.0)],
+    )  # fmt: skip
+
+
+def squeezed_annulus():
+    """Clamped at its inner edge, under some fifty times the radial load at which it buckles."""
+    surface, h, young = sk.AnnulusSector(0.3, 1.0, 2 * pi, closed=True), 0.01, 70e9
+    load = -44 * young * h**3 / 12 / 0.91
+    return surface, (3, 16), sk.Problem(
+        surface, h, sk.Isotropic(young, 0.3, 2700.0), [sk.Clamp("inner")],
+        [sk.EdgeLoad("outer", lambda r, angle: (load * np.cos(angle), load * np.sin(angle), 0 * r))],
+    )  # fmt: skip
+
+
+def collapsed_reed():
+    """A strip that stands on its clamped foot under a thousand times the weight that it can bear (Greenhill 1881)."""
+    surface, t, young, density = sk.Rectangle(0.1, 1.0), 1e-3, 3e9, 1200.0
+    weight = 1e3 * 7.837 * young * t**2 / 12 / density
+    return surface, (1, 16), sk.Problem(
+        surface, t, sk.Isotropic(young, 0.0, density), [sk.Clamp("bottom")], [sk.Gravity((0.0, -weight, 0.0))]
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("make", [round_bag, squeezed_annulus, collapsed_reed])
+def test_a_flow_does_not_end_in_a_saddle(make):
+    surface, counts, problem = make()
+    result = sk.solve(problem.on(sk.meshes.uniform(surface, *counts), "kirchhoff"))
+    assert result.status is Status.CONVERGED and result.negative_pivots == 0, result.message
+    assert "relaxed at the full load" in result.message
+
+
+def test_a_step_that_goes_uphill_is_not_taken(monkeypatch):
+    """Without that rule the same strip ends where it stands, with its message."""
+    from skancf.statics.relax import Relaxation
+
+    monkeypatch.setattr(Relaxation, "rise", lambda self, q, to: -1.0)
+    surface, counts, problem = collapsed_reed()
+    result = sk.solve(problem.on(sk.meshes.uniform(surface, *counts), "kirchhoff"))
+    assert result.negative_pivots > 0 and "found no stable state" in result.message
+
+
+def test_light_reeds_stand_and_heavier_ones_lean():
+    """Greenhill's load of a strip under its own weight, 7.837 E I / L^3, from both sides."""
+    surface, counts, problem = collapsed_reed()
+    greenhill = problem.loads[0].acceleration[1] / 1e3
+    heights = []
+    for factor in (0.98, 1.02, 2.0):
+        loads = [sk.Gravity((0.0, factor * greenhill, 0.0))]
+        light = sk.Problem(surface, problem.thickness, problem.material, problem.supports, loads)
+        result = sk.solve(light.on(sk.meshes.uniform(surface, *counts), "kirchhoff"))
+        assert result.status is Status.CONVERGED and result.negative_pivots == 0
+        assert ("buckled" in result.message) == (factor > 1)
+        heights.append(result.solution.position((0.05, 1.0))[1])
+    assert heights[0] == pytest.approx(1.0, abs=1e-3) and heights[2] < heights[1] < 0.95
+
+
 # --- dents and twisted laminates -------------------------------------------------------------------------------------
 
 

@@ -30,6 +30,10 @@ SNAPPED = (
     "snapped: Newton's method got no further than load factor {:.4g}, and from there the structure was relaxed at the full "
     "load, to a stable state downhill; there may be others. trace(system) shows the path"
 )
+MOVED_ON = (
+    "relaxed at the full load, because from the state it started from Newton's method found no equilibrium, to a stable state "
+    "downhill; there may be others"
+)
 SLACK = (
     "relaxed at the full load from load factor {:.4g}, to a stable state downhill, because {}. A sheet so thin for its load "
     "may have several ways to wrinkle"
@@ -173,9 +177,9 @@ class Cascade:
         at = self.path[-1]
         if not self._downhill(lambda: self.relaxation.from_state(at.q, self.path[0].q)):
             return None
-        too_far = last.status is Status.TOO_FAR
-        message = SLACK.format(at.load_factor, last.message) if too_far else SNAPPED.format(at.load_factor)
-        return self._ended(message)
+        if last.status is Status.TOO_FAR:
+            return self._ended(SLACK.format(at.load_factor, last.message))
+        return self._ended(SNAPPED.format(at.load_factor) if self.span else MOVED_ON)
 
     def _ended(self, message: str) -> StaticResult:
         """The result of the last attempt, with what it met on the way."""

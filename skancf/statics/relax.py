@@ -28,6 +28,8 @@ INNER_RTOL, INNER_STEPS = 3e-2, 10
 PUSHED, CIRCLING = 400, 150
 """The same from a pushed state, and where the loads have no potential there, so that no energy need fall."""
 PUSHES = 3
+STRONGEST = 1e4
+"""A pull so many times as strong as the first one, or as a strain, holds what no pull can hold: the relaxation ends."""
 PUSH, HALVINGS = 1e-2, 10
 """Of the size of the body, along the motion in which an equilibrium is not stable; halved where that leads uphill."""
 CANDIDATES, INVERSE_ITERATIONS = 4, 8
@@ -113,7 +115,8 @@ class Relaxation:
 
     def _go(self, flow: _Flow, origin: np.ndarray, budget: int) -> NewtonResult | None:
         used, letting = 0, flow.letting
-        while used < budget and np.isfinite(letting.strength) and flow.pushes <= PUSHES:
+        strongest = STRONGEST * max(1.0, flow.reference)
+        while used < budget and letting.strength < strongest and flow.pushes <= PUSHES:
             pull = Pull(letting.strength, self.metric, flow.q)
             held = self.solve(flow.q, self.load_factor, pull=pull, rtol=INNER_RTOL, max_steps=INNER_STEPS)
             used += held.iterations

@@ -31,8 +31,8 @@ SNAPPED = (
     "load, to a stable state downhill; there may be others. trace(system) shows the path"
 )
 MOVED_ON = (
-    "relaxed at the full load, because from the state it started from Newton's method found no equilibrium, to a stable state "
-    "downhill; there may be others"
+    "relaxed at the full load, because from the state it started from Newton's method found no equilibrium, to a stable "
+    "state downhill; there may be others"
 )
 SLACK = (
     "relaxed at the full load from load factor {:.4g}, to a stable state downhill, because {}. A sheet so thin for its load "

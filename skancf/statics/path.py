@@ -290,10 +290,8 @@ class _Run:
 
 def _moves(system: System, along: np.ndarray) -> bool:
     """Does a unit of the load move the body by more than rounding of its coordinates?"""
-    mass, size = system.mass, np.ptp(system.undeformed.reshape(-1, 4, 3)[:, 0], axis=0)
-    everywhere = np.zeros((along.size // 12, 4, 3))
-    everywhere[:, 0] = size
-    return bool(along @ (mass @ along) > ROUNDING**2 * (everywhere.ravel() @ (mass @ everywhere.ravel())))
+    mass, at = system.mass, system.undeformed
+    return bool(along @ (mass @ along) > ROUNDING**2 * (at @ (mass @ at)))
 
 
 def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -> float | None:

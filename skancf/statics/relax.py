@@ -168,7 +168,8 @@ class Relaxation:
 
     def rise(self, q: np.ndarray, to: np.ndarray) -> float:
         """Change of the strain energy less the work of the loads, of which the mean of both ends acts on the way."""
-        system, factor = self.system, self.load_factor
+        system: Any = self.system
+        factor = self.load_factor
         stored = system.strain_energy(to, factor) - system.strain_energy(q, factor)
         force = 0.5 * factor * (system.external_force(q) + system.external_force(to))
         return float(stored - force @ (to - q))

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.system import System
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.state import State
@@ -57,6 +58,7 @@ class EnergyMomentum(ImplicitMidpoint):
     balance = 1e-3
 
     def __post_init__(self) -> None:
+        plain(self)
         if not LEAST <= number("rho_inf", self.rho_inf) <= 1:
             raise InputError(f"rho_inf = {self.rho_inf}: the energy-momentum rule has a spectral radius from 1/3 to 1; "
                              "GeneralizedAlpha goes down to 0")  # fmt: skip

@@ -12,7 +12,8 @@ from skancf.assembly.system import System
 from skancf.checks import Check
 from skancf.dynamics.between import Between
 from skancf.dynamics.ledger import Ledger
-from skancf.errors import DidNotConverge, InputError, number
+from skancf.errors import DidNotConverge, InputError, number, shown
+from skancf.functions import measured
 from skancf.solution import Solution, probe
 
 
@@ -157,7 +158,7 @@ class Motion:
         """The states at the output times, each with its own system."""
         for part in self.stretches:
             for t, q, v in zip(part.times[part.outputs], part.q[part.outputs], part.v[part.outputs], strict=True):
-                yield Solution(part.system, q, v, float(t))
+                yield Solution(part.system, q.copy(), v.copy(), float(t))
 
     def book(self) -> Ledger:
         """The ledger at the output times."""
@@ -178,4 +179,8 @@ class Motion:
     def history(self, quantity: Callable[[Solution], Any]) -> np.ndarray:
         """A quantity of each state at the output times, (n, ...)."""
         function("quantity", quantity, "a function of a Solution")
-        return np.array([quantity(state) for state in self.states])
+        values = [measured("quantity", quantity, state) for state in self.states]
+        if len({np.shape(value) for value in values}) > 1:
+            raise InputError(f"quantity: it returned {shown(values[0])} and {shown(values[-1])}; let it give numbers, or "
+                             "arrays of one shape")  # fmt: skip
+        return np.array(values)

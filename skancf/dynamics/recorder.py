@@ -9,6 +9,7 @@ from skancf.assembly.system import System
 from skancf.dynamics.between import Between
 from skancf.dynamics.motion import Stretch
 from skancf.dynamics.state import State
+from skancf.functions import called
 from skancf.solution import Solution
 
 Quantity = Callable[[Solution], Any]
@@ -85,7 +86,8 @@ class Recorder:
         """The quantities of an accepted state."""
         self.record_times.append(state.time)
         for name, quantity in self.quantities.items():
-            self.values[name].append(quantity(Solution(self.systems[-1], state.q, state.v, state.time)))
+            seen = Solution(self.systems[-1], state.q.copy(), state.v.copy(), state.time)
+            self.values[name].append(called(f"record[{name!r}]", quantity, seen))
 
     def end(self, state: State) -> None:
         """Closes a stretch with its last state."""

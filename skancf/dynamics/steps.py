@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
-from skancf.arguments import whole
+from skancf.arguments import plain, whole
 from skancf.dynamics.impulses import Missed
 from skancf.errors import InputError, number, positive
 
@@ -94,6 +94,7 @@ class FixedStep:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(dt=self.dt, smallest=self.smallest)
 
     def first(self, guess: float) -> float:
@@ -126,6 +127,7 @@ class _Limited(ABC):
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(self.largest, rtol=self.rtol, smallest=self.smallest)
 
     def first(self, guess: float) -> float:
@@ -257,6 +259,7 @@ class NewtonCount:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(self.largest, dt=self.dt, smallest=self.smallest)
         whole("iterations", self.iterations)
 

@@ -69,7 +69,6 @@ def test_a_surface_of_ones_own_is_like_that_of_the_library():
     ({"second_derivatives": lambda s, x, y: (np.zeros((3, *x.shape)),) * 2}, r"surface\.second_derivatives.*3 arrays"),
     ({"second_derivatives": None}, r"surface\.second_derivatives = None: give a method"),
     ({"closed": None}, r"surface\.closed = None: give two"),
-    ({"closed": (True, False)}, r"surface\.closed: closed in x, but positions at its two ends differ by 1"),
     ({"closed": "no"}, r"surface\.closed = 'no'"),
     ({"bounds": None}, r"surface\.bounds = None"),
     ({"bounds": (0, 1, 0, 1)}, r"surface\.bounds = \(0, 1, 0, 1\): give \(\(x min, x max"),

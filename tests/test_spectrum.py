@@ -210,7 +210,7 @@ def test_bad_input_is_refused(tmp_path):
         "padding = 0": lambda: sk.spectrum(TIMES, x, padding=0),
         "count = 0": lambda: spectrum.peaks(0),
         "count = 1.5": lambda: spectrum.peaks(1.5),
-        "prominence = 1 ?:": lambda: spectrum.peaks(prominence=1),
+        r"prominence = 1\.0:": lambda: spectrum.peaks(prominence=1),
         "natural frequencies = .*above zero": lambda: spectrum.compare([0.0, -1.0]),
         r"natural frequencies = \[\]": lambda: spectrum.compare([]),
         "natural frequencies.*not finite": lambda: spectrum.compare([np.nan]),

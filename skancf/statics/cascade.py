@@ -177,9 +177,10 @@ class Cascade:
         at = self.path[-1]
         if not self._downhill(lambda: self.relaxation.from_state(at.q, self.path[0].q)):
             return None
-        if last.status is Status.TOO_FAR:
-            return self._ended(SLACK.format(at.load_factor, last.message))
-        return self._ended(SNAPPED.format(at.load_factor) if self.span else MOVED_ON)
+        if not self.span:
+            return self._ended(MOVED_ON)
+        too_far = last.status is Status.TOO_FAR
+        return self._ended(SLACK.format(at.load_factor, last.message) if too_far else SNAPPED.format(at.load_factor))
 
     def _ended(self, message: str) -> StaticResult:
         """The result of the last attempt, with what it met on the way."""

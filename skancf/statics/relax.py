@@ -33,6 +33,8 @@ STRONGEST = 1e4
 PUSH, HALVINGS = 1e-2, 10
 """Of the size of the body, along the motion in which an equilibrium is not stable; halved where that leads uphill."""
 CANDIDATES, INVERSE_ITERATIONS = 4, 8
+ALIKE = 1 - 1e-6
+"""Components of a motion that are equal by symmetry differ by less."""
 
 
 @dataclass
@@ -182,8 +184,13 @@ class Relaxation:
 
 
 def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:
-    """The motion, of a few soft ones, against which the tangent is least stiff per mass: (n_dofs,)."""
+    """The motion, of a few soft ones, against which the tangent is least stiff per mass: (n_dofs,).
+
+    Of its two directions the one in which the first of its largest components is positive: the same on every machine.
+    """
     matrix = system.tangent(q, factor=load_factor)
     factor_shifted(solver, matrix, system.mass)
     values, motions = soft_motions(system, solver, matrix, CANDIDATES, INVERSE_ITERATIONS)
-    return np.asarray(motions[int(np.argmin(values))])
+    motion = motions[int(np.argmin(values))]
+    sizes = np.abs(motion)
+    return np.asarray(motion * np.sign(motion[np.argmax(sizes > ALIKE * sizes.max())]))

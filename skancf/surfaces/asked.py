@@ -11,22 +11,22 @@ from skancf.surfaces.protocol import TAKEN, Interval
 
 METHODS = {"position": 1, "derivatives": 2, "second_derivatives": 3}
 """What each gives so many of: vectors of space."""
+NEEDED = ("position", "derivatives")
+"""What every theory asks of a surface; `kirchhoff` asks for second derivatives as well."""
 FEW = 6
-GAP = 1e-4
-"""Between the ends of a closed direction, relative to the extent in space, what is no rounding."""
 PLACES = np.array([0.3, 0.6]), np.array([0.25, 0.5, 0.75])
 """Where, as parts of the bounds, a surface is asked for its vectors."""
 
 
-def require_surface(surface: Any, needed: tuple[str, ...] = tuple(METHODS)) -> None:
+def require_surface(surface: Any, needed: tuple[str, ...] = NEEDED) -> None:
     """InputError for what is no :class:`~skancf.surfaces.Surface`: the method or attribute is named, and what it gave.
 
     A surface with bounds is asked at a few points within them for all the vectors that it has; those that are ``needed`` it
     must have. What its own methods raise passes through with a note.
     """
     having("surface", surface, needed, SURFACE)
-    for name in needed:
-        if not callable(getattr(surface, name)):
+    for name in METHODS:
+        if hasattr(surface, name) and not callable(getattr(surface, name)):
             raise InputError(f"surface.{name} = {shown(getattr(surface, name))}: give a method of x and y")
     if is_ours(surface):
         return
@@ -40,8 +40,6 @@ def require_surface(surface: Any, needed: tuple[str, ...] = tuple(METHODS)) -> N
         x, y = (low + (high - low) * at for (low, high), at in zip(bounds, PLACES, strict=True))
         _check_sides(getattr(surface, "sides", None), pair)
         _check_vectors(surface, *np.meshgrid(x, y, indexing="ij"))
-        if callable(getattr(surface, "position", None)):
-            _check_closed(surface, pair, bounds, (x, y))
 
 
 def require_vectors(surface: Any, at: np.ndarray) -> None:
@@ -49,19 +47,6 @@ def require_vectors(surface: Any, at: np.ndarray) -> None:
     if not is_ours(surface):
         with Noted("surface"):
             _check_vectors(surface, *at[:, :FEW])
-
-
-
-def _check_closed(surface: Any, closed: Any, bounds: Any, inside: Any) -> None:
-    """InputError where the two ends of a closed direction are not one curve in space."""
-    inner = np.asarray(surface.position(*np.meshgrid(*inside, indexing="ij")), float)
-    for axis in np.flatnonzero(closed):
-        ends = [bounds[axis] if k == axis else inside[k] for k in (0, 1)]
-        found = np.asarray(surface.position(*np.meshgrid(*map(np.array, ends), indexing="ij")), float)
-        gap = np.abs(np.diff(found, axis=1 + axis)).max()
-        if gap > GAP * np.ptp(np.concatenate([inner.reshape(3, -1), found.reshape(3, -1)], axis=1), axis=1).max():
-            raise InputError(f"surface.closed: closed in {'xy'[axis]}, but positions at its two ends differ by {gap:.3g}; "
-                             "the surface must come back to where it began, or leave closed out")  # fmt: skip
 
 
 def _bounds(surface: Any) -> tuple[Interval, Interval]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from spins import centre, spinning
 
 import skancf as sk
 
@@ -14,34 +15,6 @@ theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 def free(surface, theory, n):
     problem = sk.Problem(surface, THICKNESS, sk.Isotropic(YOUNG, 0.3, DENSITY))
     return problem.on(sk.meshes.uniform(surface, n, n), theory)
-
-
-def centre(system):
-    """The centre of mass."""
-    one = np.zeros((system.n_dofs // 12, 4, 3))
-    one[:, 0] = 1
-    weights = (system.mass @ one.ravel()).reshape(-1, 3)
-    return (weights * system.undeformed.reshape(-1, 3)).sum(axis=0) / (weights * one.reshape(-1, 3)).sum(axis=0)
-
-
-def spinning(system, spin):
-    """The state with f_int(q) = omega^2 M_perp (q - c), by Newton's method without turns about and moves along the axis."""
-    spin = np.asarray(spin, float)
-    square = spin @ spin
-    across = np.eye(3) - np.outer(spin, spin) / square
-    pull = square * system.mass.to_scipy() @ np.kron(np.eye(system.n_dofs // 3), across)
-    middle = np.zeros((system.n_dofs // 12, 4, 3))
-    middle[:, 0] = centre(system)
-    q, middle = system.undeformed, middle.ravel()
-    for _ in range(20):
-        residual = system.internal_force(q) - pull @ (q - middle)
-        idle = [sk.RigidVelocity(spin=tuple(spin)).at(q - middle), sk.RigidVelocity(tuple(spin)).at(q)]
-        held = sum(np.outer(v, v) for v in idle)
-        change = np.linalg.solve(system.tangent(q).to_scipy() - pull + held, -residual)
-        q = q + change
-        if np.abs(change).max() < 1e-11:
-            return sk.Solution(system, q, np.cross(spin, (q - middle).reshape(-1, 3)).ravel(), 0.0)
-    raise AssertionError("no relative equilibrium found")
 
 
 def turns(system, spin, number, steps, rule, **options):

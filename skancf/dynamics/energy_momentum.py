@@ -29,7 +29,9 @@ class EnergyMomentum(ImplicitMidpoint):
     less it never grows: :math:`E_n + \tfrac12\chi\,|\Delta\varepsilon_n|^2` falls in every step of constant length by
     :math:`\tfrac12\chi\,|\Delta\varepsilon_{n+1} - \Delta\varepsilon_n|^2` in the norm of the law, which is little for what
     steps resolve (damping ratio :math:`\chi (\omega \Delta t)^3 / 4`) and most of it for what they do not. The ledger books
-    it as numerical dissipation. A body that turns at a constant strain loses nothing.
+    it as numerical dissipation. A step that is longer than the one before is damped to first order, by
+    :math:`\chi\,(\Delta t_{n+1} - \Delta t_n)` of the rate of stresses, and so is the first one, and the first after a jump.
+    A body that turns at a constant strain loses nothing.
 
     In theory `full` strains are quadratic in q and :math:`D\varepsilon` is their gradient at the middle; in `kirchhoff` it
     is the :func:`~skancf.theories.kirchhoff_point.discrete_gradient` at each integration point.

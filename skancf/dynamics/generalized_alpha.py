@@ -16,9 +16,12 @@ class GeneralizedAlpha(Newmark):
         M\,[(1-\alpha_m) a_{n+1} + \alpha_m a_n] + f_{int}(q_\alpha) = f_{ext}(q_\alpha, t_\alpha), \qquad
         q_\alpha = (1-\alpha_f) q_{n+1} + \alpha_f q_n,
 
-    with Newmark's formulas for q and v. It takes energy out of what the steps do not resolve, and little out of the rest:
-    robust, and the right choice unless energy must be kept. ``rho_inf = 1`` damps nothing, is the implicit midpoint rule
-    and not stable in long nonlinear runs; 0 damps high frequencies within a step.
+    with Newmark's formulas for q and v. It takes energy out of what the steps do not resolve, and little out of the rest, in
+    linear problems; in large rotations its energy is not bounded. A body that turns at the rate :math:`\omega` is strained
+    where forces are taken, at a chord between two states, so that its ends of steps are stretched by
+    :math:`\tfrac12 \alpha_f (1-\alpha_f) (\omega \Delta t)^2` both ways, whatever its stiffness: for comparison, and for
+    motions that turn little. ``rho_inf = 1`` damps nothing, is the implicit midpoint rule and not stable in long nonlinear
+    runs; 0 damps high frequencies within a step.
 
     References
     ----------

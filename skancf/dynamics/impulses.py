@@ -11,6 +11,8 @@ SAMPLES = 4096
 """Times in a run at which a function is looked at; a pulse between two of them is not seen."""
 LEAST = 9
 """Times in a step at which it is looked at, both ends included."""
+INSIDE = 1e-6
+"""Of a step: so far from its ends they are looked at, since a function that jumps there has the value of the other side."""
 
 
 class Missed(NamedTuple):
@@ -40,7 +42,9 @@ class LoadImpulses:
     def step(self, start: float, dt: float) -> tuple[Missed, ...]:
         """What a step from a time on misses of each: the value in its middle is taken for the mean."""
         n = max(LEAST, int(SAMPLES * dt / self.span) + 2)
-        times = np.append(start + dt * np.arange(n) / (n - 1), start + 0.5 * dt)
+        parts = np.linspace(0, 1, n)
+        parts[[0, -1]] = INSIDE, 1 - INSIDE
+        times = np.append(start + dt * parts, start + 0.5 * dt)
         weights = np.full(n, 1 / (n - 1))
         weights[[0, -1]] *= 0.5
         out = []

@@ -108,7 +108,9 @@ def ruler(dt: float, load: float) -> Case:
 
     def seen(motion: sk.Motion) -> str:
         energy = motion.ledger.energy[motion.ledger.times > 3.999e-3]
-        return f"energy {energy.min() / energy[0]:.4g} to {energy.max() / energy[0]:.4g} of that at 4 ms" if energy.size else ""
+        if not energy.size:
+            return ""
+        return f"energy {energy.min() / energy[0]:.4g} to {energy.max() / energy[0]:.4g} of that at 4 ms"
 
     return Case(problem.on(sk.meshes.uniform(surface, 12, 1), "kirchhoff"), 0.05, dt, None, seen)
 
@@ -160,11 +162,13 @@ def picture() -> None:
         left.plot(1e3 * motion.times, stress, color=COLOURS[name], label=name, lw=1.3)
         motion = run(tumbling(3e-3, "kirchhoff"), rule)
         right.plot(1e3 * motion.ledger.times, motion.ledger.energy / motion.ledger.energy[0], color=COLOURS[name], lw=1.6)
-    left.set(xlabel="time (ms)", ylabel="stress in the middle / exact", ylim=(0.0, 60.0), title="A strip that spins, steps of 1 ms")
+    left.set(xlabel="time (ms)", ylabel="stress in the middle / exact", ylim=(0.0, 60.0),
+             title="A strip that spins, steps of 1 ms")  # fmt: skip
     left.set_yscale("symlog", linthresh=3.0)
     left.set_yticks([0, 1, 2, 3, 10, 30], ["0", "1", "2", "3", "10", "30"])
     left.legend(frameon=False, loc="center right")
-    right.set(xlabel="time (ms)", ylabel="energy / first", title="A thin plate that tumbles, steps of 3 ms", ylim=(0.8, 2.2))
+    right.set(xlabel="time (ms)", ylabel="energy / first", ylim=(0.8, 2.2),
+              title="A thin plate that tumbles, steps of 3 ms")  # fmt: skip
     for axes in (left, right):
         axes.grid(color="#e0e0e0")
     figure.savefig(PICTURE, dpi=80)

@@ -1,4 +1,4 @@
-"""A free plate that tumbles and bends for 100 000 steps: what the energy-momentum rule keeps; docs/theory/tumbling.csv.
+"""A free plate that tumbles and bends for 100 000 steps: what the energy-momentum rule without dissipation keeps; docs/theory/tumbling.csv.
 
 From the folder of the repository; some ten minutes of a processor for each of the two theories:
 
@@ -84,7 +84,7 @@ def measure(theory: str, steps: int) -> None:
     state, record = thrown(theory), Record(theory)
     for _ in range(PARTS):
         motion = sk.simulate(
-            state.system, steps // PARTS * STEP, dt=STEP, rule=sk.EnergyMomentum(), start=state, newton_rtol=NEWTON,
+            state.system, steps // PARTS * STEP, dt=STEP, rho_inf=1.0, start=state, newton_rtol=NEWTON,
             outputs=2, progress=False,
         ).unwrap()  # fmt: skip
         record.add(motion)
@@ -98,7 +98,7 @@ def newton() -> None:
     rows = [["newton_rtol", "energy", "linear momentum", "angular momentum", "Newton iterations per step"]]
     state = thrown("kirchhoff")
     for tolerance in (1e-9, 1e-12, 1e-14):
-        motion = sk.simulate(state.system, 2000 * STEP, dt=STEP, rule=sk.EnergyMomentum(), start=state, outputs=2,
+        motion = sk.simulate(state.system, 2000 * STEP, dt=STEP, rho_inf=1.0, start=state, outputs=2,
                              newton_rtol=tolerance, progress=False).unwrap()  # fmt: skip
         record = Record("kirchhoff")
         record.add(motion)

@@ -120,7 +120,7 @@ def impulses() -> list[list[Any]]:
 def scales() -> list[list[Any]]:
     """A cantilever under a sudden force, its curve over the force compared with that of the first."""
     rows, first = [], None
-    for force, unit, name in ((1e-2, 1.0, "m"), (1e-5, 1.0, "m"), (1e-8, 1.0, "m"), (1e-2, 1e3, "mm")):
+    for force, unit, name in ((1e-2, 1.0, "m"), (1e-4, 1.0, "m"), (1e-6, 1.0, "m"), (1e-2, 1e3, "mm")):
         material = STEEL if unit == 1.0 else sk.Isotropic(210e3, 0.3, 7850e-12)
         surface, tip = sk.Rectangle(0.2 * unit, 0.03 * unit), (0.2 * unit, 0.015 * unit)
         problem = sk.Problem(surface, 0.002 * unit, material, [sk.Clamp("left")], [sk.PointForce(tip, (0, 0, force))])

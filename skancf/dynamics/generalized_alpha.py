@@ -15,9 +15,11 @@ class GeneralizedAlpha(Newmark):
         M\,[(1-\alpha_m) a_{n+1} + \alpha_m a_n] + f_{int}(q_\alpha) = f_{ext}(q_\alpha, t_\alpha), \qquad
         q_\alpha = (1-\alpha_f) q_{n+1} + \alpha_f q_n,
 
-    with Newmark's formulas for q and v. It takes energy out of what the steps do not resolve, and little out of the rest:
-    robust, and the right choice unless energy must be kept. ``rho_inf = 1`` damps nothing, is the implicit midpoint rule
-    and not stable in long nonlinear runs; 0 damps high frequencies within a step.
+    with Newmark's formulas for q and v. It takes energy out of what the steps do not resolve, and little out of the rest. To
+    compare with: it bounds no energy, and stretches what turns. :math:`q_\alpha` is on a chord, and a body that turns by
+    :math:`\theta` in a step is strained by :math:`\tfrac12 \alpha_f (1 - \alpha_f)\,\theta^2`, in stiff bodies much more
+    than by its spin. ``rho_inf = 1`` damps nothing, is the implicit midpoint rule and not stable in long nonlinear runs; 0
+    damps high frequencies within a step.
 
     References
     ----------

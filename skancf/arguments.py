@@ -1,10 +1,12 @@
 """Arguments of public functions, checked before any work: what they must be, what was given, and what to give instead."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import fields
+from decimal import Decimal
+from numbers import Integral, Real
 from typing import Any, TypeVar
 
 import numpy as np
-import skfem
 
 from skancf.errors import InputError, finite, number, shown
 
@@ -70,6 +72,42 @@ def whole(name: str, value: Any, least: int = 1, most: int | None = None, floats
     return int(value)
 
 
+def plain(made: Any) -> None:
+    """Numbers in the fields of a dataclass as floats and integers of Python, which all else can compute with.
+
+    Decimals and fractions are numbers, but numpy's functions take none, and its short kinds overflow. What is no number
+    stays as it is, for the checks to name.
+    """
+    for part in (part for part in fields(made) if part.init):
+        value = getattr(made, part.name)
+        found = _plain(value)
+        if found is not value:
+            object.__setattr__(made, part.name, found)
+
+
+DEEP = 2
+"""Lists of lists in which numbers are looked for, as in bounds."""
+
+
+def _plain(value: Any, depth: int = DEEP) -> Any:
+    if type(value) in (int, float, bool) or isinstance(value, np.bool_):
+        return value
+    if isinstance(value, Real | Decimal):
+        try:
+            return int(value) if isinstance(value, Integral) else float(value)
+        except (OverflowError, ValueError):
+            return value
+    if isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and value.dtype != float and not np.ma.isMA(value):
+        value = value.astype(float)
+    if isinstance(value, np.ndarray) and value.dtype == float and not value.ndim and not np.ma.isMA(value):
+        return float(value)
+    if type(value) in (list, tuple) and depth:
+        items = [_plain(item, depth - 1) for item in value]
+        if any(one is not two for one, two in zip(items, value, strict=True)):
+            return type(value)(items)
+    return value
+
+
 def function(name: str, value: Any, example: str) -> Callable[..., Any]:
     """``value``, which must be callable."""
     if not callable(value) or isinstance(value, type):
@@ -96,6 +134,11 @@ def text(name: str, value: Any) -> str:
     """``value``, which must be a string."""
     if not isinstance(value, str):
         raise InputError(f"{name} = {shown(value)}: give a text")
+    try:
+        value.encode()
+    except UnicodeEncodeError as wrong:
+        raise InputError(f"{name} = {shown(value)}: has characters that cannot be written ({wrong.reason}); leave them out"
+                         ) from wrong  # fmt: skip
     return value
 
 
@@ -118,13 +161,6 @@ def system_like(value: Any) -> None:
     """InputError for what solvers cannot take as a system."""
     if isinstance(value, type) or not all(hasattr(value, name) for name in ("undeformed", "constraints", "pattern")):
         instance("system", value, (), SYSTEM)
-
-
-def drawable(mesh: Any, surface: Any) -> None:
-    """InputError for what is no mesh, and for what is no surface and not None."""
-    instance("mesh", mesh, skfem.MeshQuad, MESH)
-    if surface is not None:
-        having("surface", surface, ("position", "derivatives"), SURFACE)
 
 
 def sequence(name: str, value: Any, kind: Any, example: str) -> tuple[Any, ...]:

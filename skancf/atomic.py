@@ -33,6 +33,12 @@ def as_path(what: str, path: AnyPath) -> Path:
         raise InputError(f"{what} = {shown(path)}: give a path, as text or a pathlib.Path")
     if not str(path) or "\0" in str(path):
         raise InputError(f"{what} '{path!s}': this is no path; give a name")
+    try:
+        os.lstat(path)
+    except (FileNotFoundError, NotADirectoryError, PermissionError):
+        pass
+    except (OSError, UnicodeEncodeError) as wrong:  # such as names that are too long
+        raise InputError(f"{what} = {shown(path)}: this is no path ({wrong.args[-1]}); give another name") from wrong
     return Path(path)
 
 

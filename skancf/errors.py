@@ -1,5 +1,7 @@
 """Errors of this library. Each message names the value, the rule and the way out."""
 
+import sys
+import warnings
 from collections.abc import Sequence
 from decimal import Decimal
 from numbers import Real
@@ -30,6 +32,14 @@ class DidNotConverge(SkancfError):
 
 class OutOfDepth(UserWarning):
     """An answer that leaves out what may matter: shear of a thick plate, mass off its surface, loads that may flutter."""
+
+
+def warn(message: str) -> None:
+    """Warn of what is :class:`OutOfDepth`, at the line outside of this library that led to it."""
+    frame, level = sys._getframe(1), 2
+    while frame is not None and frame.f_globals.get("__name__", "").startswith("skancf."):
+        frame, level = frame.f_back, level + 1  # type: ignore[assignment]
+    warnings.warn(message, OutOfDepth, stacklevel=level)
 
 
 class SingularMatrix(SkancfError):
@@ -80,9 +90,11 @@ def _as_floats(name: str, value: Any) -> np.ndarray:
         raise InputError(f"{name} = {shown(value)}: too large; give numbers up to {LARGEST:g}") from wrong
     except Exception as wrong:
         raise InputError(f"{name} = {shown(value)}: not a number; give finite numbers ({wrong})") from wrong
-    if array.dtype.kind not in "iuf":
+    mixed = isinstance(value, list | tuple) and any(_is_truth(part) for part in value)
+    if array.dtype.kind not in "iuf" or mixed or isinstance(value, bytearray):
+        kind = "b" if mixed else array.dtype.kind
         what = {"b": ", but a truth value", "c": ", but complex", "U": ", but text", "S": ", but bytes"}
-        raise InputError(f"{name} = {shown(value)}: not a number{what.get(array.dtype.kind, '')}; give finite numbers")
+        raise InputError(f"{name} = {shown(value)}: not a number{what.get(kind, '')}; give finite numbers")
     if np.any(getattr(value, "mask", False)):
         raise InputError(f"{name} = {shown(value)}: has masked entries; give finite numbers, as in values.filled(0.0)")
     return array.astype(float, copy=False)

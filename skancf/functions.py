@@ -1,11 +1,11 @@
 """What a user's own functions of place and time return, checked."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, finite, shown
+from skancf.errors import InputError, SkancfError, finite, shown
 
 ONE_POINT = (TypeError, ValueError)
 """What functions of numbers, such as ``math.sin`` or ``1.0 if x > 0 else 0.0``, raise when they are given arrays."""
@@ -18,13 +18,65 @@ def is_function(value: Any) -> bool:
     return callable(value) and not isinstance(value, type)
 
 
+def is_ours(value: Any) -> bool:
+    """Whether a value is of a class of this library, which checked itself when it was made."""
+    return type(value).__module__.split(".")[0] == __package__
+
+
+class Noted:
+    """What a user's function raises within passes through, with a note that names the argument.
+
+    Errors of this library name what is wrong themselves, and those in ``but`` pass as they are. StopIteration becomes a
+    RuntimeError: it would end a generator around the call without a word.
+    """
+
+    def __init__(self, name: str, but: tuple[type[Exception], ...] = ()):
+        self.name, self.but = name, but
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, wrong: BaseException | None, trace: Any) -> None:
+        if not isinstance(wrong, Exception) or isinstance(wrong, (SkancfError, *self.but)):
+            return
+        note = f"raised by the function given as {self.name}"
+        if isinstance(wrong, StopIteration):
+            stopped = RuntimeError(f"StopIteration({wrong.value!r})")
+            stopped.add_note(note)
+            raise stopped from wrong
+        wrong.add_note(note)
+
+
 def called(name: str, function: Callable[..., Any], *arguments: Any) -> Any:
-    """What a user's function returns; what it raises passes through with a note that names the argument."""
+    """What a user's function returns; what it raises passes through with a note that names the argument.
+
+    Arrays are given as copies, so that a function that changes them in place changes nothing else.
+    """
+    with Noted(name):
+        return function(*_own(arguments))
+
+
+def measured(name: str, function: Callable[..., Any], state: Any) -> Any:
+    """What a user's function finds in a state: numbers, in an array of any shape.
+
+    Raises
+    ------
+    InputError
+        For anything else, such as None of a function that forgets to return. What the function itself raises passes through
+        with a note.
+    """
+    value = called(name, function, state)
     try:
-        return function(*arguments)
-    except Exception as wrong:
-        wrong.add_note(_note(name))
-        raise
+        kind = np.asarray(value).dtype.kind
+    except Exception:
+        kind = "O"  # ragged
+    if kind not in "biufc":
+        raise InputError(f"{name}: the function returned {shown(value)}; it must return a number, or an array of numbers")
+    return value
+
+
+def _own(arguments: Iterable[Any]) -> list[Any]:
+    return [each.copy() if isinstance(each, np.ndarray) else each for each in arguments]
 
 
 def true_at(name: str, function: Callable[..., Any], at: np.ndarray) -> np.ndarray:
@@ -38,12 +90,10 @@ def true_at(name: str, function: Callable[..., Any], at: np.ndarray) -> np.ndarr
         For other values, and another number of them. What the function itself raises passes through with a note.
     """
     try:
-        found = function(*at)
+        with Noted(name, but=ONE_POINT):
+            found = function(*_own(at))
     except ONE_POINT as wrong:
         found = [_at_one(name, function, point, wrong) for point in at.T.tolist()]
-    except Exception as wrong:
-        wrong.add_note(_note(name))
-        raise
     try:
         array = np.asarray(found)
     except ValueError:
@@ -85,17 +135,11 @@ def values_at(name: str, given: Any, at: np.ndarray, components: int | None = No
     if not is_function(given):
         return _spread(name, given, points, components)
     try:
-        found = given(*at)
+        with Noted(name, but=ONE_POINT):
+            found = given(*_own(at))
     except ONE_POINT as wrong:
         return _point_by_point(name, given, at, components, wrong)
-    except Exception as wrong:
-        wrong.add_note(_note(name))
-        raise
     return _spread(name, found, points, components)
-
-
-def _note(name: str) -> str:
-    return f"raised by the function given as {name}"
 
 
 def _point_by_point(
@@ -110,16 +154,16 @@ def _point_by_point(
 def _at_one(name: str, function: Callable[..., Any], point: Sequence[float], first: Exception) -> Any:
     """The function called with numbers; if it fails again, the first exception tells why."""
     try:
-        return function(*point)
+        with Noted(name):
+            return function(*point)
     except Exception as wrong:
-        wrong.add_note(_note(name))
         raise wrong from first
 
 
 def _spread(name: str, value: Any, points: tuple[int, ...], components: int | None) -> np.ndarray:
     if components is None:
         return _filled(name, value, points, points, None)
-    if isinstance(value, Sequence) and not isinstance(value, str) and len(value) == components:
+    if isinstance(value, Sequence) and not isinstance(value, str | bytes | bytearray) and len(value) == components:
         return np.stack([_filled(name, part, points, points, components) for part in value])
     array, wanted = _numbers(name, value), (components, *points)
     if array.shape == (components,):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import choice, function
+from skancf.arguments import choice, function, plain
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.functions import called
 
@@ -146,6 +146,7 @@ class Table(Tabulated):
     kind: str = "linear"
 
     def __post_init__(self) -> None:
+        plain(self)
         n, values = self._set_times(), finite("values", self.values)
         if values.shape != (n,):
             raise InputError(f"values of shape {values.shape}: give {n} numbers, one for each time")
@@ -187,6 +188,7 @@ class Path(Tabulated):
     points: Sequence[tuple[float, float]]
 
     def __post_init__(self) -> None:
+        plain(self)
         n, points = self._set_times(), finite("points", self.points)
         if points.shape != (n, 2):
             raise InputError(f"points of shape {points.shape}: give {n} points (x, y), one for each time")
@@ -208,6 +210,7 @@ class Lasting:
     start: float
 
     def __post_init__(self) -> None:
+        plain(self)
         positive("duration", self.duration, "s")
         number("start", self.start)
 
@@ -276,6 +279,7 @@ class Pulse(Lasting):
     shape: str = "sine"
 
     def __post_init__(self) -> None:
+        plain(self)
         super().__post_init__()
         choice("shape", self.shape, PULSES)
 

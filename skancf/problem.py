@@ -3,21 +3,27 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import skfem
 
-from skancf.arguments import MESH, SURFACE, having, instance
+from skancf.arguments import MESH, having, instance, plain
 from skancf.assembly.constrain import constrain
 from skancf.assembly.geometry import Geometry
+from skancf.assembly.protocols import Assembly
 from skancf.assembly.system import System, assemble
-from skancf.errors import InputError, positive, shown
+from skancf.errors import InputError, positive, shown, warn
+from skancf.functions import Noted, is_ours
 from skancf.loads import Load
+from skancf.loads.acting import Acting
 from skancf.materials import Damping, Laminate, Law, Section, section_of
 from skancf.memory import SYSTEM, require_mesh
-from skancf.meshes.snap import onto_bounds
+from skancf.meshes.sides import misnamed, unjoined
+from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
 from skancf.surfaces import Surface
+from skancf.surfaces.asked import require_surface, require_vectors
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
 from skancf.thinness import Choice, choose, warn_if_full_is_off
 
@@ -63,7 +69,8 @@ class Problem:
     damping: Damping | None = None
 
     def __post_init__(self) -> None:
-        having("surface", self.surface, ("position", "derivatives"), SURFACE)
+        plain(self)
+        require_surface(self.surface)
         _ = self.section  # what is wrong with it is told here, not where it is first used
         for name, method in (("supports", "rows"), ("loads", "on")):
             items = getattr(self, name)
@@ -97,16 +104,27 @@ class Problem:
         ------
         InputError
             For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there.
+        OutOfDepth
+            Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one, and for two
+            sides that lie on each other and are not joined, where no support or load names one of them.
         NotEnoughMemory
             For a mesh whose system would not fit into memory, before any is taken.
         """
         instance("mesh", mesh, skfem.MeshQuad, MESH)
         tolerance = positive("tolerance", tolerance)
-        bounds = getattr(self.surface, "bounds", None)
-        mesh = mesh if bounds is None else onto_bounds(mesh, bounds)
+        if hasattr(self.surface, "bounds"):
+            mesh = onto_bounds(mesh, self.surface.bounds)
+            self._tell_of_sides(mesh)
         if isinstance(theory, str) and theory == "auto":
             return self._on_chosen(mesh, tolerance)
         return self._on(mesh, theory_named(theory))
+
+    def _tell_of_sides(self, mesh: skfem.MeshQuad) -> None:
+        if hasattr(self.surface, "sides"):
+            wheres = [getattr(item, "where", None) for item in (*self.supports, *self.loads)]
+            for hint in (misnamed(mesh, self.surface), unjoined(mesh, self.surface, wheres)):
+                if hint:
+                    warn(hint)
 
     def _on_chosen(self, mesh: skfem.MeshQuad, tolerance: float) -> System:
         try:
@@ -123,14 +141,36 @@ class Problem:
         require_mesh(mesh.nelements, SYSTEM[theory.name])
         if not theory.twist:
             warn_if_full_is_off(self.section)
+        else:
+            mesh = onto_lines(mesh)
+        require_vectors(self.surface, mesh.p[:, mesh.t].mean(axis=1))
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)
         assembly = assemble(geometry, self.section)
         constraints, prescription = constrain(assembly.geometry, self.supports)
-        loads = [load.on(assembly) for load in self.loads]
-        elastic = [part for support in self.supports for part in support.springs(assembly)]
-        dashpots = [part for support in self.supports for part in support.dashpots(assembly)]
+        loads = [_acting(load, assembly) for load in self.loads]
+        elastic, dashpots = (_matrices(name, self.supports, assembly) for name in ("springs", "dashpots"))
         return System(assembly, constraints, prescription, loads, elastic, dashpots, problem=self)
+
+
+def _acting(load: Load, assembly: Assembly) -> Any:
+    """What a load is on a mesh; checked where the load is none of this library's."""
+    if is_ours(load):
+        return load.on(assembly)
+    with Noted("load.on"):
+        acting = load.on(assembly)
+    having(f"load.on of {shown(load)}", acting, [name for name in vars(Acting) if not name.startswith("_")],
+           "what acts on the mesh, of a class that is derived from skancf.loads.acting.Acting")  # fmt: skip
+    return acting
+
+
+def _matrices(name: str, supports: Sequence[Any], assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Elements and matrices of springs or dashpots of all supports."""
+    out = []
+    for support in supports:
+        with Noted(f"support.{name}", but=(Exception,) * is_ours(support)):
+            out += [(np.asarray(elements), np.asarray(each)) for elements, each in getattr(support, name)(assembly)]
+    return out
 
 
 SMALLEST_EXTENT, LARGEST_EXTENT = 1e-25, 1e12

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.arguments import STATE, flag, instance, system_like
+from skancf.arguments import STATE, flag, instance, plain, system_like, text
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.materials import Section
-from skancf.thinness import BILINEAR, shear_forces, shear_share
+from skancf.thinness import BILINEAR, FREE, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 Depth = float | str
@@ -42,6 +42,8 @@ class Solution:
         A small-deflection answer, in equilibrium with the tangent of the undeformed state.
     small : (n_dofs,) array or None
         Its change from the undeformed coordinates: their sum keeps only the digits that positions have.
+    note : str
+        What is to be known of it, such as that a mode has no size of its own; titles of pictures say it.
     """
 
     system: System
@@ -51,8 +53,10 @@ class Solution:
     load_factor: float = 1.0
     linear: bool = False
     small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
+    note: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
+        plain(self)
         if not isinstance(self.system, System):
             system_like(self.system)
         n = self.system.undeformed.size
@@ -68,6 +72,8 @@ class Solution:
             number("load_factor", self.load_factor)
         if type(self.linear) is not bool:
             flag("linear", self.linear)
+        if type(self.note) is not str:
+            text("note", self.note)
         if self.small is not None:
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.
@@ -233,6 +239,21 @@ class Solution:
                 raise InputError(f"elements = {shown(elements)}: give a mask of the {len(Q)} elements")
             Q = Q * elements[:, None, None]
         return shear_share(self.system, Q, weights, points, self.strain_energy, heat)
+
+    @property
+    def rest_share(self) -> float:
+        """How much of the strain energy is in membrane strains that the assumed ones of theory `kirchhoff` leave out.
+
+        Where it is large, motions of single elements that hardly cost energy rule the answer. Zero in theory `full`.
+        """
+        system = self.system
+        if not system.geometry.theory.twist:
+            return 0.0
+        heat = self.load_factor**2 * system.thermal_energy(self.time)
+        thin: Any = system.assembly
+        rest = self._of_state(lambda q: thin.rest_strains(q.reshape(-1, 4, 3)))
+        energy = self.strain_energy
+        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, averaged over the elements that meet there: (n_mesh_nodes, 6).

@@ -14,7 +14,7 @@ from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.elements.nodal import nodal_jacobian
 from skancf.elements.quad_ancf import square_quadrature
-from skancf.errors import InputError, OutOfDepth, SingularMatrix
+from skancf.errors import InputError, OutOfDepth, SingularMatrix, warn
 from skancf.materials import Section
 from skancf.theories.kirchhoff import legendre, local_frame
 from skancf.theories.kirchhoff_point import dual
@@ -124,15 +124,17 @@ thickness, 12 % less at five."""
 
 
 def warn_if_full_is_off(section: Section) -> None:
-    """A warning where layers of theory `full` are so far off the reference surface that it locks on coarse meshes."""
-    off = float(section.z[0] + section.z[-1]) / 2
-    if abs(off) > OFF * section.thickness:
-        warnings.warn(
-            f"theory 'full' with its layers {off:.3g} m off the reference surface, with a thickness of "
-            f"{section.thickness:.3g} m, is too stiff on coarse meshes: refine until the answer stays, take the surface "
-            "through the middle of the layers, or theory 'kirchhoff', which is not, where the plate is thin",
-            OutOfDepth,
-            stacklevel=4,
+    r"""A warning where the stiffness of layers is so far off the surface that theory `full` locks on coarse meshes: by
+    :math:`B_{ii} / A_{ii}`, which is the offset of layers of one material, over the thickness that bends."""
+    abd, thickness = section.abd(), section.bending_thickness
+    ratios = abd[:3, 3:].diagonal()[:2] / abd[:3, :3].diagonal()[:2]
+    off = float(ratios[np.argmax(np.abs(ratios))])
+    if abs(off) > OFF * thickness:
+        warn(
+            f"theory 'full' with the stiffness of its layers {off:.3g} m off the reference surface, and a thickness of "
+            f"{thickness:.3g} m as far as bending goes, is too stiff on coarse meshes: refine until the answer stays, take "
+            "the surface through their neutral surface (offset of a laminate), or theory 'kirchhoff', which is not, where "
+            "the plate is thin"
         )
 
 

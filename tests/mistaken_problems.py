@@ -39,6 +39,10 @@ class Uses:
     def load(self, load: Any) -> Any:
         return self._solved([sk.Clamp("left")], [load], False)
 
+    def solved_load(self, load: Any) -> Any:
+        problem = sk.Problem(self.s.surface, 0.01, self.s.material, [sk.Clamp("left")], [load])
+        return sk.solve(problem.on(self.s.plain, self.theory)).solution.q
+
     def moving_load(self, load: Any) -> Any:
         return self._solved([sk.Clamp("left")], [load], True)
 
@@ -87,8 +91,12 @@ def add_loads(add: Any, s: Any) -> None:
         aliases = {k: v for k, v in {"at": "point", "radius": "disk"}.items() if k in arguments}
         for theory in THEORIES:
             use = Uses(s, theory)
+            kinds = {k: FIELDS[k] for k in FIELDS if k in arguments}
             add(f"{kind.__name__} {name} {theory}", used(kind, use.moving_load if moves else use.load, fixed), takes,
-                kinds={k: FIELDS[k] for k in FIELDS if k in arguments}, aliases=aliases, **arguments)  # fmt: skip
+                kinds=kinds, aliases=aliases, **arguments)  # fmt: skip
+            if not moves and theory == "kirchhoff":
+                add(f"{kind.__name__} {name} solved {theory}", used(kind, use.solved_load, fixed), takes,
+                    kinds=kinds, aliases=aliases, **arguments)  # fmt: skip
 
     at, up = (0.5, 0.5), (0.0, 0.0, 0.1)
     times: dict[str, Any] = {"moves": True, "takes": "history:none,history:sin", "history": lambda t: t}

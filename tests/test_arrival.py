@@ -283,6 +283,70 @@ def test_a_pillow_is_inflated():
     assert heights == sorted(heights) and heights[0] > 0.05
 
 
+# --- saddles: states that attract a flow in steps too long, and are not stable ----------------------------------------
+
+
+def round_bag():
+    """A quarter of two discs joined along their edge, under pressure: radial wrinkles all round."""
+    surface = sk.AnnulusSector(0.0, 0.2, pi / 2)
+    return surface, (6, 8), sk.Problem(
+        surface, 1e-4, sk.Isotropic(1e9, 0.3, 1000.0),
+        [sk.Symmetry("start"), sk.Symmetry("end"), sk.Roller("outer")], [sk.FollowerPressure(3000.0)],
+    )  # fmt: skip
+
+
+def squeezed_annulus():
+    """Clamped at its inner edge, under some fifty times the radial load at which it buckles."""
+    surface, h, young = sk.AnnulusSector(0.3, 1.0, 2 * pi, closed=True), 0.01, 70e9
+    load = -44 * young * h**3 / 12 / 0.91
+    return surface, (3, 16), sk.Problem(
+        surface, h, sk.Isotropic(young, 0.3, 2700.0), [sk.Clamp("inner")],
+        [sk.EdgeLoad("outer", lambda r, angle: (load * np.cos(angle), load * np.sin(angle), 0 * r))],
+    )  # fmt: skip
+
+
+def collapsed_reed():
+    """A strip that stands on its clamped foot under a thousand times the weight that it can bear (Greenhill 1881)."""
+    surface, t, young, density = sk.Rectangle(0.1, 1.0), 1e-3, 3e9, 1200.0
+    weight = 1e3 * 7.837 * young * t**2 / 12 / density
+    return surface, (1, 16), sk.Problem(
+        surface, t, sk.Isotropic(young, 0.0, density), [sk.Clamp("bottom")], [sk.Gravity((0.0, -weight, 0.0))]
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("make", [round_bag, squeezed_annulus, collapsed_reed])
+def test_a_flow_does_not_end_in_a_saddle(make):
+    surface, counts, problem = make()
+    result = sk.solve(problem.on(sk.meshes.uniform(surface, *counts), "kirchhoff"))
+    assert result.status is Status.CONVERGED and result.negative_pivots == 0, result.message
+    assert "relaxed at the full load" in result.message
+
+
+def test_a_step_that_goes_uphill_is_not_taken(monkeypatch):
+    """Without that rule the same strip ends where it stands, with its message."""
+    from skancf.statics.relax import Relaxation
+
+    monkeypatch.setattr(Relaxation, "rise", lambda self, q, to: -1.0)
+    surface, counts, problem = collapsed_reed()
+    result = sk.solve(problem.on(sk.meshes.uniform(surface, *counts), "kirchhoff"))
+    assert result.negative_pivots > 0 and "found no stable state" in result.message
+
+
+def test_light_reeds_stand_and_heavier_ones_lean():
+    """Greenhill's load of a strip under its own weight, 7.837 E I / L^3, from both sides."""
+    surface, counts, problem = collapsed_reed()
+    greenhill = problem.loads[0].acceleration[1] / 1e3
+    heights = []
+    for factor in (0.98, 1.02, 2.0):
+        loads = [sk.Gravity((0.0, factor * greenhill, 0.0))]
+        light = sk.Problem(surface, problem.thickness, problem.material, problem.supports, loads)
+        result = sk.solve(light.on(sk.meshes.uniform(surface, *counts), "kirchhoff"))
+        assert result.status is Status.CONVERGED and result.negative_pivots == 0
+        assert ("buckled" in result.message) == (factor > 1)
+        heights.append(result.solution.position((0.05, 1.0))[1])
+    assert heights[0] == pytest.approx(1.0, abs=1e-3) and heights[2] < heights[1] < 0.95
+
+
 # --- dents and twisted laminates -------------------------------------------------------------------------------------
 
 
@@ -389,10 +453,61 @@ def test_the_pretension_is_a_dilation(theory):
     assert np.abs(system.pretension @ np.tile([1.0, 2.0, 3.0] + [0.0] * 9, len(shape))).max() < 1e-6 * E * h
 
 
-def test_the_pretension_of_a_shell_is_positive():
-    surface = sk.SphereSector(1.0, (0.3, 1.2), pi / 2)
-    problem = sk.Problem(surface, 0.01, sk.Isotropic(1e9, 0.3, 1.0), [sk.Pin("boundary")])
-    for theory in THEORIES:
-        dense = problem.on(sk.meshes.uniform(surface, 3, 3), theory).pretension.to_scipy().toarray()
-        values = np.linalg.eigvalsh(dense)
-        assert values.min() > -1e-9 * values.max() and (values > 1e-9 * values.max()).sum() > len(values) / 2
+UNBALANCED = sk.Laminate([sk.Layer(sk.Orthotropic((30e9, 3e9, 3e9), (0.3, 0.3, 0.3), (1.5e9,) * 3, 1.0), 0.01, angle)
+                          for angle in (0.2, pi / 2)])  # fmt: skip
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+@pytest.mark.parametrize("material", [sk.Isotropic(1e9, 0.3, 1.0), UNBALANCED])
+@pytest.mark.parametrize("surface", [sk.SphereSector(1.0, (0.3, 1.2), pi / 2), sk.Rectangle(1.0, 0.5)])
+def test_the_pretension_is_positive(surface, material, theory):
+    """Also of sections whose stretching bends them."""
+    thickness = None if material is UNBALANCED else 0.02
+    problem = sk.Problem(surface, thickness, material, [sk.Pin("boundary")])
+    dense = problem.on(sk.meshes.uniform(surface, 3, 3), theory).pretension.to_scipy().toarray()
+    values = np.linalg.eigvalsh(dense)
+    assert values.min() > -1e-9 * values.max() and (values > 1e-9 * values.max()).sum() > len(values) / 2
+
+
+def test_a_relaxation_that_no_pull_can_hold_ends():
+    """Failures without an iteration do not count against its budget, so the strength of the pull has a limit."""
+    from skancf.linear import DirectSolver
+    from skancf.statics.newton import NewtonResult
+    from skancf.statics.relax import Relaxation
+
+    system, _ = shallow_roof(0.3, n=2)
+    pulls = []
+
+    def fails(q, load_factor, **options):
+        pulls.append(options["pull"].strength)
+        return NewtonResult(q, Status.SINGULAR, ())
+
+    with DirectSolver(system.pattern, system.constraints) as solver:
+        assert Relaxation(system, solver, 1.0, fails).from_state(system.undeformed, system.undeformed) is None
+    assert 3 < len(pulls) < 40 and max(pulls) < 1e5
+
+
+def test_a_restart_far_from_equilibrium_does_not_say_that_it_snapped():
+    system, deflection = shallow_roof(0.3)
+    asked = sk.solve(system).unwrap()
+    bent = sk.Solution(system, system.undeformed + 200 * asked.change)
+    result = sk.solve(system, start=bent)
+    assert result.status is Status.CONVERGED and result.negative_pivots == 0
+    assert "the state it started from" in result.message and "snapped" not in result.message
+    assert deflection(result.solution) == pytest.approx(deflection(asked), rel=1e-6)
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_a_heated_plate_that_is_held_all_round_buckles_and_has_no_path(theory):
+    """Heat strains it and moves nothing before it buckles: at 5.3 pi^2 D / a^2 for a clamped square (Timoshenko)."""
+    a, h, nu, expansion = 0.8, 2e-3, 0.3, 1.2e-5
+    critical = 5.33 * pi**2 * h**2 / (12 * (1 + nu) * a**2 * expansion)
+    material = sk.Isotropic(200e9, nu, 7800.0, expansion=expansion)
+    for factor in (0.95, 1.2):
+        problem = sk.Problem(sk.Rectangle(a, a), h, material, [sk.Clamp("boundary")], [sk.Temperature(factor * critical)])
+        system = problem.on(sk.meshes.uniform(problem.surface, 8, 8), theory)
+        result = sk.solve(system)
+        assert result.status is Status.CONVERGED and result.negative_pivots == 0
+        assert ("buckled" in result.message) == (factor > 1)
+        path = sk.trace(system, until=1.0)
+        assert path.status is Status.CONVERGED or "does not move it" in path.message

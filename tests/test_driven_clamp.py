@@ -166,16 +166,52 @@ def test_mistakes(build, words):
         build()
 
 
-@pytest.mark.parametrize("solve", [sk.solve_linear, lambda s: sk.solve(s).unwrap()])
-def test_statics_without_a_time_says_so_and_with_one_takes_it(solve):
-    def driven(static=None):
-        clamp = sk.DrivenClamp("left", displacement=lambda t: (0.0, 0.0, 0.1 * t**2), static=static)
-        return system_on("kirchhoff", [clamp])
+ENTRIES = {
+    "solve": lambda system: sk.solve(system).solution,
+    "solve by arc length": lambda system: sk.solve(system, follow=True).solution,
+    "solve_linear": sk.solve_linear,
+    "trace": lambda system: sk.trace(system, until=1.0).solution,
+    "adapt": lambda system: sk.adapt(system.problem, sk.Displacement(at=(1.0, 0.5)), theory="kirchhoff", rtol=1e-2).solution,
+}
+PULLED = [sk.EdgeLoad("right", (-50.0, 0.0, -1e-3))]
 
-    with pytest.warns(sk.OutOfDepth, match="statics has no time.*static="):
-        solution = solve(driven())
-    assert np.abs(solution.displacement((0.5, 0.5))).max() < 1e-12
+
+@pytest.mark.parametrize("entry", ENTRIES)
+def test_statics_without_a_time_says_so_once_and_with_one_takes_it(entry):
+    def driven(static=None):
+        clamp = sk.DrivenClamp("left", angle=lambda t: 0.3 + t, displacement=lambda t: (0.0, 0.0, 0.1 * t**2), static=static)
+        return system_on("kirchhoff", [clamp], loads=PULLED)
+
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        solution = ENTRIES[entry](driven())
+    told = [one for one in told if "membrane strains" not in str(one.message)]  # the mesh is coarse for that load
+    assert len(told) == 1 and told[0].category is sk.OutOfDepth and told[0].filename == __file__
+    assert "statics has no time" in str(told[0].message) and "static=" in str(told[0].message)
+    edge = solution.system.geometry.nodes_on("left")
+    assert np.array_equal(solution.q.reshape(-1, 4, 3)[edge], solution.system.undeformed.reshape(-1, 4, 3)[edge])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        # A plate without loads moves as a whole.
-        assert np.allclose(solve(driven(2.0)).displacement((0.5, 0.5)), [0, 0, 0.4], atol=1e-9)
+        warnings.filterwarnings("ignore", ".*membrane strains")  # the mesh is coarse for that load
+        moved_there = ENTRIES[entry](driven(1.0))
+    y = np.array([0.0, 0.5, 1.0])
+    expected = np.stack([-np.sin(1.3) * y, np.cos(1.3) * y - y, np.full(3, 0.1)], axis=1)
+    assert np.allclose(moved_there.displacement([(0.0, eta) for eta in y]), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("ask", [
+    lambda s: sk.modes(s, 2), lambda s: sk.buckling(s, 1),
+    lambda s: sk.adapt(s.problem, sk.Eigenfrequency(0), theory="kirchhoff", rtol=0.1),
+    lambda s: sk.adapt(s.problem, sk.BucklingLoad(0), theory="kirchhoff", rtol=0.1),
+])  # fmt: skip
+def test_modes_and_buckling_say_it_too(ask):
+    def driven(**options):
+        return system_on("kirchhoff", [sk.DrivenClamp("left", angle=lambda t: 3.0 * t, **options)], loads=PULLED)
+
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        ask(driven())
+    assert [(w.category, w.filename) for w in told] == [(sk.OutOfDepth, __file__)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ask(driven(static=0.0))

@@ -113,6 +113,52 @@ def test_shear_buckles_a_plate_to_both_sides(signs):
         assert np.allclose(np.sort(factors[:2]), [-abs(factors[0]), abs(factors[0])], rtol=1e-6)
 
 
+# --- curved parameters and prestress ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("theory", ["full", "kirchhoff"])
+def test_a_clamped_disc_with_a_pole_has_its_pairs(theory):
+    """omega a^2 sqrt(rho t / D) = 10.216, 21.26 and 34.88 twice each, 39.77 (Leissa, Vibration of Plates, table 2.1)."""
+    a, t = 2.0, 0.01
+    disc = sk.AnnulusSector(0.0, a, 2 * np.pi, closed=True)
+    system = on(disc, t, (7, 16), [sk.Clamp("outer")], theory=theory)
+    unit = np.sqrt(STEEL.young * t**2 / (12 * (1 - STEEL.poisson**2) * STEEL.density)) / a**2
+    found = passed(sk.modes(system, 6))
+    # Seven elements along the radius; those of theory full are of a lower order.
+    tolerance = 2e-3 if theory == "kirchhoff" else 4e-2
+    assert found.omega / unit == pytest.approx([10.216, 21.26, 21.26, 34.88, 34.88, 39.77], rel=tolerance)
+    assert found.n_rigid == found.n_unstable == 0 and not found.note
+    for n in (1, 2, 3, 4):
+        fewer = passed(sk.modes(system, n))
+        assert np.allclose(fewer.eigenvalues, found.eigenvalues[:n], rtol=1e-8)
+        assert bool(fewer.note) == (n in (2, 4))
+
+
+@pytest.mark.parametrize("theory", ["full", "kirchhoff"])
+@pytest.mark.parametrize("n", [1, 4, 7])
+def test_modes_about_a_state_of_large_displacements(theory, n):
+    """Of a strip that is bent far over: each the same, however many are asked for."""
+    strip = on(sk.Rectangle(2.0, 0.2), 0.002, (10, 1), [sk.Clamp("left")], [sk.EdgeLoad("right", (0, 0, 200.0))], theory)
+    state = sk.solve(strip).unwrap()
+    assert np.abs(state.displacement((2.0, 0.1))).max() > 1.0, "far over"
+    whole, found = passed(sk.modes(strip, 9, state=state)), passed(sk.modes(strip, n, state=state))
+    assert np.allclose(found.eigenvalues, whole.eigenvalues[:n], rtol=1e-8)
+    assert found.n_unstable == 0 and not np.allclose(found.eigenvalues, sk.modes(strip, n).eigenvalues, rtol=1e-2)
+
+
+def test_modes_that_are_missing_about_a_prestressed_disc_are_said(monkeypatch):
+    disc = sk.AnnulusSector(0.0, 1.0, 2 * np.pi, closed=True)
+    system = on(disc, 0.005, (4, 12), [sk.Clamp("outer")], [sk.SurfaceLoad((0.0, 0.0, 3e4))])
+    state = sk.solve(system).unwrap()
+    assert np.abs(state.displacement((0.2, 0.0))[2]) > 0.005, "more than its thickness, so that the membrane carries"
+    whole = passed(sk.modes(system, 3, state=state))
+    assert whole.eigenvalues[0] > 1.5 * sk.modes(system, 1).eigenvalues[0], "it stiffens"
+    monkeypatch.setattr(modes_module, "lanczos", deaf_to(system, whole.shapes[1]))
+    with pytest.warns(sk.OutOfDepth, match=r"found, .* by the signs of the pivots.*missing"):
+        found = sk.modes(system, 2, state=state)
+    assert [check.passed for check in found.checks] == [True, True, False]
+
+
 # --- bounds ----------------------------------------------------------------------------------------------------------------
 
 

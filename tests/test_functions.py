@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.functions import called, true_at, values_at
+from skancf.functions import called, measured, true_at, values_at
 
 AT = np.random.default_rng(0).uniform(size=(2, 4, 5))
 
@@ -82,3 +82,78 @@ def test_functions_of_time_and_place_that_raise_pass_with_a_note():
         with pytest.raises(ZeroDivisionError) as raised:
             ask(lambda *_: 1 // 0)
         assert any("given as history" in note for note in raised.value.__notes__)
+
+
+def test_a_function_that_stops_an_iteration_drops_no_support():
+    """Inside a generator StopIteration would end it, as if there were no more supports."""
+    def stop(x, y):
+        return next(iter(()))
+
+    plate = sk.Rectangle(1.0, 1.0)
+    mesh = sk.meshes.uniform(plate, 2, 2)
+    for support in (sk.Pin(stop), sk.Clamp(stop), sk.Prescribed("right", lambda x, y: stop(x, y))):
+        with pytest.raises(RuntimeError, match="StopIteration") as raised:
+            sk.Problem(plate, 0.01, sk.Isotropic(1e7, 0.3, 1.0), [sk.Clamp("left"), support]).on(mesh)
+        assert raised.value.__notes__
+
+
+def test_a_function_that_changes_its_arguments_changes_nothing_else():
+    def spoil(x, y):
+        x *= 0.0
+        y -= 5.0
+        return 0 * x
+
+    def where(x, y):
+        found = np.abs(x - 1.0) < 1e-9
+        x[:] = 0.0
+        return found
+
+    plate = sk.Rectangle(1.0, 1.0)
+    mesh = sk.meshes.uniform(plate, 2, 2)
+    before = mesh.p.copy()
+    loads = [sk.EdgeLoad(where, lambda x, y: (spoil(x, y), 0.0, 1.0)), sk.FollowerPressure(spoil), sk.Temperature(spoil)]
+    spoilt = sk.Problem(plate, 0.01, sk.Isotropic(1e7, 0.3, 1.0), [sk.Clamp("left")], loads).on(mesh)
+    assert np.array_equal(spoilt.mesh.p, before)
+    right = sk.Problem(plate, 0.01, sk.Isotropic(1e7, 0.3, 1.0), [sk.Clamp("left")], [sk.EdgeLoad("right", (0, 0, 1.0))])
+    assert np.array_equal(sk.solve_linear(spoilt).q, sk.solve_linear(right.on(mesh)).q)
+    mapped = sk.MappedSurface(lambda x, y: (x + 0.0, y + 0.0, spoil(x, y)), ((0.0, 1.0), (0.0, 1.0)))
+    assert np.allclose(mapped.position(*before), [*before, 0 * before[0]])
+
+
+def test_a_record_that_changes_the_state_changes_a_copy():
+    plate = sk.Rectangle(1.0, 1.0)
+    problem = sk.Problem(plate, 0.01, sk.Isotropic(1e7, 0.3, 1.0), [sk.Clamp("left")], [sk.Gravity()])
+    system = problem.on(sk.meshes.uniform(plate, 2, 2))
+
+    def moved(state):
+        q = state.q
+        q -= system.undeformed  # in place, by mistake
+        return float(np.abs(q).max())
+
+    plain, recorded = (sk.simulate(system, 0.02, dt=0.01, record=record, progress=False) for record in (None, {"a": moved}))
+    assert np.array_equal(plain.at(0.02).q, recorded.at(0.02).q)
+    once, again = recorded.history(moved), recorded.history(moved)
+    assert np.array_equal(once, again) and once[-1] == pytest.approx(recorded.records["a"][1][-1], rel=1e-12)
+
+
+@pytest.mark.parametrize("value", [None, "1.0", {}, [1.0, None], [[1.0], [1.0, 2.0]], (v for v in (1.0,)), object(), b"1"])
+def test_what_is_no_quantity_of_a_state_is_named(value):
+    with pytest.raises(sk.InputError, match=r"quantity: the function returned .*an array of numbers"):
+        measured("quantity", lambda state: value, None)
+
+
+def test_what_callbacks_raise_has_a_note():
+    plate = sk.Rectangle(1.0, 1.0)
+    problem = sk.Problem(plate, 0.01, sk.Isotropic(1e7, 0.3, 1.0), [sk.Clamp("left")], [sk.Gravity()])
+    mesh = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2))
+    motion = sk.simulate(problem.on(mesh, "kirchhoff"), 0.01, dt=0.01, progress=False)
+    calls = {
+        "quantity": lambda f: motion.history(f),
+        "record['a']": lambda f: sk.simulate(motion.system, 0.01, dt=0.01, record={"a": f}, progress=False),
+        "indicator": lambda f: sk.adapt(problem, sk.Displacement((1.0, 0.5)), rtol=1e-9, mesh=mesh, indicator=f, linear=True,
+                                        progress=False),
+    }  # fmt: skip
+    for name, call in calls.items():
+        with pytest.raises(ZeroDivisionError) as raised:
+            call(lambda state: 1 // 0)
+        assert any(note.endswith(f"given as {name}") for note in raised.value.__notes__), name

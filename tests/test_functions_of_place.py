@@ -196,8 +196,84 @@ def test_a_disk_is_round_where_the_parameters_bend():
     assert np.allclose(at[:2] @ at[:2].T / at.shape[1], radius**2 / 4 * np.eye(2), atol=1e-9)
 
 
-@pytest.mark.parametrize("at", [(0.1, 1.0), (0.0, 0.0)])
-def test_a_disk_over_a_pole_is_refused(at):
-    disc = sk.AnnulusSector(0.0, 1.0, 2 * pi, closed=True)
-    with pytest.raises(sk.InputError, match=r"disk at .*pole"):
-        disk_at(disc, at, 0.2, sk.meshes.uniform(disc, 4, 8))
+def test_a_disk_farther_around_than_the_surface_goes_is_refused():
+    tube, cap = sk.CylinderSector(1.0, 4.0, 2 * pi, closed=True), sk.SphereSector(1.0, (0.0, 2.5), 2 * pi, closed=True)
+    for surface, at, says in ((tube, (2.0, 0.0), "so far around it"), (cap, (0.2, 0.0), "reaches over the edge")):
+        with pytest.raises(sk.InputError, match=f"disk at .*{says}"):
+            disk_at(surface, at, 1.2, sk.meshes.uniform(surface, 4, 8))
+
+
+SURFACES = {
+    "flat": sk.Rectangle(1.0, 2.0), "cylinder": sk.CylinderSector(1.0, 2.0, 1.0), "annulus": sk.AnnulusSector(1.0, 2.0, 1.0),
+    "saddle": sk.HyperbolicParaboloid(2.0, 1.0, 0.4), "sphere": sk.SphereSector(1.0, (0.5, 1.5), 1.0),
+}  # fmt: skip
+
+
+def with_line(mesh, at):
+    return mesh.with_boundaries({"line": lambda x: np.abs(x[0] - at) < 1e-9}, boundaries_only=False)
+
+
+def meshes_with_a_line(surface):
+    """Meshes with a named line across them, and where it is; nodes hang on it in the last two."""
+    (low, high), across = surface.bounds
+    x, y = (a + (b - a) * np.array(row) for (a, b), row in (((low, high), (0, 0.1, 0.4, 1)), (across, (0, 0.3, 0.35, 1))))
+    yield "tensor", with_line(sk.meshes.tensor(surface, x, y), x[2]), x[2]
+    spot = sk.meshes.Region([(a + b) / 2 for a, b in surface.bounds], (0.1, 0.1), ratio=9.0)
+    graded = sk.meshes.graded(surface, [spot], shape=(5, 5))
+    at = np.unique(graded.p[0])[3]
+    yield "graded", with_line(graded, at), at
+    even = sk.meshes.quadtree(sk.meshes.uniform(surface, 2, 2), surface)
+    middle = (low + high) / 2
+    yield "refined", with_line(even, middle).refined([0]).refined([0, 4]), middle
+    yield "named later", with_line(even.refined([0, 3]).refined([1]), middle), middle
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_a_load_on_an_inner_edge_is_that_on_the_line(name):
+    """By elements of one side, by halves of divided edges, or by what elements the line crosses: the same work."""
+    surface = SURFACES[name]
+
+    def force(x, y):
+        return 1 + x * y, np.cos(x) + y, x**2 - 2
+
+    hanging = 0
+    for kind, mesh, at in meshes_with_a_line(surface):
+        start, end = ((at, y) for y in surface.bounds[1])
+        loads = [sk.EdgeLoad("line", force), sk.LineLoad(start, end, force)]
+        for theory in ("full", "kirchhoff"):
+            system = on_plate([], loads, theory, mesh=mesh, surface=surface)
+            edge, line = (load.force(system.undeformed.reshape(-1, 4, 3), None) for load in system.loads)
+            assert np.abs(edge - line).max() < 1e-11 * np.abs(line).max(), (kind, theory)
+        hanging += len(getattr(mesh, "hanging", []))
+    assert hanging > 4
+
+
+@theories
+def test_a_moment_on_an_inner_line_with_hanging_nodes(theory):
+    """On a flat plate its moment is the integral, whichever side is finer."""
+    for kind, mesh, at in meshes_with_a_line(PLATE):
+        load = sk.EdgeMoment("line", lambda x, y: (x * y, 3.0 * y**2, 7.0))
+        system = on_plate([], [load], theory, mesh=mesh)
+        force = system.external_force(system.undeformed).reshape(-1, 4, 3)
+        moment = np.cross(system.geometry.undeformed, force).sum(axis=(0, 1))
+        assert np.allclose(moment, [at * B**2 / 2, B**3, 0], atol=SUMS), kind
+        assert np.allclose(force[:, 0].sum(axis=0), 0, atol=SUMS)
+
+
+@theories
+@pytest.mark.parametrize("factor", [0.3, 1.0])
+def test_prescribed_functions_turn_a_plate_by_load_factors(theory, factor):
+    """Edges and an inner line with hanging nodes move as the function says, times the factor; a whole turn is rigid."""
+    c, s = math.cos(0.7), math.sin(0.7)
+
+    def turn(x, y):
+        return (c - 1) * x + 0 * y, 0 * x, -s * x + 0 * y
+
+    mesh = with_line(sk.meshes.quadtree(sk.meshes.uniform(PLATE, 2, 2), PLATE), A / 2).refined([0])
+    assert (np.abs(mesh.p[0, mesh.hanging] - A / 2) < 1e-9).any()
+    problem = sk.Problem(PLATE, T, MATERIAL, [sk.Prescribed(["boundary", "line"], turn)])
+    solution = sk.solve(problem.on(mesh, theory), load_factor=factor).unwrap()
+    rng = np.random.default_rng(2)
+    line, edge = np.array([(A / 2, y) for y in rng.uniform(0, B, 9)]), np.array([(x, 0.0) for x in rng.uniform(0, A, 9)])
+    for at in (line, edge, *([rng.uniform((0, 0), (A, B), (20, 2))] if factor == 1.0 else [])):
+        assert np.allclose(solution.displacement(at).T, factor * np.array(turn(*at.T)), atol=1e-10)

@@ -108,3 +108,32 @@ def test_a_system_checks_loads_and_prescribed_motion():
             system.check_histories(0.0, 1.0)
             with pytest.raises(InputError, match="does not cover the run"):
                 system.check_histories(0.0, 1.1)
+
+
+@pytest.mark.parametrize("theory", ["kirchhoff", "full"])
+def test_statics_takes_everything_as_given_whatever_its_history(theory):
+    """The history is not even called: neither its largest value nor its last one is meant."""
+
+    def never(time):
+        raise AssertionError("statics has no time")
+
+    def problem(history):
+        law = sk.Isotropic(young=1e7, poisson=0.3, density=1e3, expansion=1e-5)
+        supports = [sk.Clamp("left"), sk.Prescribed("right", (None, None, 0.02), history=history)]
+        loads = [
+            sk.EdgeLoad("right", (-3.0, 1.0, 0.0), history=history), sk.SurfaceLoad((0, 0, 0.5), history=history),
+            sk.PointForce((0.5, 0.5), (0.0, 0.0, 0.1), history=history), sk.FollowerPressure(0.2, history=history),
+            sk.EdgeMoment("right", (0.0, 0.1, 0.0), history=history), sk.Temperature(0.3, history=history),
+        ]  # fmt: skip
+        return sk.Problem(UNIT, 0.02, law, supports, loads)
+
+    def answers(history):
+        system = problem(history).on(sk.meshes.uniform(UNIT, 2, 2), theory)
+        solved, traced = sk.solve(system).unwrap(), sk.trace(system, until=1.0).unwrap()
+        pressed = sk.modes(system, 2, state=solved), sk.buckling(system, 1)
+        best = sk.adapt(problem(history), sk.Displacement(at=(1.0, 0.5)), theory=theory, rtol=0.2)
+        return [solved.q, traced.solution.q, sk.solve_linear(system).q, pressed[0].eigenvalues,
+                pressed[1].load_factors, best.value]  # fmt: skip
+
+    for given, plain in zip(answers(never), answers(None), strict=True):
+        assert np.array_equal(given, plain)

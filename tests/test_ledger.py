@@ -58,8 +58,11 @@ def test_energy_and_momenta_balance_with_everything_on(theory):
     assert (np.diff(ledger.dissipation) >= 0).all() and (np.abs(ledger.angular_impulse[-1]) > 0.01).all()
 
 
+ENTRIES = ["work", "dissipation", "numerical", "potential", "strain", "linear_impulse", "angular_impulse"]
+
+
 @theories
-@pytest.mark.parametrize("entry", ["work", "dissipation", "numerical", "potential", "strain", "linear_impulse", "angular_impulse"])
+@pytest.mark.parametrize("entry", ENTRIES)
 def test_an_entry_left_out_is_seen(entry, theory):
     ledger = booked(theory).ledger
     # All of them but what the rule takes out, which is little here, are a hundredth and more of the largest energy.
@@ -99,8 +102,8 @@ def test_at_output_times_it_is_between_the_steps_and_balances_there():
 def test_table_has_a_column_of_each_number(tmp_path):
     ledger = booked("kirchhoff").ledger
     table = ledger.table()
-    assert set(table) == {"time", "kinetic", "strain", "potential", "work", "dissipation", "numerical", "remeshing", "balance",
-                          *(f"{name}_{i}" for name in ("linear", "angular", "linear_impulse", "angular_impulse")
+    assert set(table) == {"time", "kinetic", "strain", "potential", "work", "dissipation", "numerical", "remeshing",
+                          "balance", *(f"{name}_{i}" for name in ("linear", "angular", "linear_impulse", "angular_impulse")
                             for i in "xyz")}  # fmt: skip
     assert all(column.shape == ledger.times.shape for column in table.values())
     assert np.array_equal(table["angular_impulse_y"], ledger.angular_impulse[:, 1])

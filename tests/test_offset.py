@@ -103,3 +103,24 @@ def test_full_off_its_surface_says_that_it_locks():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         strip(laminate(0.0), (0.0, 0.0, -1.0), "full")
+
+
+@pytest.mark.parametrize("direction", [0, 90])
+def test_layers_of_unlike_stiffness_are_off_their_surface_too(direction):
+    """A stiff skin on soft foam: the surface is through the middle of the layers, and that of the stiffness is not."""
+    skin = sk.Orthotropic((1e9, 1e9, 1e9), (0.0, 0.0, 0.0), (5e8, 5e8, 5e8), 1000.0)
+    foam = sk.Isotropic(1e5, 0.0, 100.0)
+
+    def tip(layers, theory, n):
+        problem = sk.Problem(STRIP, material=sk.Laminate(layers), supports=[sk.Clamp("left")],
+                             loads=[sk.EdgeLoad("right", (0.0, 0.0, -1e-3))])  # fmt: skip
+        return sk.solve_linear(problem.on(sk.meshes.uniform(STRIP, n, 1), theory)).displacement((1.0, 0.05))[2]
+
+    skinned = [sk.Layer(skin, 1e-3, direction), sk.Layer(foam, 9e-3)]
+    with pytest.warns(sk.OutOfDepth, match="neutral surface"):
+        coarse = tip(skinned, "full", 12)
+    assert coarse / tip(skinned, "kirchhoff", 12) < 0.9
+    balanced = [sk.Layer(skin, 1e-3, direction), sk.Layer(foam, 8e-3), sk.Layer(skin, 1e-3, direction)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tip(balanced, "full", 2)

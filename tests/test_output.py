@@ -14,6 +14,7 @@ from skancf import atomic, output
 from skancf.errors import InputError, SkancfError
 from skancf.output.fields import place, readable_unit, unit, values, von_mises
 from skancf.output.files import FILE_ORDER
+from skancf.output.pictures import Look, _title
 from skancf.output.plane import subdivided
 from skancf.output.rendering import check_rendering
 from skancf.output.sampling import grid
@@ -420,6 +421,39 @@ def test_a_picture_shows_the_field_where_it_is(rested, tmp_path):
     assert colours[0][2] > 1.3 * colours[0][1] > 1.3 * colours[0][0]
     assert colours[1][1] > 2 * colours[1][2]
     assert left_over(tmp_path) == []
+
+
+def test_titles_say_at_which_depth_and_of_what_kind_a_state_is():
+    surface = sk.Rectangle(2.0, 1.0)
+    law, load = sk.Isotropic(2e9, 0.2, 1e3), sk.EdgeLoad("right", (-1.0, 0.0, 0.1))
+    plate = sk.Problem(surface, 0.02, law, [sk.Clamp("left")], [load])
+    system = plate.on(sk.meshes.uniform(surface, 4, 2), "kirchhoff")
+
+    def title(state, **look):
+        style = Look(**look)
+        return _title(state, style, place(style.field, plate.section, style.z)[1])
+
+    small, large = sk.solve_linear(system), sk.solve(system).unwrap()
+    assert title(small) == "displacement, small deflections"
+    assert title(small, field="S11") == "stress S11, top face, z = 0.01 m, small deflections"
+    assert title(large, field="S12", z=0.0) == "stress S12, z = 0 m"
+    assert title(large, field="mises", scale=3) == "von Mises stress, largest through the thickness, displacements x 3"
+    for shape in (sk.modes(system, 1).shape(0), sk.buckling(system, 1).shape(0)):
+        assert title(shape, field="S11", z="bottom") == "stress S11, bottom face, z = -0.01 m, mode of arbitrary size"
+    pressed = sk.solve(system, load_factor=0.5).unwrap()
+    mode = sk.modes(system, 1, state=pressed).shape(0)
+    assert title(mode) == "displacement, mode of arbitrary size, load factor 0.5"
+    assert not pressed.note and not large.note
+
+
+def test_samples_take_depths_by_name():
+    surface = sk.Rectangle(1.0, 1.0)
+    plate = sk.Problem(surface, 0.1, sk.Isotropic(1e6, 0.3, 1.0), [sk.Clamp("left")], [sk.SurfaceLoad((0, 0, 1.0))])
+    bent = sk.solve_linear(plate.on(sk.meshes.uniform(surface, 2, 2)))
+    assert np.array_equal(output.sample(bent, 2, "top").stress, output.sample(bent, 2, 0.05).stress)
+    assert np.array_equal(output.sample(bent, 2, "bottom").points, output.sample(bent, 2, -0.05).points)
+    with pytest.raises(sk.InputError, match="z = 'face'"):
+        output.sample(bent, 2, "face")
 
 
 def test_edges_and_undeformed_outline_are_drawn(rested, tmp_path):

@@ -99,6 +99,59 @@ def test_slopes_along_the_edge_follow(kind):
     assert not nodal[edge, 1].any()
 
 
+def on_boundary(x, y):
+    return (abs(x) < 1e-9) | (abs(x - 1.3) < 1e-9) | (abs(y) < 1e-9) | (abs(y - 0.9) < 1e-9)
+
+
+def fields(k):
+    """Displacements u = grad(f) of a harmonic f, which need no force in the plane, and a deflection f, which needs none."""
+
+    def f(x, y):
+        return 1e-4 * np.exp(k * x) * np.cos(k * y)
+
+    def f_y(x, y):
+        return -1e-4 * np.exp(k * x) * np.sin(k * y)
+
+    return {
+        "in the plane": (lambda x, y: (k * f(x, y), k * f_y(x, y), 0 * x), None),
+        "bent": (lambda x, y: (0 * x, 0 * x, f(x, y)), lambda x, y: (k * f_y(x, y), -k * f(x, y), 0 * x)),
+    }, lambda x, y: k * k * np.array([f(x, y), -f(x, y), f_y(x, y)])  # f_xx, f_yy, f_xy
+
+
+@pytest.mark.parametrize("where", ["boundary", on_boundary], ids=["by name", "by a function"])
+@pytest.mark.parametrize("kind, theory", [("in the plane", "full"), ("in the plane", "kirchhoff"), ("bent", "kirchhoff")])
+def test_stresses_converge_up_to_an_edge_that_a_function_moves(where, kind, theory):
+    k, t = 2.3, 0.05
+    given, second = fields(k)
+    displacement, rotation = given[kind]
+    support = sk.Prescribed(where, displacement, rotation=rotation)
+    stiff = MATERIAL.young * t / (1 + MATERIAL.poisson)  # of tr(strain) = 0, over t^2 / 12 for curvatures
+    errors = []
+    for n in (4, 8, 16):
+        solution = solved(sk.meshes.uniform(PLATE, n, n), theory, [support], thickness=t)
+        exact = stiff * second(*solution.system.mesh.p).T * (1.0 if kind == "in the plane" else -t * t / 12)
+        found = solution.nodal_section_forces()[:, :3] if kind == "in the plane" else solution.nodal_section_forces()[:, 3:]
+        errors.append(np.abs(found - exact).max() / np.abs(exact).max())
+    # Largest errors at nodes, those of the edges among them: strains of cubics are of order three, the assumed ones two.
+    assert errors[-1] < 0.02 and errors[0] / errors[1] > 3 and errors[1] / errors[2] > 3, errors
+
+
+@theories
+def test_they_do_not_where_points_of_the_edge_are_moved(theory):
+    displacement, _ = fields(2.3)[0]["in the plane"]
+    largest = []
+    for n in (4, 8, 16):
+        mesh = sk.meshes.uniform(PLATE, n, n)
+        row = mesh.p[:, mesh.boundary_nodes()].T.tolist()
+        with pytest.warns(sk.OutOfDepth, match="stresses grow without limit"):
+            solution = solved(mesh, theory, [sk.Prescribed(row, displacement)])
+        nodes = mesh.boundary_nodes()
+        edge, exact = solution.nodal_section_forces()[nodes], fields(2.3)[1](*mesh.p[:, nodes])
+        largest.append(np.abs(edge[:, :3].T - MATERIAL.young * 0.05 / 1.3 * exact).max())
+    # By a function the same errors fall to a ninth and less.
+    assert min(largest) > 0.7 * max(largest), largest
+
+
 @theories
 def test_a_tube_twisted_by_its_ends_turns(theory):
     """A rigid turn about its axis, of a closed curved surface."""

@@ -2,6 +2,7 @@
 
 import importlib.util
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,25 @@ def test_measure_is_the_largest_chosen_component():
         sk.nodal_measure(solution, "S44")
     with pytest.raises(sk.InputError, match="outside the plate"):
         sk.nodal_measure(solution, z=1.0)
+
+
+@pytest.mark.parametrize("theory", ["full", "kirchhoff"])
+@pytest.mark.parametrize("ask", [sk.nodal_measure, sk.stress_indicator, sk.stress_regions])
+def test_a_bent_state_without_a_depth_is_told(theory, ask):
+    surface = sk.Rectangle(3.0, 1.0)
+    problem = sk.Problem(surface, 0.03, sk.Isotropic(2e9, 0.0, 1.0), [sk.Clamp("left")], [sk.EdgeLoad("right", (0, 0, 1.0))])
+    bent = sk.solve_linear(problem.on(sk.meshes.uniform(surface, 6, 2), theory))
+    # The moment at the clamp is 3 N, sigma = 6 M / t^2.
+    with pytest.warns(sk.OutOfDepth, match=r"z = 0, where .* Pa at a face.*z='top'") as told:
+        ask(bent)
+    assert told[0].filename == __file__
+    face = sk.nodal_measure(bent, z="top")
+    assert face.max() == pytest.approx(6 * 3 / 0.03**2, rel=0.1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ask(bent, z=0.0)
+        ask(bent, z="top")
+        ask(stretched())
 
 
 def test_uniform_stress_has_no_regions():

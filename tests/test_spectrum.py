@@ -99,7 +99,12 @@ def test_what_is_compared():
     assert (second.nearest, second.modes, second.found, second.resolved) == (4, (3, 4), True, False)
     assert "modes (3, 4) not resolved" in str(second)
     assert (third.nearest, third.modes, third.found) == (5, (), False) and "not within the resolution" in str(third)
-    assert spectrum.compare([1.25], count=1) == (Match(first.frequency, first.amplitude, 0, 1.25, (0,)),)
+    assert spectrum.compare([1.25], count=1) == (Match(first.frequency, first.amplitude, 0, 1.25, (0,), 1.25),)
+    # What the number of modes that were asked for decides is said, and nothing else is.
+    assert [match.highest for match in (first, second, third)] == [None, None, None]
+    near, above = spectrum.compare([1.25, 5.6])[1:]
+    assert near.resolved and near.highest == above.highest == 5.6 and not above.found
+    assert all(str(match).endswith("none above 5.6 Hz is given: ask for more modes") for match in (near, above))
 
 
 # A plate
@@ -205,7 +210,7 @@ def test_bad_input_is_refused(tmp_path):
         "padding = 0": lambda: sk.spectrum(TIMES, x, padding=0),
         "count = 0": lambda: spectrum.peaks(0),
         "count = 1.5": lambda: spectrum.peaks(1.5),
-        "prominence = 1 ?:": lambda: spectrum.peaks(prominence=1),
+        r"prominence = 1\.0:": lambda: spectrum.peaks(prominence=1),
         "natural frequencies = .*above zero": lambda: spectrum.compare([0.0, -1.0]),
         r"natural frequencies = \[\]": lambda: spectrum.compare([]),
         "natural frequencies.*not finite": lambda: spectrum.compare([np.nan]),

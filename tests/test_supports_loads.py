@@ -555,6 +555,35 @@ def test_a_hard_roller_in_the_surface_is_refused_where_the_normal_follows_the_ed
     assert upright.on(mesh, "kirchhoff").n_dofs
 
 
+def test_a_hard_roller_askew_to_the_surface_comes_with_a_warning_that_points_here():
+    flat, roof = sk.Rectangle(1.0, 1.5), sk.CylinderSector(2.0, 1.0, 1.4, -0.7)
+    for surface, direction, askew in (
+        (flat, (2.0, 1.0, -1.0), True), (flat, (0.1, 0.0, -1.0), False), (roof, (1.0, 0.6, 0.6), True),
+        (roof, (0, 1.0, 0), False),
+    ):  # fmt: skip
+        sides = [surface.sides[0], surface.sides[1]]
+        problem = sk.Problem(surface, 0.1, MATERIAL, [sk.Roller(sides, direction, kind="hard")])
+        mesh = sk.meshes.uniform(surface, 2, 4)
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            problem.on(mesh, "full")
+            problem.on(mesh, "kirchhoff")
+        assert [w.category for w in said] == ([sk.OutOfDepth] if askew else [])
+        assert all(w.filename == __file__ and "askew" in str(w.message) for w in said)
+
+
+def test_the_answer_with_such_a_roller_depends_on_the_mesh():
+    """So that the warning is worth its words: with more nodes, and conforming functions, it gets stiffer."""
+    surface, found = sk.Rectangle(1.3, 1.3), []
+    for n in (2, 4, 8):
+        supports = [sk.Clamp("left"), sk.Roller("boundary", (1.0, -2.0, 0.5), kind="hard")]
+        problem = sk.Problem(surface, 0.26, MATERIAL, supports, [sk.PointForce((0.65, 0.65), (0.0, 0.0, 50.0))])
+        with pytest.warns(sk.OutOfDepth):
+            system = problem.on(sk.meshes.uniform(surface, n, n), sk.Kirchhoff(assumed=False))
+            found.append(sk.solve_linear(system).strain_energy)
+    assert found[2] < 0.9 * found[1] < 0.81 * found[0]
+
+
 # ----------------------------------------------------------------------------------------------- points in a row on an edge
 
 HOLDERS = [
@@ -584,6 +613,34 @@ def test_other_points_and_edges_do_not_warn(where):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sk.Problem(surface, 0.05, sk.Isotropic(1e7, 0.3, 1e3), [sk.Pin(where)]).on(sk.meshes.uniform(surface, 3, 2))
+
+
+WIDE = [
+    (sk.Pin, "full"), (sk.NoRotation, "kirchhoff"), (lambda w: sk.Prescribed(w, (None, None, lambda x, y: y)), "full"),
+    (lambda w: sk.EdgeLoad(w, (0.0, 0.0, 1.0)), "kirchhoff"), (lambda w: sk.EdgeMoment(w, (0.0, 1.0, 0.0)), "full"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "theory"), WIDE)
+def test_a_function_with_a_wide_tolerance_is_told(kind, theory):
+    surface = sk.CylinderSector(1.0, 2.0, 1.5)
+    mesh = sk.meshes.uniform(surface, 4, 3, openings=[((1.0, 1.5), (0.5, 1.0))])
+
+    def made(where):
+        item = kind(where)
+        part = {"supports": [item]} if hasattr(item, "rows") else {"loads": [item]}
+        return sk.Problem(surface, 0.02, sk.Isotropic(1e7, 0.3, 1e3), **part).on(mesh, theory)
+
+    with pytest.warns(sk.OutOfDepth, match=r"3 edges of the boundary and at 2 nodes inside.*\(0\.5, 0\.5\)") as told:
+        made(lambda x, y: (x < 0.6) & (y > 0.4))
+    assert len(told) == 1 and told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        made(lambda x, y: x < 1e-9)
+        made("openings")
+        if "supports" in kind("left").__module__:
+            made(lambda x, y: x > -1.0)  # everywhere is no accident, and neither is a patch inside
+            made(lambda x, y: (abs(x - 1.5) < 0.6) & (abs(y - 0.75) < 0.3) & (x > 1.6))
 
 
 def test_points_around_an_opening_and_across_a_seam_are_in_a_row():

@@ -1,5 +1,6 @@
 """Meshes and surfaces that would give right answers to another problem are refused, and right ones are not."""
 
+import warnings
 from math import pi
 
 import numpy as np
@@ -269,6 +270,86 @@ def test_what_to_do_with_a_mesh_that_cannot_be_adapted():
     plate.on(wrong, theory="full")
 
 
+@pytest.mark.parametrize("origin", [(0.0, 0.0), (123.4, -17.3), (1234.567, 4321.4)])
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e6])
+def test_single_precision_far_from_the_origin(origin, unit):
+    """Nodes are beside the bounds by more than a millionth of the range, and beside their lines if it also computes."""
+    plate = sk.Rectangle(5.0 * unit, 3.0 * unit, origin=(origin[0] * unit, origin[1] * unit))
+    mesh, rng = uniform(plate, 4, 3), np.random.default_rng(5)
+    off = np.float32(1) + rng.choice([-1, 0, 1], mesh.p.shape).astype(np.float32) * np.float32(2.0**-23)
+    problem = sk.Problem(plate, 0.1 * unit, sk.Isotropic(1e5, 0.3, 1.0))
+    for p in (mesh.p.astype(np.float32), mesh.p.astype(np.float32) * off):
+        rough = skfem.MeshQuad(p, mesh.t, sort_t=False, _boundaries=mesh.boundaries)
+        for system in (problem.on(rough), problem.on(rough, "kirchhoff"), problem.on(quadtree(rough, plate).refined([1]))):
+            for axis, bounds in enumerate(plate.bounds):
+                assert (system.mesh.p[axis].min(), system.mesh.p[axis].max()) == bounds
+        for axis in (0, 1):
+            assert len(np.unique(problem.on(rough, "kirchhoff").mesh.p[axis])) == (5, 4)[axis]
+
+
+@pytest.mark.parametrize("theory", ["full", "kirchhoff"])
+def test_points_mean_the_nodes_that_single_precision_moved(theory):
+    plate = sk.Rectangle(1.0, 0.7, origin=(40.1, -0.3))
+    mesh = uniform(plate, 7, 3)
+    rough = skfem.MeshQuad(mesh.p.astype(np.float32), mesh.t, sort_t=False)
+    problem = sk.Problem(plate, 0.1, sk.Isotropic(1e5, 0.3, 1.0))
+    geometry = problem.on(rough, theory).geometry
+    for node, point in enumerate(mesh.p.T):
+        assert geometry.node_at(point) == geometry.ties.node_of[node]
+    for off in (1e-3, 1e-4):
+        with pytest.raises(InputError, match="no node of the mesh is there"):
+            geometry.node_at(mesh.p[:, 9] + off)
+    # Not where nodes are that close together.
+    fine = problem.on(tensor(plate, [40.1, 40.1 + 1e-7, 41.1], [-0.3, 0.4])).geometry
+    with pytest.raises(InputError, match="no node of the mesh is there"):
+        fine.node_at((40.1 + 5e-8, -0.3))
+
+
+def test_what_is_askew_by_more_than_rounding_is_left_and_named():
+    plate = sk.Problem(PLATE, 0.1, sk.Isotropic(1e5, 0.3, 1.0))
+    mesh = uniform(PLATE, 4, 4)
+    inner = np.setdiff1d(np.arange(mesh.p.shape[1]), mesh.boundary_nodes())
+    for off in (1e-5, 0.02):
+        p = mesh.p.copy()
+        p[:, inner[1]] += off
+        askew = made(mesh, p)
+        assert plate.on(askew).mesh is askew
+        with pytest.raises(InputError, match="no aligned rectangles"):
+            plate.on(askew, "kirchhoff")
+    assert plate.on(mesh, "kirchhoff").mesh is mesh
+    # A mesh whose elements are themselves that small keeps them.
+    fine = np.concatenate([[0.0], np.geomspace(1e-10, 1.0, 12)])
+    graded_far = tensor(PLATE, 2 * fine - 0.5, fine + 3.0)
+    assert plate.on(graded_far, "kirchhoff").mesh is graded_far
+
+
+@pytest.mark.parametrize("family", ["ring", "tube", "ball"])
+def test_seams_of_single_precision(family, rng):
+    surface, mesh = MESHES[family]
+    off = rng.choice([-1, 0, 1], mesh.p.shape) * 2.0**-23
+    rough = skfem.MeshQuad((mesh.p * (1 + off)).astype(np.float32), mesh.t, sort_t=False)
+    problem = sk.Problem(surface, 0.1, sk.Isotropic(1e5, 0.3, 1.0))
+    for theory in ("full", "kirchhoff"):
+        assert problem.on(rough, theory).geometry.n_nodes == problem.on(mesh, theory).geometry.n_nodes
+
+
+def test_names_on_another_side_than_that_of_the_surface_are_told():
+    centred = sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))
+    plate = sk.Problem(centred, 0.1, sk.Isotropic(1e5, 0.3, 1.0), [sk.Clamp("left")])
+    mesh = uniform(centred, 4, 4)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        plate.on(mesh)
+        plate.on(skfem.MeshQuad(mesh.p, mesh.t).with_defaults().refined())
+    for p, there in ((mesh.p * [[-1], [1]], "x = 1, .* 'right'"), (mesh.p[::-1], "y = -1, .* 'bottom'")):
+        turned = skfem.MeshQuad(p, mesh.t, _boundaries=mesh.boundaries)
+        with pytest.warns(sk.OutOfDepth, match=f"boundary 'left' of the mesh lies on {there}"):
+            plate.on(turned)
+    # A name of the user's own that is elsewhere, or on a part of the side.
+    plate.on(skfem.MeshQuad(mesh.p, mesh.t).with_boundaries({"left": lambda x: (x[0] == -1) & (x[1] > 0)}))
+    plate.on(skfem.MeshQuad(mesh.p, mesh.t).with_boundaries({"left": lambda x: x[0] < 0, "here": lambda x: x[1] == 1}))
+
+
 # --- derivatives -----------------------------------------------------------------------------------------------------
 
 
@@ -336,3 +417,205 @@ def test_a_mapped_surface_with_derivatives_of_its_own():
     surface = Wrong(lambda x, y: (x, y, 0.2 * np.sin(3 * x) * y), ((0.0, 1.0), (0.0, 1.0)))
     with pytest.raises(InputError, match="second_derivatives give X_xx"):
         put(surface, uniform(surface, 4, 4))
+
+
+def waves(amplitude, number, length=1.0):
+    """A wavy sheet over a square, with its derivatives."""
+    k, a, L = number, amplitude, length
+
+    class Waves:
+        def position(self, x, y):
+            return np.stack([x, y, a * L * np.sin(k * x / L) * np.cos(k * y / L)])
+
+        def derivatives(self, x, y):
+            one, zero = np.ones_like(x), np.zeros_like(x)
+            c, s = a * k * np.cos(k * x / L) * np.cos(k * y / L), a * k * np.sin(k * x / L) * np.sin(k * y / L)
+            return np.stack([one, zero, c]), np.stack([zero, one, -s])
+
+        def second_derivatives(self, x, y):
+            zero, c = np.zeros_like(x), a * k * k / L
+            xx, xy = -c * np.sin(k * x / L) * np.cos(k * y / L), -c * np.cos(k * x / L) * np.sin(k * y / L)
+            return tuple(np.stack([zero, zero, v]) for v in (xx, xy, xx))
+
+    return Waves
+
+
+@pytest.mark.parametrize("corner", [(0, 0), (1, 0), (0, 1), (1, 1)])
+def test_derivatives_that_are_wrong_in_a_corner_only(corner):
+    base, length = waves(0.05, 5.0, 30.0), 30.0
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, length, 7), np.linspace(0, length, 9))
+
+    def there(x, y):
+        return (np.abs(x / length - corner[0]) < 0.04) & (np.abs(y / length - corner[1]) < 0.04)
+
+    second = ("second_derivatives", ("X_xx", "X_xy", "X_yy"), 0.01)
+    for method, names, size in (("derivatives", ("X_x", "X_y"), 0.05), second):
+        for k, name in enumerate(names):
+
+            def wrong(self, x, y, method=method, k=k, size=size):
+                found = [v.copy() for v in getattr(base, method)(self, x, y)]
+                found[k][2] += size * there(x, y)
+                return tuple(found)
+
+            with pytest.raises(InputError, match=rf"give {name} = .* at \(x, y\) = .* differences give"):
+                put(type("Wrong", (base,), {method: wrong})(), mesh)
+
+
+@pytest.mark.parametrize("number", [0.7, 4.0, 15.0])
+@pytest.mark.parametrize("length", [1e-6, 1.0, 1e5])
+def test_noise_of_a_millionth_is_no_contradiction(number, length, rng):
+    base = waves(0.05, number, length)
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, length, 14), np.linspace(0, length, 12))
+
+    def noise(of):
+        return 1e-6 * rng.uniform(-1, 1, of.shape)
+
+    class Noisy(base):
+        def derivatives(self, x, y):
+            return tuple(v + noise(v) for v in super().derivatives(x, y))
+
+        def second_derivatives(self, x, y):
+            return tuple(v + noise(v) / length for v in super().second_derivatives(x, y))
+
+    class Rough(base):
+        def position(self, x, y):
+            found = super().position(x, y)
+            return found + noise(found) * length
+
+    class Forward(base):
+        """As many write it."""
+
+        def derivatives(self, x, y):
+            h, here = 1e-7 * length, self.position(x, y)
+            return (self.position(x + h, y) - here) / h, (self.position(x, y + h) - here) / h
+
+    for surface in (base, Noisy, Rough, Forward):
+        put(surface(), mesh)
+        with pytest.raises(InputError, match="give X_xy"):
+            put(type("Wrong", (surface,), {"second_derivatives": lambda self, x, y: (
+                lambda xx, xy, yy: (xx, -xy, yy))(*super(type(self), self).second_derivatives(x, y))})(), mesh)  # fmt: skip
+
+
+def test_a_surface_is_asked_within_the_mesh_only():
+    class Cap:
+        """A half sphere, which ends not far from the mesh."""
+
+        def position(self, x, y):
+            assert (x * x + y * y < 1).all()
+            return np.stack([x, y, np.sqrt(1 - x * x - y * y)])
+
+        def derivatives(self, x, y):
+            z, one, zero = self.position(x, y)[2], np.ones_like(x), np.zeros_like(x)
+            return np.stack([one, zero, -x / z]), np.stack([zero, one, -y / z])
+
+        def second_derivatives(self, x, y):
+            z, o = self.position(x, y)[2], np.zeros_like(x)
+            return tuple(np.stack([o, o, v]) for v in (-1 / z - x * x / z**3, -x * y / z**3, -1 / z - y * y / z**3))
+
+    u, v = (square := skfem.MeshQuad.init_tensor(*[np.linspace(-0.99, 0.99, 8)] * 2)).p
+    put(Cap(), made(square, 0.97 * np.stack([u * np.sqrt(1 - v * v / 2), v * np.sqrt(1 - u * u / 2)])))
+
+
+def test_exact_derivatives_that_are_wrong_between_the_places_a_mapped_surface_looks_at():
+    def slopes(x, y):
+        bump = 0.1 * np.exp(-(((x - 0.36) / 0.02) ** 2) - ((y - 0.52) / 0.02) ** 2)
+        return (np.ones_like(x), np.zeros_like(x), y + bump), (np.zeros_like(x), np.ones_like(x), x)
+
+    surface = sk.MappedSurface(lambda x, y: (x, y, x * y), ((0.0, 1.0), (0.0, 1.0)), exact_derivatives=slopes)
+    with pytest.raises(InputError, match="derivatives give X_x"):
+        put(surface, uniform(surface, 25, 25))
+
+
+MALFORMED = [
+    ({"position": lambda self, x, y: [x, y, 0 * x]}, "position is a list"),
+    ({"position": lambda self, x, y: np.stack([x, y, 0 * x], axis=-1)}, r"position is an array of shape \(\d+, 3\)"),
+    ({"position": lambda self, x, y: np.stack([x, y, np.where(x > 1.8, np.nan, 0.0)])}, r"position is .*nan.* finite"),
+    ({"derivatives": lambda self, x, y: Own.derivatives(self, x, y)[:1]}, "derivatives return .*must return X_x, X_y"),
+    ({"derivatives": lambda self, x, y: Own.derivatives(self, x, y)[::-1]}, "derivatives give X_x = .*differences"),
+    ({"second_derivatives": lambda self, x, y: (None, None, None)}, "X_xx of second_derivatives is a NoneType"),
+    ({"second_derivatives": lambda self, x, y: Own.second_derivatives(self, x, y)[1:]}, "must return X_xx, X_xy, X_yy"),
+]
+
+
+@pytest.mark.parametrize(("change", "words"), MALFORMED)
+def test_surfaces_that_return_something_else(change, words):
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    with pytest.raises(InputError, match=f"surface: .*{words}"):
+        put(type("Changed", (Own,), change)(), mesh)
+
+
+def test_the_thin_theory_asks_for_second_derivatives():
+    class First:
+        position, derivatives, factor = Own.position, Own.derivatives, Own.factor
+
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4))
+    put(First(), mesh)
+    with pytest.raises(InputError, match="second_derivatives, which theory 'kirchhoff' needs"):
+        Geometry(mesh, First(), theory_named("kirchhoff"))
+
+
+# --- seams -----------------------------------------------------------------------------------------------------------
+
+
+class Shell:
+    """A cylinder, or a part of one."""
+
+    bounds, sides, closed = ((0.0, 2.0), (0.0, 2 * pi)), ("low", "high", "from", "to"), (False, True)
+    turns, climb = 1.0, 0.0
+
+    def position(self, x, y):
+        angle = self.turns * y
+        return np.stack([np.cos(angle), np.sin(angle), x + self.climb * y])
+
+    def derivatives(self, x, y):
+        angle, zero = self.turns * y, np.zeros_like(x)
+        along = [-self.turns * np.sin(angle), self.turns * np.cos(angle), self.climb + zero]
+        return np.stack([zero, zero, zero + 1]), np.stack(along)
+
+    def second_derivatives(self, x, y):
+        zero, bent = np.zeros_like(x), -(self.turns**2) * self.position(x, y)
+        bent[2] = 0.0
+        return np.stack([zero] * 3), np.stack([zero] * 3), bent
+
+
+@pytest.mark.parametrize("change", [{"turns": 0.25}, {"climb": 0.1}, {"closed": (True, True)}, {"turns": 1.001}])
+def test_surfaces_that_are_said_to_be_closed_and_are_not(change):
+    surface = type("Changed", (Shell,), change)()
+    put(Shell(), uniform(Shell(), 3, 8))
+    with pytest.raises(InputError, match=r"closed in [xy], but X differs by .* between the two ends"):
+        put(surface, uniform(surface, 3, 8))
+
+
+SLIT = [
+    type("Open", (Shell,), {"closed": (False, False)})(),
+    sk.CylinderSector(1.0, 2.0, 2 * pi),
+    sk.AnnulusSector(1.0, 2.0, 2 * pi, start=0.3),
+]
+
+
+@pytest.mark.parametrize("surface", SLIT, ids=["own", "tube", "ring"])
+def test_a_slit_that_nobody_names_is_told(surface):
+    law, names, mesh = sk.Isotropic(1e5, 0.3, 1.0), surface.sides, uniform(surface, 3, 8)
+
+    def on(*supports, loads=()):
+        return sk.Problem(surface, 0.05, law, supports, loads).on(mesh)
+
+    for supports in ([sk.Clamp(names[0])], [sk.Clamp("boundary")], [sk.Pin([names[0], names[1]])]):
+        with pytest.warns(sk.OutOfDepth, match=f"'{names[2]}' and '{names[3]}' .* not joined.*closed=True") as told:
+            on(*supports)
+        assert len(told) == 1 and told[0].filename == __file__
+    # Whoever names one of its edges knows of the slit.
+    end = surface.bounds[1][1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        on(sk.Clamp(names[2]))
+        on(sk.Pin(lambda x, y: y > end - 1e-9), loads=[sk.EdgeLoad(names[0], (0, 0, 1.0))])
+        on(sk.Clamp(names[0]), loads=[sk.EdgeLoad(names[3], (0, 0, 1.0))])
+
+
+@families
+def test_whole_surfaces_have_no_slit(family):
+    surface, mesh = MESHES[family]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sk.Problem(surface, 0.05, sk.Isotropic(1e5, 0.3, 1.0)).on(mesh)

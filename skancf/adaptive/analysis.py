@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from skancf.adaptive.estimate import Estimate, goal_estimate
+from skancf.adaptive.estimate import Estimate, goal_estimate, value_of
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.transfer import transfer
 from skancf.assembly.system import System
@@ -77,7 +77,7 @@ class StaticAnalysis:
     def solve(self, system: System, start: Solution | None) -> Answer:
         if self.linear:
             state = small_deflection(system, self.load_factor, backend=self.backend)
-            return Answer(state, self.quantity.value(state))
+            return Answer(state, value_of(self.quantity, state))
         return self._nonlinear(system, start)
 
     def _nonlinear(self, system: System, start: Solution | None) -> Answer:
@@ -91,7 +91,7 @@ class StaticAnalysis:
             if result.status in REACHED:
                 break
         state, restarted = result.unwrap(), start is not None and begin is None
-        return Answer(state, self.quantity.value(state), spent, restarted, None, result.message, result.checks)
+        return Answer(state, value_of(self.quantity, state), spent, restarted, None, result.message, result.checks)
 
     def estimate(self, answer: Answer) -> Estimate:
         return goal_estimate(answer.state, self.quantity, backend=self.backend)

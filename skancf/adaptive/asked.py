@@ -19,6 +19,7 @@ from skancf.meshes import MeshQuadTree
 from skancf.problem import Problem
 from skancf.solution import Solution
 from skancf.statics.causes import require_support
+from skancf.statics.depth import warn_without_time
 from skancf.theories import Theory
 
 INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
@@ -71,6 +72,7 @@ def first_system(
     for hint in (drift(system), _between_lines(quantity, mesh)):
         if hint:
             warnings.warn(hint, OutOfDepth, stacklevel=3)
+    warn_without_time(system)
     if isinstance(analysis, StaticAnalysis):
         require_support(system)
     return system

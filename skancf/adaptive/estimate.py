@@ -9,7 +9,8 @@ import numpy as np
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
 from skancf.arguments import STATE, having, instance
-from skancf.errors import InputError
+from skancf.errors import InputError, number, vector
+from skancf.functions import called
 from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
@@ -87,14 +88,14 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     """
     check_state("state", state, backend)
     check_quantity(quantity)
-    value = quantity.value(state)
+    value = value_of(quantity, state)
     with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected
-        weight = enriched.solve(quantity.gradient(better))
+        weight = enriched.solve(_gradient_of(quantity, better))
         smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
         left = enriched.left(indicators)
-        error = (quantity.value(better) - value) / (1 - left)
+        error = (value_of(quantity, better) - value) / (1 - left)
         return Estimate(value, error, indicators, better, left, enriched.rounding(weight))
 
 
@@ -117,3 +118,12 @@ def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:
         r = enriched.system.constraints.free_part(enriched.residual).reshape(-1, 12)
         steps = np.linalg.solve(blocks, r[:, :, None])[:, :, 0]
         return enriched.shares(0.5 * (r * steps).ravel() * enriched.is_new().repeat(12))
+
+
+def value_of(quantity: Quantity, state: Solution) -> float:
+    """The number that a quantity is in a state, also one of the user's own."""
+    return number("quantity.value", called("quantity.value", quantity.value, state))
+
+
+def _gradient_of(quantity: Quantity, state: Solution) -> np.ndarray:
+    return vector("quantity.gradient", called("quantity.gradient", quantity.gradient, state), state.system.n_dofs)

@@ -10,12 +10,13 @@ from skancf.adaptive.carry import carried
 from skancf.adaptive.grow import LEFT, SMALLEST, may_be_quartered
 from skancf.adaptive.marking import check_indicators
 from skancf.adaptive.recovery import recovery
-from skancf.arguments import function, whole
+from skancf.arguments import function, plain, whole
 from skancf.assembly.system import System
 from skancf.dynamics import MeshEvent
 from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
 from skancf.errors import InputError, OutOfDepth, positive
+from skancf.functions import called
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.solution import Solution
@@ -83,6 +84,7 @@ class Follow:
     energy: float | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         for name in ("rtol", "max_dofs", "smallest"):
             positive(name, getattr(self, name))
         whole("every", self.every, floats=True)
@@ -108,7 +110,7 @@ class Follow:
         """
         state = Solution(system, now.q, now.v, now.time)
         asked = self.rtol**2 * (energy if self.energy is None else self.energy)
-        values = check_indicators(self.indicator(state))
+        values = check_indicators(called("indicator", self.indicator, state))
         ahead = min(2 * now.time - before.time, end)
         fine = self._marked(system, values, asked, (now.time, ahead))
         target = self._finer(system, fine)

@@ -8,6 +8,7 @@ from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.singular import touching
 from skancf.assembly.geometry import Geometry
+from skancf.functions import called
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.surfaces import Surface
@@ -56,12 +57,12 @@ class Growth:
         mesh: MeshQuadTree = geometry.mesh
         leaves = mesh.leaves
         room = may_be_quartered(leaves, geometry.surface)
-        marked = self.refine.marked(np.where(room, indicators, 0.0))
+        marked = called("marking", self.refine.marked, np.where(room, indicators, 0.0))
         marked = marked[room[marked]]
         finer = leaves.refined(marked)
         if 0 < marked.size < len(leaves):
             finer = _again(geometry, finer, indicators, float(indicators[marked].min()), points)
-        small = finer.find(leaves.cells.take(self.coarsen.marked(indicators)))
+        small = finer.find(leaves.cells.take(called("coarsening", self.coarsen.marked, indicators)))
         return mesh.regrown(finer).coarsened(small[small >= 0])
 
 

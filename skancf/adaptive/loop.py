@@ -24,6 +24,7 @@ from skancf.adaptive.unbounded import why_without_limit
 from skancf.arguments import MESH, instance
 from skancf.assembly.system import System
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, number
+from skancf.functions import called
 from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
 from skancf.progress import Progress
@@ -117,6 +118,7 @@ def adapt(
     check_quantity(quantity, ("analysis",) if hasattr(quantity, "analysis") else ("value", "gradient"))
     if mesh is not None:
         instance("mesh", mesh, skfem.MeshQuad, MESH)
+    rtol, atol = float(rtol), float(atol)
     statics = StaticAnalysis(quantity, linear, number("load_factor", load_factor), newton_rtol(rtol), backend)
     analysis = quantity.analysis(statics) if hasattr(quantity, "analysis") else statics
     first = quadtree(starting_mesh(problem, quantity) if mesh is None else mesh, problem.surface)
@@ -226,7 +228,7 @@ class _Run:
             estimate = clock.take("estimate", self.analysis.estimate, answer)
             indicators = estimate.indicators
             if self.indicator is not None:
-                indicators = check_indicators(clock.take("mark", self.indicator, answer.state))
+                indicators = check_indicators(clock.take("mark", called, "indicator", self.indicator, answer.state))
                 if len(indicators) != system.mesh.nelements:
                     raise InputError(f"indicator: it gives {len(indicators)} numbers for {system.mesh.nelements} elements; "
                                      "give one for each")  # fmt: skip

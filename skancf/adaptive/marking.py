@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, finite, number
 
 # Indicators of elements that are mirror images differ by rounding only.
@@ -49,6 +50,7 @@ class Doerfler:
     share: float = 0.5
 
     def __post_init__(self) -> None:
+        plain(self)
         _check_share("share", self.share)
 
     def marked(self, indicators: Any) -> np.ndarray:
@@ -84,6 +86,7 @@ class Maximum:
     factor: float = 0.5
 
     def __post_init__(self) -> None:
+        plain(self)
         _check_share("factor", self.factor)
 
     def marked(self, indicators: Any) -> np.ndarray:
@@ -112,6 +115,7 @@ class FixedFraction:
     fraction: float = 0.2
 
     def __post_init__(self) -> None:
+        plain(self)
         _check_share("fraction", self.fraction)
 
     def marked(self, indicators: Any) -> np.ndarray:
@@ -154,6 +158,7 @@ class Below:
     factor: float = 0.01
 
     def __post_init__(self) -> None:
+        plain(self)
         _check_share("factor", self.factor)
 
     def marked(self, indicators: Any) -> np.ndarray:

@@ -81,7 +81,7 @@ def _around_poles(geometry: Geometry, points: np.ndarray) -> np.ndarray:
     """The points, and of one at a pole all places that it has in the parameter plane."""
     if not geometry.ties.poles:
         return points
-    positions = geometry.surface.position(*geometry.within(points)).T
+    positions = np.asarray(geometry.surface.position(*geometry.within(points))).T
     size = SAME_POINT * np.ptp(geometry.undeformed[:, 0], axis=0).max()
     for pole in geometry.ties.poles:
         if (np.linalg.norm(positions - geometry.undeformed[pole, 0], axis=1) < size).any():
@@ -174,6 +174,6 @@ def same_point(geometry: Geometry, one: Any, two: Any) -> bool:
         apart[axis] -= (high - low) * np.round(apart[axis] / (high - low))
     if np.linalg.norm(apart / extent) < SAME_POINT:
         return True
-    at = [geometry.surface.position(*geometry.within(finite("at", p))[:, None])[:, 0] for p in (one, two)]
+    at = [np.asarray(geometry.surface.position(*geometry.within(finite("at", p))[:, None]))[:, 0] for p in (one, two)]
     size = SAME_POINT * np.ptp(geometry.undeformed[:, 0], axis=0).max()
     return any(max(np.linalg.norm(p - geometry.undeformed[pole, 0]) for p in at) < size for pole in geometry.ties.poles)

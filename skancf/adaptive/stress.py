@@ -7,16 +7,18 @@ import numpy as np
 
 from skancf.adaptive.regions import SAME, find_regions
 from skancf.arguments import STATE, instance
-from skancf.errors import InputError, shown
+from skancf.errors import InputError, shown, warn
 from skancf.meshes import Regions
-from skancf.solution import STRESSES, Solution
+from skancf.solution import STRESSES, Depth, Solution
 
 SEARCH = ("radius", "size", "cap")
+LITTLE = 0.01
+"""Of the stress at a face: less says nothing of where that is large."""
 COMPONENTS = {"in_plane": ("S11", "S22", "S12"), "normal": ("S11", "S22", "S33")}
 
 
 def nodal_measure(
-    solution: Solution, components: str | Sequence[str] = "in_plane", z: float = 0.0
+    solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None
 ) -> np.ndarray:
     r""":math:`\sigma_i = \max_k |S_k|` over some components, (n_mesh_nodes,) (Pa).
 
@@ -24,8 +26,13 @@ def nodal_measure(
     ----------
     components : {"in_plane", "normal"} or names
         ``"in_plane"``: S11, S22, S12; ``"normal"``: S11, S22, S33; or any of S11, S22, S33, S23, S13, S12.
-    z : float
-        Depth. On the neutral surface, z = 0, bending leaves only membrane and shear stress.
+    z : float or {"top", "middle", "bottom"}
+        Depth (m). Default: the reference surface, z = 0, as in the paper, where bending leaves membrane and shear stress.
+
+    Warns
+    -----
+    OutOfDepth
+        Without z, where the stress at z = 0 is less than a hundredth of that at a face: it says nothing of the bending.
     """
     instance("solution", solution, Solution, STATE)
     names = COMPONENTS.get(components, (components,)) if isinstance(components, str) else components
@@ -36,11 +43,23 @@ def nodal_measure(
         known = False
     if not known:
         raise InputError(f"components = {shown(components)}: choose {sorted(COMPONENTS)} or some of {list(STRESSES)}")
-    return np.abs(solution.nodal_stresses(z)[:, [STRESSES.index(name) for name in names]]).max(axis=1)
+    columns = [STRESSES.index(name) for name in names]
+
+    def at(depth: Depth) -> np.ndarray:
+        return np.asarray(np.abs(solution.nodal_stresses(depth)[:, columns]).max(axis=1))
+
+    if z is not None:
+        return at(z)
+    measure = at(0.0)
+    face = max(float(at(name).max()) for name in ("top", "bottom"))
+    if measure.max() < LITTLE * face:
+        warn(f"the stress measure is that of the reference surface, z = 0, where it is {measure.max():.3g} Pa at most, and "
+             f"{face:.3g} Pa at a face: it does not see that the body is bent. Give z='top' or z='bottom'")  # fmt: skip
+    return measure
 
 
 def stress_indicator(
-    solution: Solution, components: str | Sequence[str] = "in_plane", z: float = 0.0
+    solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None
 ) -> np.ndarray:
     r"""The largest measure at the corners of each element, 0 where it does not exceed the mean: (n_elements,) (Pa).
 
@@ -51,7 +70,7 @@ def stress_indicator(
     ----------
     solution : Solution
     components, z
-        Which stress: see :func:`nodal_measure`.
+        Which stress, without z that of the reference surface, which does not see bending: see :func:`nodal_measure`.
 
     References
     ----------
@@ -70,7 +89,7 @@ def face_stress(solution: Solution) -> np.ndarray:
 
 
 def stress_regions(
-    solution: Solution, components: str | Sequence[str] = "in_plane", z: float = 0.0, **search: Any
+    solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None, **search: Any
 ) -> Regions:
     r"""Regions to refine: about every node whose stress exceeds the mean and is the largest around it.
 
@@ -79,7 +98,7 @@ def stress_regions(
     solution
         A state on a uniform mesh, for example ``motion.at(0.1)``.
     components, z
-        Which stress: see :func:`nodal_measure`.
+        Which stress, without z that of the reference surface, which does not see bending: see :func:`nodal_measure`.
     **search
         ``radius``, ``size``, ``cap`` of :func:`~skancf.adaptive.find_regions`.
 

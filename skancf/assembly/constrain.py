@@ -1,15 +1,21 @@
-"""Conditions of supports on the nodal coordinates, turned into constraints in nodal frames."""
+r"""Conditions of supports on the nodal coordinates, turned into constraints in nodal frames.
 
-import warnings
+Nodal coordinates have units of their own, m, m per unit of x, m per unit of y and so on, so that a condition of several of
+them, such as that of no rotation about the normal, is compared with others, and called zero, in multiples of their
+:attr:`~skancf.assembly.geometry.Geometry.scales` s: :math:`a \cdot e = \sum a_i s_i \, (e_i / s_i)`.
+"""
+
 from collections.abc import Sequence
-from functools import partial
 from itertools import chain
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, OutOfDepth
+from skancf.errors import InputError, finite, shown, vector
+from skancf.functions import Noted, is_ours
 from skancf.history import amplitude
 from skancf.linear import BlockMatrix, Constraints
 
@@ -26,12 +32,14 @@ class PrescribedMotion:
         """The functions of time."""
         return [history for _, history in self.parts]
 
+    @property
+    def without_time(self) -> list[str]:
+        """What is to be said where values are taken without a time."""
+        return sorted({hint for history in self.histories() if (hint := getattr(history, "without_time", None))})
+
     def values(self, time: float | None) -> np.ndarray:
-        """(n_dofs,); without a time at full amplitude, with a warning where there is none."""
+        """(n_dofs,); without a time at full amplitude, and at rest where there is none: see ``without_time``."""
         total = np.zeros(self.n_dofs)
-        hints = {getattr(history, "without_time", None) for history in self.histories()} if time is None else {None}
-        for hint in filter(None, hints):
-            warnings.warn(hint, OutOfDepth, stacklevel=4)
         for change, history in self.parts:
             total += amplitude(history, time) * change
         return total
@@ -49,8 +57,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     for history in chain.from_iterable(support.histories for support in supports):
         if not any(history is known for known in histories):
             histories.append(history)
-    # No comprehension: it has a frame of its own in some Pythons, which would shift where warnings point.
-    conditions = list(map(partial(_conditions, geometry, histories=histories), supports))
+    conditions = [_conditions(geometry, support, histories) for support in supports]
     if geometry.theory.twist:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]
@@ -62,72 +69,115 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
     fixed = np.zeros((geometry.n_nodes, 12), dtype=bool)
     changes = np.zeros((len(histories), geometry.n_nodes, 12))
     frame_nodes, frames = [], []
-    known: dict[bytes, tuple[np.ndarray, int, np.ndarray, np.ndarray | None]] = {}
+    known: dict[bytes, tuple[np.ndarray, np.ndarray | None, np.ndarray]] = {}
     for node, begin, end in zip(held.tolist(), first, [*first[1:], len(order)], strict=False):
-        part = order[begin:end]
-        key = rows[part].tobytes()
+        part, scales = order[begin:end], geometry.scales[node]
+        key = rows[part].tobytes() + scales.tobytes()
         if key not in known:  # nodes along a straight edge are alike
-            known[key] = _held(geometry, node, rows[part, :12], rows[part, 12:])
-        frame, rank, local, axes = known[key]
-        if axes is not None:
-            fixed[node, axes] = True
-        else:
-            fixed[node, :rank] = True
+            known[key] = _held(geometry, node, rows[part, :12], rows[part, 12:], scales)
+        axes, frame, change = known[key]
+        fixed[node, axes] = True
+        if frame is not None:
             frame_nodes.append(node)
             frames.append(frame)
-        changes[:, node] = (frame[:rank].T @ local).T
+        changes[:, node] = change.T
     constraints = Constraints(fixed, np.array(frame_nodes, dtype=np.int64), np.array(frames).reshape(-1, 12, 12))
     parts = [(change.ravel(), history) for change, history in zip(changes, histories, strict=True) if change.any()]
     return constraints, PrescribedMotion(fixed.size, parts)
 
 
 def _conditions(geometry: Geometry, support: Any, histories: list[Any]) -> tuple[np.ndarray, np.ndarray]:
-    """The nodes (m,) that a support holds, and of each of its conditions the unit vector and the values for all histories,
-    (m, 12 + n_histories)."""
-    found = support.rows(geometry)
+    """The nodes (m,) that a support holds, and of each of its conditions the unit vector a s and the values for all
+    histories, (m, 12 + n_histories)."""
+    found = support.rows(geometry) if is_ours(support) else _own_rows(geometry, support)
     ties, nodes = geometry.ties, np.array([row.node for row in found], dtype=int)
     given = np.array([row.a for row in found]).reshape(-1, 12)
     seen = np.array([not row.own for row in found], dtype=bool)  # with the slopes seen from that node of the mesh
-    a = given.copy()
-    a[seen] = np.einsum("nkl,nki->nli", ties.mix[nodes[seen]], given[seen].reshape(-1, 4, 3)).reshape(-1, 12)
+    a, terms = given.copy(), np.abs(given)
+    mix = ties.mix[nodes[seen]]
+    a[seen] = np.einsum("nkl,nki->nli", mix, given[seen].reshape(-1, 4, 3)).reshape(-1, 12)
+    terms[seen] = np.einsum("nkl,nki->nli", np.abs(mix), terms[seen].reshape(-1, 4, 3)).reshape(-1, 12)
     numbers = [next(k for k, known in enumerate(histories) if known is history) for history in support.histories]
     values = np.zeros((len(found), len(histories)))
     if found:
         values[:, numbers] = np.array([row.value for row in found]).reshape(len(found), -1)
+    nodes = ties.node_of[nodes]
+    a, terms = a * geometry.scales[nodes], terms * geometry.scales[nodes]
     sizes = np.linalg.norm(a, axis=1)
-    kept = sizes > PARALLEL * np.linalg.norm(given, axis=1)  # a vector that a pole does not have needs no holding
-    return ties.node_of[nodes[kept]], np.hstack([a, values])[kept] / sizes[kept, None]
+    kept = sizes > PARALLEL * np.linalg.norm(terms, axis=1)  # a vector that a pole does not have needs no holding
+    return nodes[kept], np.hstack([a, values])[kept] / sizes[kept, None]
+
+
+def _own_rows(geometry: Geometry, support: Any) -> list[Any]:
+    """The conditions of a support of the user's own."""
+    with Noted("support.rows"):
+        rows = list(support.rows(geometry))
+        for row in rows:
+            if not all(hasattr(row, name) for name in ("node", "a", "value", "own")):
+                raise InputError(f"support.rows of {shown(support)}: {shown(row)} is no condition; give a Row of "
+                                 "skancf.supports.conditions")  # fmt: skip
+            vector("a, of a row of support.rows,", row.a, 12)
+            finite("value, of a row of support.rows,", row.value)
+            if not 0 <= row.node < geometry.mesh.p.shape[1]:
+                raise InputError(f"node = {shown(row.node)} of a row of support.rows: the mesh has nodes 0 to "
+                                 f"{geometry.mesh.p.shape[1] - 1}")  # fmt: skip
+    return rows
 
 
 def _held(
-    geometry: Geometry, node: int, A: np.ndarray, values: np.ndarray
-) -> tuple[np.ndarray, int, np.ndarray, np.ndarray | None]:
-    """Frame, rank and values of :func:`_frame`, and the coordinates that are held where these need no frame."""
-    frame, rank, local = _frame(A, values)
-    _check_consistent(geometry, node, A, frame[:rank], local, values)
-    axes = np.abs(frame[:rank]).argmax(axis=1)
-    plain = np.allclose(np.abs(frame[:rank, axes]), np.eye(rank), atol=PARALLEL)
-    return frame, rank, local, axes if plain else None
+    geometry: Geometry, node: int, A: np.ndarray, values: np.ndarray, scales: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
+    """Which coordinates (rank,) are held, those of a frame (12, 12) or without one, and how they change (12, n_histories).
 
-
-def _frame(A: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, int, np.ndarray]:
-    """An orthonormal frame (12, 12) whose first rows span those of A, their number, and the values along them."""
-    axes = np.flatnonzero((np.abs(A) > PARALLEL).any(axis=0))
-    if ((np.abs(A) > PARALLEL).sum(axis=1) == 1).all():
-        rank = len(axes)
-        frame = np.eye(12)[np.concatenate([axes, np.setdiff1d(np.arange(12), axes)])]
+    The conditions A (n, 12) are those on coordinates in multiples of their scales (12,).
+    """
+    span = _span(A)
+    change = span.T @ np.linalg.lstsq(A @ span.T, values, rcond=None)[0]
+    _check_consistent(geometry, node, A @ change, values)
+    change *= scales[:, None]
+    axes = np.flatnonzero((np.abs(span) > PARALLEL).any(axis=0))
+    if len(axes) == len(span):
+        frame, held = None, np.eye(12)[axes]
     else:
-        _, sizes, frame = np.linalg.svd(A)
-        rank = int((sizes > PARALLEL * sizes[0]).sum())
-    local = np.linalg.lstsq(A @ frame[:rank].T, values, rcond=None)[0]
-    return frame, rank, local
+        frame = _frame(span, scales)
+        axes = np.arange(len(span))
+        held = frame[axes]
+    return axes, frame, held.T @ (held @ change)
 
 
-def _check_consistent(
-    geometry: Geometry, node: int, A: np.ndarray, span: np.ndarray, local: np.ndarray, values: np.ndarray
-) -> None:
-    error = np.abs(A @ span.T @ local - values).max()
-    if error > 1e-9 * max(1e-300, np.abs(values).max()):
+def _span(A: np.ndarray) -> np.ndarray:
+    """Orthonormal rows that span those of A."""
+    counts = np.abs(A) > PARALLEL
+    if (counts.sum(axis=1) == 1).all():
+        return np.eye(12)[counts.any(axis=0)]
+    _, sizes, rows = np.linalg.svd(A)
+    return np.asarray(rows[: int((sizes > PARALLEL * sizes[0]).sum())])
+
+
+def _frame(span: np.ndarray, scales: np.ndarray) -> np.ndarray:
+    """An orthonormal frame (12, 12) of coordinates as they are, of which the first rows are those held.
+
+    Of all of them the one that mixes no more coordinates than a condition does, and is orthogonal in multiples of the scales
+    too, so that a direction has one scale: the bending stiffness of a thin plate would be lost beside the rounding of a
+    membrane stiffness that a frame mixes with it.
+    """
+    projector = span.T @ span
+    n, part = connected_components(sp.csr_matrix(np.abs(projector) > PARALLEL), directed=False)
+    held: list[np.ndarray] = []
+    free: list[np.ndarray] = []
+    for k in range(n):
+        own = np.flatnonzero(part == k)
+        shares, vectors = np.linalg.eigh(projector[np.ix_(own, own)])
+        for rows, of, factors in ((held, shares > 0.5, 1 / scales[own]), (free, shares < 0.5, scales[own])):
+            basis = np.zeros((np.count_nonzero(of), 12))
+            basis[:, own] = np.linalg.svd(factors[:, None] * vectors[:, of], full_matrices=False)[0].T
+            rows.append(basis)
+    frame = np.vstack([*held, *free])
+    return np.asarray(1.5 * frame - 0.5 * frame @ frame.T @ frame)  # orthonormal to the last digit
+
+
+def _check_consistent(geometry: Geometry, node: int, found: np.ndarray, values: np.ndarray) -> None:
+    if np.abs(found - values).max() > 1e-9 * max(1e-300, np.abs(values).max()):
         raise InputError(f"supports at the node {tuple(geometry.points[:, node].tolist())} prescribe different values "
                          "for the same coordinate; let one of them go")  # fmt: skip
 
@@ -136,30 +186,31 @@ AXES = np.eye(3)
 
 
 def rigid_motions(undeformed: np.ndarray, size: float) -> np.ndarray:
-    """The six rigid motions about the centre, linear, of nodal coordinates (n_nodes, 4, 3): shape (6, n_dofs).
-
-    Positions count in units of ``size``, so that slopes and positions compare.
-    """
+    """The six rigid motions of nodal coordinates (n_nodes, 4, 3), translations by ``size`` and rotations about the centre by
+    one, linear: (6, n_dofs)."""
     centred = undeformed.copy()
-    centred[:, 0] = (undeformed[:, 0] - undeformed[:, 0].mean(axis=0)) / size
+    centred[:, 0] -= undeformed[:, 0].mean(axis=0)
     modes = np.zeros((6, *undeformed.shape))
     for i, axis in enumerate(AXES):
-        modes[i, :, 0] = axis
+        modes[i, :, 0] = size * axis
         modes[3 + i] = np.cross(axis, centred)
     return modes.reshape(6, -1)
 
 
 def free_rigid_motions(
-    undeformed: np.ndarray, constraints: Constraints, foundation: BlockMatrix | None = None
+    geometry: Geometry, constraints: Constraints, foundation: BlockMatrix | None = None
 ) -> list[str]:
     """The rigid motions that the constraints, and springs if there are any, leave free, in words."""
-    nodal = undeformed.reshape(-1, 4, 3)
+    nodal, scales = geometry.undeformed, geometry.scales
     centre = nodal[:, 0].mean(axis=0)
     size = float(np.abs(nodal[:, 0] - centre).max())
     modes = rigid_motions(nodal, size)
-    held = np.array([constraints.to_frame(mode)[constraints.fixed.ravel()] for mode in modes])
+    fixed, sizes = constraints.fixed.ravel(), scales.copy()
+    if constraints.frame_nodes.size:
+        sizes[constraints.frame_nodes] = np.linalg.norm(constraints.frames * scales[constraints.frame_nodes, None], axis=2)
+    held = np.array([(constraints.to_frame(mode) / sizes.ravel())[fixed] for mode in modes])
     if foundation is not None:
-        resisting = np.array([foundation @ mode for mode in modes])
+        resisting = np.array([scales.ravel() * (foundation @ mode) for mode in modes])
         held = np.hstack([held, resisting / np.abs(resisting).max()])
     vectors, sizes, _ = np.linalg.svd(np.hstack([held, np.zeros((6, 6))]), full_matrices=False)
     free = vectors[:, sizes < 1e-9 * max(1.0, sizes[0])].T

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 import skfem
 
+from skancf.arguments import having
 from skancf.assembly.hanging import Hanging
 from skancf.assembly.maps import local_maps
 from skancf.assembly.places import Places
@@ -49,9 +50,11 @@ class Geometry(Places):
 
     def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Theory):
         check_mesh_on(mesh, getattr(surface, "bounds", None))
-        check_derivatives(surface, mesh.p[:, mesh.t].mean(axis=1), np.ptp(mesh.p, axis=1))
+        check_derivatives(surface, mesh)
         if theory.twist:
             require_aligned(mesh)
+            having("surface", surface, ("second_derivatives",), "one with second_derivatives, which theory 'kirchhoff' "
+                   "needs; sk.MappedSurface makes them of a position")  # fmt: skip
         self.mesh, self.surface, self.theory = mesh, surface, theory
         check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
         self.ties = find_ties(mesh, surface, theory.twist)
@@ -95,6 +98,16 @@ class Geometry(Places):
         beside = normal(self.surface, *self.parameters(np.array([[0.5], [0.5]]), np.array([element]))[:, 0])[:, 0]
         n = np.cross(*tangents)
         return np.asarray(n / np.linalg.norm(n) * np.sign(n @ beside))
+
+    @cached_property
+    def scales(self) -> np.ndarray:
+        """What each of the 12 coordinates at a node counts in, (n_nodes, 12), powers of two: of the size of the surface, of
+        the undeformed slopes, and of a twist or of one, whatever the units of length and of the parameters."""
+        extent = np.ptp(self.undeformed[:, 0], axis=0).max()
+        slopes = np.linalg.norm(self.undeformed[:, 1:3], axis=2)
+        fourth = slopes.prod(axis=1) / extent if self.theory.twist else np.ones(self.n_nodes)
+        sizes = np.column_stack([np.full(self.n_nodes, extent), slopes, fourth])
+        return np.repeat(np.exp2(np.round(np.log2(sizes))), 3, axis=1)
 
     @property
     def n_nodes(self) -> int:
@@ -156,7 +169,10 @@ class Geometry(Places):
         bending = np.array([[xx, xy], [xy, yy]]).transpose(2, 0, 1)
         metric = slopes @ slopes.swapaxes(1, 2)
         out = np.zeros_like(slopes)
-        regular = np.linalg.det(metric) >= 1e-18 * np.trace(metric, axis1=1, axis2=2) ** 2
+        # A slope is zero at a pole, relative to what it is elsewhere: the two have units of their own.
+        lengths = np.linalg.norm(slopes, axis=2).max(axis=0)
+        relative = metric / np.outer(lengths, lengths)
+        regular = np.linalg.det(relative) >= 1e-18 * np.trace(relative, axis1=1, axis2=2) ** 2
         out[regular] = -bending[regular] @ np.linalg.solve(metric[regular], slopes[regular])
         return out
 

@@ -12,8 +12,9 @@ import skfem
 from scipy.sparse.csgraph import connected_components
 
 from skancf.assembly.ties import SAME, Ties
-from skancf.errors import InputError, shown, vector
+from skancf.errors import InputError, shown, vector, warn
 from skancf.functions import is_function, true_at
+from skancf.meshes.snap import NEAR, OF_AN_EDGE, SINGLE
 from skancf.surfaces import Interval, Surface, closed_directions
 
 Found = tuple[np.ndarray, np.ndarray]
@@ -52,7 +53,22 @@ class Places:
         facets = self.points_and_facets(where)[1]
         if not len(facets):
             raise InputError(f"where = {shown(where)} means no edge of the boundary; known names: {self.names()}")
+        if hint := self.strays(where):
+            warn(f"where = {hint}, where nothing acts; narrow the function if one edge is meant and others are in it")
         return facets
+
+    def strays(self, where: Any) -> str | None:
+        """What is said of a function that is true along edges of the boundary and at nodes inside too, as one with a wide
+        tolerance is; None for one that is true everywhere."""
+        if not is_function(where):
+            return None
+        nodes, facets = self.points_and_facets(where)
+        inside = np.setdiff1d(nodes, self.ends(self.mesh.boundary_facets()))
+        if not (len(facets) and len(inside)) or len(nodes) == len(self.ties.representative):
+            return None
+        x, y = self.mesh.p[:, self.ties.representative[inside[0]]]
+        return (f"{shown(where)} is true along {len(facets)} edges of the boundary and at {len(inside)} nodes inside the "
+                f"surface too, ({x:.6g}, {y:.6g}) for one")  # fmt: skip
 
     def names(self) -> list[str]:
         """Names that this mesh has."""
@@ -137,6 +153,12 @@ class Places:
         along = ends[:, 1] - ends[:, 0]
         return along / np.linalg.norm(along, axis=0)
 
+    def in_extents(self, along: np.ndarray) -> np.ndarray:
+        """Directions (2, ...) of the parameter plane, of unit length where each parameter counts in its extent: two of them
+        compare so whatever the units."""
+        counted = (along.T / np.ptp(self.mesh.p, axis=1)).T
+        return np.asarray(counted / np.linalg.norm(counted, axis=0))
+
     @cached_property
     def boundary(self) -> np.ndarray:
         """Facets on the boundary of the surface: of one element only, no seam and no pole."""
@@ -195,9 +217,12 @@ class Places:
     def node_at(self, at: Any) -> int:
         """The node at a point of the parameter plane."""
         point = vector("point", at, 2)
-        distance = np.linalg.norm(self.mesh.p - point[:, None], axis=0)
-        nearest = int(np.argmin(distance))
-        if distance[nearest] > 1e-8 * np.ptp(self.mesh.p, axis=1).max():
+        extent = np.ptp(self.mesh.p, axis=1)
+        distance = np.linalg.norm((self.mesh.p - point[:, None]) / extent[:, None], axis=0)
+        nearest, next_one = np.argpartition(distance, 1)[:2].tolist()
+        # Single precision may have moved it, by less than would mistake its neighbour for it.
+        rounded = min(max(NEAR, SINGLE * np.abs(point / extent).max()), OF_AN_EDGE * distance[next_one])
+        if distance[nearest] > max(1e-8, rounded):
             raise InputError(
                 f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
                 f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"

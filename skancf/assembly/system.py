@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.assembly import local
+from skancf.assembly import dilation, local
+from skancf.assembly.constrain import free_rigid_motions
 from skancf.assembly.folds import first_fold
 from skancf.assembly.full.assembly import FullAssembly
 from skancf.assembly.geometry import Geometry
@@ -70,6 +71,10 @@ class System:
     def mesh(self) -> Any:
         """The mesh in the parameter plane."""
         return self.geometry.mesh
+
+    def free_rigid_motions(self) -> list[str]:
+        """Rigid motions that no support and no spring holds, in words."""
+        return free_rigid_motions(self.geometry, self.constraints, self.foundation)
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         """Derivative of the strain energy, springs and foundations included, (n_dofs,)."""
@@ -147,18 +152,11 @@ class System:
         :math:`x \cdot G x = E h / (1 - \nu) \int |\nabla x|^2`. With a strain as its factor it counts against any
         membrane stiffness, whatever the unit, density and law.
         """
-        start = self.undeformed
-        dilated = self.stresses(start, start) - self.stresses(start)
-        return self.tangent(start, dilated, factor=0.0) + (-1.0) * self.stiffness()
+        return dilation.pretension(self)
 
     def largest_turn(self, change: np.ndarray) -> float:
         """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""
-        slopes = self.geometry.undeformed[:, 1:3]
-        lengths = np.sqrt((slopes**2).sum(axis=2))
-        with np.errstate(over="ignore"):
-            turns = np.sqrt((self._nodal(change)[:, 1:3] ** 2).sum(axis=2))
-        held = lengths > NO_SLOPE * lengths.max()
-        return float((turns[held] / lengths[held]).max())
+        return dilation.largest_turn(self.geometry, self._nodal(change))
 
     def _unstressed(self, plain: bool = False) -> BlockMatrix:
         out = np.zeros((self.pattern.n_blocks, 12, 12))
@@ -232,21 +230,19 @@ class System:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
         return self.prescription.values(time)
 
-    def load_histories(self) -> list[Any]:
-        """The functions of time that loads are multiplied with, each once."""
-        return list({id(load.history): load.history for load in self.loads if load.history is not None}.values())
-
-    def _histories(self) -> Iterable[Any]:
-        return chain.from_iterable([*[load.histories() for load in self.loads], self.prescription.histories()])
+    def histories(self) -> list[Any]:
+        """The functions of time of loads and prescribed motions, and the paths of loads that move, each once."""
+        every = chain.from_iterable([*[load.histories() for load in self.loads], self.prescription.histories()])
+        return list({id(history): history for history in every if history is not None}.values())
 
     def check_histories(self, begin: float, end: float) -> None:
         """InputError where a load or a prescribed motion has a table that does not cover the times of a run (s)."""
-        for history in self._histories():
+        for history in self.histories():
             check_cover(history, begin, end)
 
     def knots(self) -> list[float]:
         """Times, ascending, at which the functions of time of loads and prescribed motions begin, end or bend (s)."""
-        return sorted({float(t) for history in self._histories() for t in getattr(history, "knots", ())})
+        return sorted({float(t) for history in self.histories() for t in getattr(history, "knots", ())})
 
     def strain_energy(self, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
         r"""Half of stress times elastic strain, integrated, and the energy of springs and foundations (J).
@@ -387,8 +383,6 @@ class System:
         return np.ascontiguousarray(q, dtype=float).reshape(-1, 4, 3)
 
 
-NO_SLOPE = 1e-9
-"""A slope so short, relative to the longest, has no direction."""
 SMALL = 1e-5
 """Relative change of the nodal coordinates over which small changes are differenced."""
 

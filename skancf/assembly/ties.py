@@ -15,6 +15,7 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError
+from skancf.meshes.snap import OF_AN_EDGE, SINGLE
 from skancf.surfaces import Surface, check_regular, closed_directions
 
 # Of the size of the surface: two positions closer than this are one.
@@ -78,7 +79,9 @@ def _close(mesh: skfem.MeshQuad, surface: Surface, axis: int, first: np.ndarray,
     slack, other = SAME * (high - low), mesh.p[1 - axis]
     ends = [np.flatnonzero((np.abs(mesh.p[axis] - end) <= slack) & ~hanging) for end in (low, high)]
     start, end = (nodes[np.argsort(other[nodes])] for nodes in ends)
-    reach = SAME * np.ptp(other)
+    # Single precision may have left them beside each other, by less than would exchange neighbours.
+    steps = [np.diff(other[nodes]).min(initial=np.inf) for nodes in (start, end)]
+    reach = max(SAME * np.ptp(other), min(SINGLE * np.abs(other).max(), OF_AN_EDGE * min(steps)))
     if len(start) != len(end) or (np.abs(other[start] - other[end]) > reach).any():
         raise InputError(f"the surface is closed in {'xy'[axis]}, but the mesh has other nodes at {low:.6g} than at "
                          f"{high:.6g}; give both ends the same nodes, or a surface that is not closed")  # fmt: skip

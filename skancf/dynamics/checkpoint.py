@@ -191,8 +191,9 @@ class Writer:
 
 def _state_of(run: Run) -> dict[str, np.ndarray]:
     state, book = run.state, run.book
-    numbers = [state.time, state.dt, run.dt, run.shortest, run.farthest, run.hardest, run.solver.energy, float(run.solver.effort),
-               float(run.recorder.done), float(len(run.strikes)), book.turnover, float(run.mark.tries)]  # fmt: skip
+    numbers = [state.time, state.dt, run.dt, run.shortest, run.farthest, run.hardest, run.solver.energy,
+               float(run.solver.effort), float(run.recorder.done), float(len(run.strikes)), book.turnover,
+               float(run.mark.tries)]  # fmt: skip
     sums = {f"sum_{name}": np.asarray(book.sums[name]) for name in SUMS}
     forces = {f"forces_{field.name}": np.asarray(getattr(book.before, field.name)) for field in fields(Forces)}
     return {"numbers": np.array(numbers), "missed": run.impulses.missed, "q": state.q, "v": state.v, "a": state.a,
@@ -221,7 +222,8 @@ def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
 
 def _check(files: RunFiles, data: dict[str, np.ndarray], system: System) -> None:
     shapes = {"numbers": (N_NUMBERS,), **dict.fromkeys(("q", "v", "a"), (system.n_dofs,))}
-    names = [*shapes, "missed", "jerk", "before", *(f"sum_{name}" for name in SUMS), *(f"forces_{field.name}" for field in fields(Forces))]
+    names = [*shapes, "missed", "jerk", "before", *(f"sum_{name}" for name in SUMS),
+             *(f"forces_{field.name}" for field in fields(Forces))]  # fmt: skip
     if any(name not in data or data[name].shape != shapes.get(name, data[name].shape) for name in names):
         raise files.refused(STATE, "is no state of a run")
 
@@ -231,7 +233,8 @@ def _restore(run: Run, data: dict[str, np.ndarray]) -> None:
     if recorder.systems[-1] is not run.system:
         run.solver.close()
         run._on(recorder.systems[-1])
-    time, dt, run.dt, run.shortest, run.farthest, run.hardest, energy, effort, done, strikes, turnover, tries = data["numbers"].tolist()
+    numbers = data["numbers"].tolist()
+    time, dt, run.dt, run.shortest, run.farthest, run.hardest, energy, effort, done, strikes, turnover, tries = numbers
     jerk, before = (data[name] if data[name].size else None for name in ("jerk", "before"))
     run.state = State(time, data["q"], data["v"], data["a"], dt, jerk, before)
     run.solver.energy, run.solver.effort = energy, Effort(int(effort))

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.system import System
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.state import State
@@ -25,13 +26,13 @@ class EnergyMomentum(ImplicitMidpoint):
         r = \min(1, \Delta t_{n+1} / \Delta t_n), \qquad \chi = \frac{\rho_\infty (1 - \rho_\infty)}{2 (1 + \rho_\infty)^2}
 
     Linear and angular momentum are kept to what Newton's method leaves, at any step. So is energy with ``rho_inf = 1``; with
-    less it never grows, :math:`E_n + \tfrac12\chi\,|\Delta\varepsilon_n|^2` falls in every step of constant length by
-    :math:`\tfrac12\chi\,|\Delta\varepsilon_{n+1} - \Delta\varepsilon_n|^2` in the norm of the law, which is of order three for
-    what steps resolve (damping ratio :math:`\chi (\omega \Delta t)^3 / 4`) and most of it for what they do not. The ledger books
+    less it never grows: :math:`E_n + \tfrac12\chi\,|\Delta\varepsilon_n|^2` falls in every step of constant length by
+    :math:`\tfrac12\chi\,|\Delta\varepsilon_{n+1} - \Delta\varepsilon_n|^2` in the norm of the law, which is little for what
+    steps resolve (damping ratio :math:`\chi (\omega \Delta t)^3 / 4`) and most of it for what they do not. The ledger books
     it as numerical dissipation. A body that turns at a constant strain loses nothing.
 
-    In theory `full` strains are quadratic in q and :math:`D\varepsilon` is their gradient at the middle; in `kirchhoff` it is
-    the :func:`~skancf.theories.kirchhoff_point.discrete_gradient` at each integration point.
+    In theory `full` strains are quadratic in q and :math:`D\varepsilon` is their gradient at the middle; in `kirchhoff` it
+    is the :func:`~skancf.theories.kirchhoff_point.discrete_gradient` at each integration point.
 
     Parameters
     ----------
@@ -57,6 +58,7 @@ class EnergyMomentum(ImplicitMidpoint):
     balance = 1e-3
 
     def __post_init__(self) -> None:
+        plain(self)
         if not LEAST <= number("rho_inf", self.rho_inf) <= 1:
             raise InputError(f"rho_inf = {self.rho_inf}: the energy-momentum rule has a spectral radius from 1/3 to 1; "
                              "GeneralizedAlpha goes down to 0")  # fmt: skip
@@ -77,7 +79,7 @@ class EnergyMomentum(ImplicitMidpoint):
 
     def end(self, u: np.ndarray, start: State, dt: float) -> State:
         end = super().end(u, start, dt)
-        return replace(end, before=start.q if self.chi else None, kept={"step": (u, start.kept)})
+        return replace(end, kept={"step": (u, start.kept)})
 
     def tangent_at(self, u: np.ndarray, start: State) -> tuple[np.ndarray, np.ndarray]:
         """The discrete gradient is nearly that of the middle; the stresses change with the end."""

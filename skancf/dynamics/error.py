@@ -42,11 +42,12 @@ class Measure:
     def error(self, solver: StepSolver, start: State, end: State, span: float) -> float:
         r"""What a step adds to the error by the end of the run (m).
 
-        .. math:: \frac{\pi}{2} |e_s| + 2 A \frac{\Delta t}{T}, \qquad A = \frac{\sqrt{h \cdot M F h / m}}{4 c}, \quad h = e - e_s
+        .. math::
+            \frac{\pi}{2} |e_s| + 2 A \frac{\Delta t}{T}, \qquad A = \frac{\sqrt{h \cdot M F h / m}}{4 c}, \quad h = e - e_s
 
         :math:`e = c\,\Delta t^3 \dddot q`, of which :math:`e_s` is the part that the step resolves. The errors of vibrations
-        h that it hardly resolves do not add up: what is wrong of them is twice their amplitude A at most, whatever the number
-        of steps, so that each has its share of that. F is that of :meth:`StepSolver.slowed`.
+        h that it hardly resolves do not add up: what is wrong of them is twice their amplitude A at most, whatever the
+        number of steps, so that each has its share of that. F is that of :meth:`StepSolver.slowed`.
         """
         rule = solver.rule
         error = rule.error(start, end)

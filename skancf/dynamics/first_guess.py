@@ -1,18 +1,18 @@
 """Where Newton's method begins in a step: the body advanced as a rigid one, and what it deforms along with it."""
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from skancf.assembly.system import System
 from skancf.dynamics.state import State
-from skancf.vectors import sum_of_cross
+from skancf.vectors import cross_matrix, rotation, sum_of_cross
 
 
 def advanced(system: System, start: State, dt: float, easy: bool) -> tuple[np.ndarray, np.ndarray]:
     r"""Increment of the nodal coordinates over a step, (n_dofs,), from rates and accelerations, and its rigid part.
 
-    Velocities :math:`\dot c + \omega \times (r - c)` with the momenta of v, and accelerations with those of a, are rigid: the
-    body advances and turns by :math:`\Delta t\,\omega + \tfrac12 \Delta t^2 \dot\omega`. The rest of the velocities deforms it.
+    Velocities :math:`\dot c + \omega \times (r - c)` with the momenta of v, and accelerations with those of a, are rigid:
+    the body advances and turns by :math:`\Delta t\,\omega + \tfrac12 \Delta t^2 \dot\omega`. The rest of the velocities
+    deforms it.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def advanced(system: System, start: State, dt: float, easy: bool) -> tuple[np.nd
     second = np.einsum("ngi,ngj->ij", arms, of_arms)
     inverse = np.linalg.pinv(np.trace(second) * np.eye(3) - second, rcond=1e-12, hermitian=True)
     velocity, spin = of_v[:, 0].sum(axis=0) / total, inverse @ sum_of_cross(arms, of_v)
-    centripetal = _cross_matrix(spin) @ _cross_matrix(spin)
+    centripetal = cross_matrix(spin) @ cross_matrix(spin)
     acceleration = of_a[:, 0].sum(axis=0) / total
     turning = inverse @ sum_of_cross(arms, of_a - of_arms @ centripetal.T)
     rest = start.v.reshape(-1, 4, 3) - np.cross(spin, arms)
@@ -39,13 +39,9 @@ def advanced(system: System, start: State, dt: float, easy: bool) -> tuple[np.nd
         rest_of_a = start.a.reshape(-1, 4, 3) - arms @ centripetal.T - np.cross(turning, arms) - 2 * np.cross(spin, rest)
         rest_of_a[:, 0] -= acceleration
         deformed += 0.5 * dt**2 * rest_of_a
-    turned = Rotation.from_rotvec(dt * (spin + 0.5 * dt * turning)).as_matrix().T
+    turned = rotation(dt * (spin + 0.5 * dt * turning)).T
     moved = centre + dt * velocity + 0.5 * dt**2 * acceleration
     ends = np.stack([deformed, arms]) @ turned
     ends[:, :, 0] += moved
     increment, rigid = ends.reshape(2, -1) - start.q
     return increment, rigid
-
-
-def _cross_matrix(w: np.ndarray) -> np.ndarray:
-    return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+from skancf.arguments import plain
 from skancf.dynamics.newmark import Newmark
 from skancf.errors import InputError, number
 
@@ -29,6 +30,7 @@ class GeneralizedAlpha(Newmark):
     rho_inf: float = 0.8
 
     def __post_init__(self) -> None:
+        plain(self)
         if not 0 <= number("rho_inf", self.rho_inf) <= 1:
             raise InputError(f"rho_inf = {self.rho_inf}: a spectral radius lies between 0 and 1")
 

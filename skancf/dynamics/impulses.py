@@ -1,4 +1,4 @@
-"""What steps miss of the impulses of loads: a rule takes a load at one time of a step."""
+"""What steps miss of functions of time: a rule takes a load at one time of a step, and a prescribed motion at its ends."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -8,13 +8,13 @@ import numpy as np
 from skancf.assembly.system import System
 
 SAMPLES = 4096
-"""Times in a run at which a load is looked at; a pulse between two of them is not seen."""
+"""Times in a run at which a function is looked at; a pulse between two of them is not seen."""
 LEAST = 9
-"""Times in a step at which a load is looked at, both ends included."""
+"""Times in a step at which it is looked at, both ends included."""
 
 
 class Missed(NamedTuple):
-    """What a step misses of the integral of a load's function of time, that of its size over the step, and over the run (s)."""
+    """What a step misses of the integral of a function of time, that of its size over the step, and over the run (s)."""
 
     missed: float
     here: float
@@ -22,7 +22,7 @@ class Missed(NamedTuple):
 
 
 class LoadImpulses:
-    """The functions of time of all loads of a system, over a run.
+    """The functions of time of all loads and prescribed motions of a system, over a run.
 
     Attributes
     ----------
@@ -31,14 +31,14 @@ class LoadImpulses:
     """
 
     def __init__(self, system: System, begin: float, span: float):
-        self.functions: Sequence[Callable[[float], Any]] = system.load_histories()
+        self.functions: Sequence[Callable[[float], Any]] = system.histories()
         self.span = span
         times = begin + span * (np.arange(SAMPLES) + 0.5) / SAMPLES
         self.whole = [span * float(np.abs(_values(h, times)).mean()) for h in self.functions]
         self.missed = np.zeros(len(self.functions))
 
     def step(self, start: float, dt: float) -> tuple[Missed, ...]:
-        """What a step from a time on misses of each: the load in its middle is taken for the mean."""
+        """What a step from a time on misses of each: the value in its middle is taken for the mean."""
         n = max(LEAST, int(SAMPLES * dt / self.span) + 2)
         times = np.append(start + dt * np.arange(n) / (n - 1), start + 0.5 * dt)
         weights = np.full(n, 1 / (n - 1))
@@ -56,7 +56,7 @@ class LoadImpulses:
 
     @property
     def part(self) -> float:
-        """The largest part of a load's impulse that was missed."""
+        """The largest part of a function's integral that was missed."""
         parts = [m / whole for m, whole in zip(self.missed.tolist(), self.whole, strict=True) if whole > 0]
         return max(parts, default=0.0)
 
@@ -66,7 +66,7 @@ def _values(function: Callable[[float], Any], times: np.ndarray) -> np.ndarray:
 
 
 def _tried(function: Callable[[float], Any], time: float) -> float:
-    """Zero where the function has no value: that is found out when the run gets there."""
+    """Zero where the function has no value, which is found out when the run gets there, or is the path of a load."""
     try:
         value = float(function(time))
     except Exception:  # whatever a user's function raises

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import InputError, finite, vector
@@ -43,6 +44,7 @@ class RigidVelocity:
     about: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        plain(self)
         for name in ("velocity", "spin", "about"):
             vector(name, getattr(self, name), 3)
 

@@ -40,7 +40,8 @@ class ImplicitMidpoint(Rule):
 
     def end(self, u: np.ndarray, start: State, dt: float) -> State:
         """The acceleration is that of the middle of the step."""
-        return State(start.time + dt, start.q + u, 2 / dt * u - start.v, self.acceleration(u, start, dt), dt)
+        a = self.acceleration(u, start, dt)
+        return State(start.time + dt, start.q + u, 2 / dt * u - start.v, a, dt, before=start.q)
 
     def jerk(self, start: State, end: State) -> np.ndarray:
         return (end.a - start.a) / (0.5 * (start.dt + end.dt))

@@ -10,8 +10,10 @@ import numpy as np
 from skancf.arguments import function
 from skancf.assembly.system import System
 from skancf.checks import Check
+from skancf.dynamics.between import Between
 from skancf.dynamics.ledger import Ledger
-from skancf.errors import DidNotConverge, InputError, number
+from skancf.errors import DidNotConverge, InputError, number, shown
+from skancf.functions import measured
 from skancf.solution import Solution, probe
 
 
@@ -58,11 +60,12 @@ class Stretch:
     outputs: np.ndarray
 
     def at(self, time: float) -> Solution:
-        """The state at a time, cubic between the times that there are."""
-        k = min(int(np.searchsorted(self.times, time, side="right")) - 1, len(self.times) - 2)
-        if k < 0:
-            return Solution(self.system, self.q[0], self.v[0], time)
-        q, v = hermite(time, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
+        """The state at a time; between those that there are, a cubic of :class:`skancf.dynamics.between.Between`."""
+        k = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
+        if self.times[k] >= time or k == len(self.times) - 1:
+            return Solution(self.system, self.q[k], self.v[k], time)
+        between = Between(self.system.constraints)
+        q, v = between.cubic(time, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
         return Solution(self.system, q, v, time)
 
 
@@ -155,7 +158,7 @@ class Motion:
         """The states at the output times, each with its own system."""
         for part in self.stretches:
             for t, q, v in zip(part.times[part.outputs], part.q[part.outputs], part.v[part.outputs], strict=True):
-                yield Solution(part.system, q, v, float(t))
+                yield Solution(part.system, q.copy(), v.copy(), float(t))
 
     def book(self) -> Ledger:
         """The ledger at the output times."""
@@ -176,13 +179,8 @@ class Motion:
     def history(self, quantity: Callable[[Solution], Any]) -> np.ndarray:
         """A quantity of each state at the output times, (n, ...)."""
         function("quantity", quantity, "a function of a Solution")
-        return np.array([quantity(state) for state in self.states])
-
-
-def hermite(t: float, times: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cubic interpolation of q and its rate between two times with values (2, ...) and rates (2, ...)."""
-    dt = times[1] - times[0]
-    s = (t - times[0]) / dt
-    value = ((1 - s) ** 2 * (1 + 2 * s), s**2 * (3 - 2 * s), s * (1 - s) ** 2 * dt, s**2 * (s - 1) * dt)
-    slope = (6 * s * (s - 1) / dt, 6 * s * (1 - s) / dt, (1 - s) * (1 - 3 * s), s * (3 * s - 2))
-    return tuple(w[0] * q[0] + w[1] * q[1] + w[2] * v[0] + w[3] * v[1] for w in (value, slope))
+        values = [measured("quantity", quantity, state) for state in self.states]
+        if len({np.shape(value) for value in values}) > 1:
+            raise InputError(f"quantity: it returned {shown(values[0])} and {shown(values[-1])}; let it give numbers, or "
+                             "arrays of one shape")  # fmt: skip
+        return np.array(values)

@@ -1,13 +1,11 @@
 """What is checked about a motion when its run ends."""
 
-import warnings
-
 import numpy as np
 
 from skancf.checks import Check, failures
 from skancf.dynamics.ledger import Ledger
 from skancf.dynamics.motion import Motion
-from skancf.errors import OutOfDepth
+from skancf.errors import warn
 
 MOMENTA = "momentum without a source"
 NOT_FOLLOWED = 0.1
@@ -75,4 +73,4 @@ def warn_of(motion: Motion) -> None:
     """Warn of a motion that reached its end and failed a check."""
     failed = failures(motion.checks) if motion.finished else ""
     if failed:
-        warnings.warn(failed, OutOfDepth, stacklevel=3)
+        warn(failed)

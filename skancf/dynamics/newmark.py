@@ -56,7 +56,7 @@ class Newmark(Rule):
     def end(self, u: np.ndarray, start: State, dt: float) -> State:
         a = self._last(u, start, dt)
         jerk = (a - self._first(start, dt)) / dt
-        return State(start.time + dt, start.q + u, self._rate(a, start, dt), a, dt, jerk)
+        return State(start.time + dt, start.q + u, self._rate(a, start, dt), a, dt, jerk, start.q)
 
     def jerk(self, start: State, end: State) -> np.ndarray:
         assert end.jerk is not None

@@ -6,8 +6,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skancf.assembly.system import System
-from skancf.dynamics.motion import Stretch, hermite
+from skancf.dynamics.between import Between
+from skancf.dynamics.motion import Stretch
 from skancf.dynamics.state import State
+from skancf.functions import called
 from skancf.solution import Solution
 
 Quantity = Callable[[Solution], Any]
@@ -65,7 +67,7 @@ class Recorder:
         self.knots.append(Knot(len(self.systems) - 1, time, q, v, output))
 
     def _due(self, time: float) -> bool:
-        return self.every or self.done < len(self.times) and bool(self.times[self.done] <= time + self.slack)
+        return self.every or (self.done < len(self.times) and bool(self.times[self.done] <= time + self.slack))
 
     def step(self, start: State, end: State) -> None:
         """The states at output times of a step."""
@@ -76,7 +78,7 @@ class Recorder:
             t = float(self.times[self.done])
             q, v = end.q, end.v
             if t < end.time - self.slack:
-                q, v = hermite(t, np.array([start.time, end.time]), np.array([start.q, end.q]), np.array([start.v, end.v]))
+                q, v = Between(self.systems[-1].constraints).inside(t, start, end)
             self._add(t, q, v, True)
             self.done += 1
 
@@ -84,7 +86,8 @@ class Recorder:
         """The quantities of an accepted state."""
         self.record_times.append(state.time)
         for name, quantity in self.quantities.items():
-            self.values[name].append(quantity(Solution(self.systems[-1], state.q, state.v, state.time)))
+            seen = Solution(self.systems[-1], state.q.copy(), state.v.copy(), state.time)
+            self.values[name].append(called(f"record[{name!r}]", quantity, seen))
 
     def end(self, state: State) -> None:
         """Closes a stretch with its last state."""

@@ -6,11 +6,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from skancf.arguments import flag
 from skancf.assembly.system import System
 from skancf.atomic import reason
 from skancf.checks import Check, failures
 from skancf.dynamics.error import Measure
-from skancf.dynamics.impulses import LoadImpulses
+from skancf.dynamics.impulses import LoadImpulses, Missed
 from skancf.dynamics.ledger import Book, MeshEvent
 from skancf.dynamics.motion import Motion, MotionStatus, Step
 from skancf.dynamics.motion_checks import MOMENTA, checks_of
@@ -20,7 +21,8 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import StepOutcome, StepSolver
 from skancf.dynamics.steps import FADING, Attempt, StepControl
-from skancf.errors import SkancfError
+from skancf.errors import InputError, SkancfError, positive
+from skancf.functions import called
 from skancf.progress import Progress
 
 
@@ -107,8 +109,8 @@ class Run:
         self.steps: list[Step] = []
         self.farthest, self.hardest = self.measure.size(q - system.undeformed), 0.0
         self.impulses = LoadImpulses(system, settings.begin, settings.span)
-        self.dt = settings.control.first(settings.span / FIRST_STEP)
-        self.shortest = self.dt * settings.control.smallest
+        self.dt = positive("steps.first", called("steps.first", settings.control.first, settings.span / FIRST_STEP), "s")
+        self.shortest = self.dt * positive("steps.smallest", settings.control.smallest)
         self.book = Book(system, self.state)
         recorder.begin(system, self.state)
         recorder.keep(self.state)
@@ -137,7 +139,8 @@ class Run:
         out_of_balance = failures(check for check in checks if MOMENTA in check.name)
         if status is MotionStatus.FINISHED and out_of_balance:
             status, message = MotionStatus.UNBALANCED, out_of_balance
-        return Motion(self.recorder.stretches, tuple(self.steps), ledger, self.recorder.records, status, message, 0.0, checks)
+        recorder = self.recorder
+        return Motion(recorder.stretches, tuple(self.steps), ledger, recorder.records, status, message, checks=checks)
 
     def go(
         self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
@@ -187,7 +190,8 @@ class Run:
         settings, start, control, measure = self.settings, self.state, self.settings.control, self.measure
         outcome = self.solver.step(start, step)
         error = imbalance = np.inf
-        farthest, over, accepted, missed = self.farthest, 0.0, False, ()
+        farthest, over, accepted = self.farthest, 0.0, False
+        missed: tuple[Missed, ...] = ()
         if outcome.converged:
             error = measure.error(self.solver, start, outcome.end, settings.span)
         if np.isfinite(error):
@@ -204,10 +208,15 @@ class Run:
                 impulses=missed, hardest=self.hardest, imbalance=imbalance, young=self.book.turnover > 2 * known,
                 total=self.book.imbalance / done,
             )  # fmt: skip
-            accepted, over = control.accepts(attempt), getattr(control, "over", _unmeasured)(attempt)
+            accepted = flag("steps.accepts", called("steps.accepts", control.accepts, attempt))
+            over = getattr(control, "over", _unmeasured)(attempt)
             # A step cut to end at a given time says nothing against the length that was meant.
             cut = step < self.dt and accepted
-            self.dt = max(self.dt, control.next_step(attempt)) if cut else control.next_step(attempt)
+            following = positive("steps.next_step", called("steps.next_step", control.next_step, attempt), "s")
+            if not accepted and not following < step:
+                raise InputError(f"steps.next_step = {following} s after a step of {step} s that was not accepted; a step "
+                                 "that is tried again must be shorter")  # fmt: skip
+            self.dt = max(self.dt, following) if cut else following
             if not accepted:
                 self.book.rewind(mark)
         else:

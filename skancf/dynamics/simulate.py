@@ -109,9 +109,10 @@ def simulate(
     """
     check_asked(system, backend, start=start, resume=resume, check=check, progress=progress)
     t_end = positive("t_end", t_end, "s")
+    _check(record, follow)
+    newton_rtol = None if newton_rtol is None else positive("newton_rtol", newton_rtol)
     rule = _rule(rule, rho_inf)
     balance = _balance(balance, rule)
-    _check(record, follow, newton_rtol=newton_rtol, balance=balance)
     control = _control(steps, dt, rtol, rule)
     if follow is not None:
         follow.check(system)
@@ -159,8 +160,8 @@ def _doubled(control: Any, follow: Any) -> StepControl:
         return replace(control, rtol=4 * control.rtol, atol=4 * control.atol, largest=2 * control.largest)
     if isinstance(control, FixedStep):
         return replace(control, dt=2 * control.dt)
-    raise InputError(f"check = True and steps = {shown(control)}: it is known of LocalError and FixedStep only what steps of "
-                     "twice the length are")  # fmt: skip
+    raise InputError(f"check = True and steps = {shown(control)}: steps of LocalError and FixedStep alone can be "
+                     "doubled")  # fmt: skip
 
 
 def _difference(motion: Motion, again: Run) -> np.ndarray:
@@ -197,13 +198,10 @@ def _balance(balance: float | str | None, rule: Rule) -> float | None:
     if isinstance(balance, str):
         choice("balance", balance, ("auto",))
         return rule.balance
-    return balance
+    return None if balance is None else positive("balance", balance)
 
 
-def _check(record: Any, follow: Any, **positive_or_none: float | None) -> None:
-    for name, value in positive_or_none.items():
-        if value is not None:
-            positive(name, value)
+def _check(record: Any, follow: Any) -> None:
     if follow is not None:
         having("follow", follow, ("change", "check"), "a policy of meshes, for example sk.Follow(rtol=0.2)")
     if record is not None:
@@ -214,7 +212,7 @@ def _check(record: Any, follow: Any, **positive_or_none: float | None) -> None:
 
 def _control(steps: Any, dt: float | None, rtol: float, rule: Rule) -> StepControl:
     if steps is not None:
-        having("steps", steps, ("first", "accepts", "next_step"),
+        having("steps", steps, ("first", "accepts", "next_step", "smallest"),
                "a step control, for example LocalError(1e-3), or a length as dt")  # fmt: skip
     positive("rtol", rtol)
     control: StepControl = steps or (FixedStep(dt) if dt is not None else LocalError(rtol))

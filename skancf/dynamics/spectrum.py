@@ -35,6 +35,8 @@ class Match:
         That frequency (Hz).
     modes : tuple of int
         All that lie within the resolution of the peak: none, one, or several that the history does not tell apart.
+    highest : float, optional
+        The highest natural frequency that was given (Hz), where others that were not given may be as near to the peak.
     """
 
     frequency: float
@@ -42,6 +44,7 @@ class Match:
     nearest: int
     natural: float
     modes: tuple[int, ...]
+    highest: float | None = None
 
     @property
     def difference(self) -> float:
@@ -50,7 +53,7 @@ class Match:
 
     @property
     def found(self) -> bool:
-        """Whether a natural frequency lies within the resolution of the peak."""
+        """Whether one of the given natural frequencies lies within the resolution of the peak."""
         return len(self.modes) > 0
 
     @property
@@ -61,8 +64,10 @@ class Match:
     def __str__(self) -> str:
         text = f"{self.frequency:.6g} Hz: mode {self.nearest}, {self.natural:.6g} Hz, {self.difference:+.2%}"
         if not self.found:
-            return f"{text}; not within the resolution"
-        return text if self.resolved else f"{text}; modes {self.modes} not resolved"
+            text = f"{text}; not within the resolution"
+        elif not self.resolved:
+            text = f"{text}; modes {self.modes} not resolved"
+        return text if self.highest is None else f"{text}; none above {self.highest:.6g} Hz is given: ask for more modes"
 
 
 @dataclass(frozen=True)
@@ -108,7 +113,8 @@ class Spectrum:
         """
         if count is not None:
             count = whole("count", count, floats=True)
-        if not 0 <= number("prominence", prominence) < 1:
+        prominence = number("prominence", prominence)
+        if not 0 <= prominence < 1:
             raise InputError(f"prominence = {prominence}: give a share of the largest peak, at least 0 and less than 1")
         from scipy.signal import find_peaks  # not at the top: it takes as long to load as all else
 
@@ -125,7 +131,9 @@ class Spectrum:
         return frequencies[kept], amplitudes[kept]
 
     def compare(self, natural: Any, *, count: int | None = None, prominence: float = 0.01) -> tuple[Match, ...]:
-        """Each peak with the natural frequency nearest to it.
+        """Each peak with the natural frequency nearest to it, of those that are given.
+
+        Of a peak that reaches above the highest of them by its resolution, it is said that there may be nearer ones.
 
         Parameters
         ----------
@@ -141,7 +149,10 @@ class Spectrum:
             away = np.abs(known - frequency)
             k, within = int(np.argmin(away)), numbers[away <= self.resolution]
             matches.append(
-                Match(float(frequency), float(amplitude), int(numbers[k]), float(known[k]), tuple(within.tolist()))
+                Match(
+                    float(frequency), float(amplitude), int(numbers[k]), float(known[k]), tuple(within.tolist()),
+                    float(known.max()) if frequency + self.resolution > known.max() else None,
+                )
             )
         return tuple(matches)
 

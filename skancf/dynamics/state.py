@@ -11,8 +11,8 @@ class State:
     """Nodal coordinates with their rate and acceleration at a time.
 
     ``dt`` is the length of the step that led here, 0 at the start, and ``jerk`` the third derivative over it, if the rule
-    needs it; ``before`` are the coordinates at the start of that step, if the rule looks back so far, None after a jump or a
-    change of the mesh; ``kept`` is what a rule computes once for a state.
+    needs it; ``before`` are the coordinates at the start of that step, None at the start of the run, after a jump and after
+    a change of the mesh; ``kept`` is what a rule computes once for a state.
     """
 
     time: float

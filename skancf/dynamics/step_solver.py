@@ -100,7 +100,8 @@ class StepSolver:
         return self.linear.solve(impulse, refinements=2)
 
     def slowed(self, e: np.ndarray, dt: float) -> np.ndarray:
-        r"""F e, with :math:`F = (M + \beta \Delta t^2 K)^{-1} M` of the factored matrix: less of what a step resolves less."""
+        r"""F e, with :math:`F = (M + \beta \Delta t^2 K)^{-1} M` of the factored matrix: little of
+        what a step does not resolve."""
         return self.factors.solve(self.rule.mass_factor(dt) * (self.system.mass @ e))[0]
 
     def resolved(self, error: np.ndarray, dt: float) -> np.ndarray:
@@ -150,46 +151,48 @@ class StepSolver:
     def _newton(self, start: State, dt: float, effort: Effort) -> StepOutcome:
         u, before = self._first_guess(start, dt, effort is Effort.KEEP)
         step = u - before  # what the first guess deforms counts as a correction of a rigid motion
-        history, factorisations, age, last, first, message = Anderson(), 0, 0, np.inf, 0.0, ""
+        history, factorisations, last, first, message, fresh = Anderson(), 0, np.inf, 0.0, "", False
         for iteration in range(1, MAX_ITERATIONS + 1):
             residual = self.residual(u, start, dt)
             if not np.isfinite(residual).all():
                 message = "values that are not finite"
                 break
-            age += 1
-            anew = effort is Effort.EACH or (effort is Effort.ANEW and iteration == 1)
-            if not anew:
-                if iteration == 1:
-                    self.factors.turn_to(*self.rule.tangent_at(u, start))
+            change, energy, was_fresh = np.empty(0), np.inf, fresh
+            if effort is Effort.KEEP and iteration == 1:
+                self.factors.turn_to(*self.rule.tangent_at(u, start))
+            if effort is Effort.KEEP or (effort is Effort.ANEW and iteration > 1):
                 change, energy = self.factors.solve(-residual)
-                anew = effort is Effort.ANEW and age > 1 and energy > SLOW**2 * last
-            if anew:
+            slow = energy > SLOW**2 * last
+            fresh = effort is Effort.EACH or (effort is Effort.ANEW and (iteration == 1 or (slow and not was_fresh)))
+            if fresh:
                 try:
                     self._factor(u, start, dt, self.rule.stresses(self.system, before, start, dt, step))
                 except SingularMatrix as singular:
                     return StepOutcome(False, start, u, iteration, factorisations, str(singular))
-                factorisations, age = factorisations + 1, 0
+                factorisations += 1
                 history.restart()
                 change, energy = self.factors.solve(-residual)
             first = first or energy
             if not energy <= DIVERGED * first:
                 message = "corrections that grow"
                 break
-            scale = max(self.energy, first)
-            if energy <= self.rtol**2 * scale + self.rounding or STALLED * last < energy < TINY * scale:
-                return self._finished(u + change, start, dt, iteration, factorisations)
-            if effort is not Effort.EACH and not anew and energy > SLOW**2 * last:
+            if self._is_small(energy, first) or STALLED * last < energy < TINY * max(self.energy, first):
+                return StepOutcome(True, self.rule.end(u + change, start, dt), u + change, iteration, factorisations)
+            if slow and not fresh:
                 message = "no convergence with factors of an earlier iteration"
                 break
-            if effort is Effort.EACH:
-                step = change if self.rule.symmetric else self._with_skew_part(change, residual, u, start, dt)
-            else:
-                step = history.step(change, residual)
-            before, u, last = u, u + step, energy
+            before, last = u, energy
+            each = effort is Effort.EACH
+            step = self._with_skew_part(change, residual, u, start, dt) if each else history.step(change, residual)
+            u = u + step
         else:
             message = f"no convergence in {MAX_ITERATIONS} iterations"
         self.forget()
         return StepOutcome(False, start, u, iteration, factorisations, f"{message} {self._place(residual)}")
+
+    def _is_small(self, energy: float, first: float) -> bool:
+        """Whether a correction may be the last: its scale is that of the motion, or of the first one, which cannot grow."""
+        return energy <= self.rtol**2 * max(self.energy, first) + self.rounding
 
     def _first_guess(self, start: State, dt: float, easy: bool) -> tuple[np.ndarray, np.ndarray]:
         """An increment that meets the supports, and its rigid part."""
@@ -197,14 +200,12 @@ class StepSolver:
         target = self.system.undeformed + self.system.prescribed(start.time + dt) - start.q
         return u + self.system.constraints.fixed_part(target - u), rigid
 
-    def _finished(self, u: np.ndarray, start: State, dt: float, iterations: int, factorisations: int) -> StepOutcome:
-        end = self.rule.end(u, start, dt)
-        return StepOutcome(True, end, u, iterations, factorisations)
-
     def _with_skew_part(
         self, change: np.ndarray, residual: np.ndarray, u: np.ndarray, start: State, dt: float
     ) -> np.ndarray:
         """The correction of the whole tangent, by GMRES on differences of the residual, preconditioned by the factors."""
+        if self.rule.symmetric:
+            return change
 
         def product(x: np.ndarray) -> np.ndarray:
             size = SMALL / max(float(np.abs(x).max()), 1e-300)

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
-from skancf.arguments import whole
+from skancf.arguments import plain, whole
 from skancf.dynamics.impulses import Missed
 from skancf.errors import InputError, number, positive
 
@@ -94,6 +94,7 @@ class FixedStep:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(dt=self.dt, smallest=self.smallest)
 
     def first(self, guess: float) -> float:
@@ -126,6 +127,7 @@ class _Limited(ABC):
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(self.largest, rtol=self.rtol, smallest=self.smallest)
 
     def first(self, guess: float) -> float:
@@ -164,13 +166,13 @@ class LocalError(_Limited):
 
     .. math:: \frac{\pi}{2} |e_s| + 2 A \frac{\Delta t}{T},
 
-    the part :math:`e_s` of the rule's error :math:`c\,\Delta t^3 \dddot q` that it resolves, and its share of the amplitude A of
-    vibrations that it hardly resolves. Sizes are mass-weighted root mean squares over the plate.
+    the part :math:`e_s` of the rule's error :math:`c\,\Delta t^3 \dddot q` that it resolves, and its share of the amplitude
+    A of vibrations that it hardly resolves. Sizes are mass-weighted root mean squares over the plate.
 
-    The impulse of each load with the function of time h is controlled alike: a rule takes h in the middle of a step, and what
-    that misses, :math:`\Delta t\,|h(t_{1/2}) - \bar h|`, may be
-    :math:`\tfrac12 r\,[I\,\Delta t / T + \int_{\Delta t} |h|]`, with the integral I of :math:`|h|` over the run. So no pulse is
-    stepped over that is longer than T / 4096.
+    What is missed of each function of time h of a load or a prescribed motion is controlled alike: a rule takes h in the
+    middle of a step, and what that misses of its integral, :math:`\Delta t\,|h(t_{1/2}) - \bar h|`, may be
+    :math:`\tfrac12 r\,[I\,\Delta t / T + \int_{\Delta t} |h|]`, with the integral I of :math:`|h|` over the run. So no
+    pulse is stepped over that is longer than T / 4096.
 
     Parameters
     ----------
@@ -257,6 +259,7 @@ class NewtonCount:
     smallest: float = 1e-6
 
     def __post_init__(self) -> None:
+        plain(self)
         _check(self.largest, dt=self.dt, smallest=self.smallest)
         whole("iterations", self.iterations)
 

@@ -66,12 +66,6 @@ def nodal_frames(q: np.ndarray) -> np.ndarray:
 
 def turning_vectors(constraints: Constraints) -> np.ndarray:
     """Nodal vectors that are free or held as a whole, (n_nodes, 4) bool: one of which a component is held does not turn."""
-    held = constraints.fixed.reshape(-1, 4, 3).sum(axis=2)
-    turns = (held == 0) | (held == 3)
-    if constraints.frame_nodes.size:
-        frames, fixed = constraints.frames, constraints.fixed[constraints.frame_nodes]
-        projections = (frames.swapaxes(1, 2) * fixed[:, None]) @ frames
-        own = np.einsum("ngigj->ngij", projections.reshape(-1, 4, 3, 4, 3))
-        parts = np.stack([own, np.eye(3) - own])
-        turns[constraints.frame_nodes] = (np.abs(parts).max(axis=(3, 4)) < SAME).any(axis=0)
-    return np.asarray(turns)
+    held = constraints.of_vectors()
+    free, whole = (np.abs(held - part).max(axis=(2, 3)) < SAME for part in (0.0, np.eye(3)))
+    return np.asarray(free | whole)

@@ -33,8 +33,9 @@ def require_aligned(
     mesh: skfem.MeshQuad, what: str = "the bicubic element", way_out: str = "or take theory 'full'"
 ) -> None:
     """InputError for a quad whose sides are not parallel to the axes of the parameter plane."""
-    sides = np.abs(np.roll(mesh.p[:, mesh.t], -1, axis=1) - mesh.p[:, mesh.t])
-    askew = np.flatnonzero((sides.min(axis=0) > ALIGNED * sides.max(axis=0)).any(axis=0))
+    corner = mesh.p[:, mesh.t]
+    sides = np.abs(np.roll(corner, -1, axis=1) - corner) / np.ptp(corner, axis=1, keepdims=True)
+    askew = np.flatnonzero((sides.min(axis=0) > ALIGNED).any(axis=0))
     if askew.size:
         corners = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in mesh.p[:, mesh.t[:, askew[0]]].T)
         raise InputError(

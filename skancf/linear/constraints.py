@@ -65,6 +65,15 @@ class Constraints:
         """Projection of ``v`` on the prescribed directions."""
         return self._keep(v, self.fixed)
 
+    def of_vectors(self) -> np.ndarray:
+        """Projections of each vector of three coordinates on its prescribed directions, (n_nodes, block / 3, 3, 3)."""
+        n = self.fixed.shape[1] // 3
+        out = self.fixed.reshape(-1, n, 3, 1) * np.eye(3)
+        if self.frame_nodes.size:
+            held = (self.frames.swapaxes(1, 2) * self.fixed[self.frame_nodes][:, None]) @ self.frames
+            out[self.frame_nodes] = np.einsum("ngigj->ngij", held.reshape(-1, n, 3, n, 3))
+        return out
+
     def _keep(self, v: np.ndarray, mask: np.ndarray) -> np.ndarray:
         return self.from_frame(self.to_frame(v) * mask.ravel())
 

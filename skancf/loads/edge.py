@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.elements.quad_ancf import gauss
@@ -24,6 +25,7 @@ class EdgeLoad:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_distributed(self.force, self.history)
 
     def on(self, assembly: Assembly) -> DeadLoad:
@@ -61,6 +63,7 @@ class LineLoad:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_distributed(self.force, self.history)
         if not np.any(vector("end", self.end, 2) - vector("start", self.start, 2)):
             raise InputError(f"start = end = {self.start}: a line needs two different ends")

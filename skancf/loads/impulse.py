@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.protocols import Assembly
 from skancf.errors import number, vector
 from skancf.functions import is_function
@@ -41,6 +42,7 @@ class Impulse:
     time: float = 0.0
 
     def __post_init__(self) -> None:
+        plain(self)
         vector("at", self.at, 2)
         vector("impulse", self.impulse, 3)
         number("time", self.time)
@@ -75,6 +77,7 @@ class EdgeImpulse:
     time: float = 0.0
 
     def __post_init__(self) -> None:
+        plain(self)
         if not is_function(self.impulse):
             vector("impulse", self.impulse, 3)
         number("time", self.time)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly import local
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
@@ -48,6 +49,7 @@ class EdgeMoment:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         if not is_function(self.moment):
             vector("moment", self.moment, 3)
@@ -94,6 +96,7 @@ class PointMoment:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         vector("at", self.at, 2)
         vector("moment", self.moment, 3)

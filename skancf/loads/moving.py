@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, shown, vector
@@ -57,6 +58,7 @@ class MovingForce:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         vector("force", self.force, 3)
         if not is_function(self.path):
@@ -105,6 +107,7 @@ class MovingLine:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_distributed(self.force, self.history)
         for name in ("start", "end"):
             place = getattr(self, name)

@@ -5,11 +5,13 @@ from math import pi
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, vector
 from skancf.history import History, check_history
 from skancf.loads.acting import DeadLoad, point_forces
+from skancf.loads.pole import covered_pole
 
 SINGULAR, CLOSE, NEWTON = 1e-9, 1e-9, 30
 
@@ -27,6 +29,7 @@ class PointForce:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         vector("at", self.at, 2)
         vector("force", self.force, 3)
@@ -55,7 +58,7 @@ class DiskForce:
     ------
     InputError
         For a radius that is not positive and entries that are not finite; on a mesh, for a disk that reaches over the
-        edge of the surface or covers a pole.
+        edge of the surface, or so far around it that it has no one point under each of the disk.
     """
 
     at: tuple[float, float]
@@ -64,6 +67,7 @@ class DiskForce:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         vector("at", self.at, 2)
         positive("radius", self.radius, "m")
@@ -76,13 +80,19 @@ class DiskForce:
         radii = self.radius * np.sqrt((np.arange(n_rings) + 0.5) / n_rings)
         angles = 2 * pi * (np.arange(n_angles) + 0.5) / n_angles
         offsets = np.stack([np.outer(radii, f(angles)).ravel() for f in (np.cos, np.sin)])
-        points = self._points(geometry, offsets)
+        pole = covered_pole(geometry, self.at, self.radius)
+        if pole is None:
+            points, shares = self._points(geometry, offsets), np.full(offsets.shape[1], 1 / offsets.shape[1])
+        else:
+            fan = pole.fan(geometry, self.radius, n_rings, n_angles)
+            if fan is None:
+                raise self._over_the_edge()
+            points, shares = fan
         try:
             elements, local = geometry.locate_all(points)
         except InputError as outside:
-            raise InputError(f"disk at {tuple(self.at)} of radius {self.radius} m reaches over the edge of the surface; "
-                             "make it smaller or move it") from outside  # fmt: skip
-        forces = np.tile(np.asarray(self.force, float) / len(elements), (len(elements), 1))
+            raise self._over_the_edge() from outside
+        forces = np.outer(shares, np.asarray(self.force, float))
         return DeadLoad(point_forces(geometry, elements, local, forces), self.history, geometry.within(points))
 
     def _points(self, geometry: Geometry, offsets: np.ndarray) -> np.ndarray:
@@ -92,7 +102,7 @@ class DiskForce:
         frame, triangle = np.linalg.qr(slopes)
         sizes = np.abs(triangle.diagonal())
         if sizes.min() < SINGULAR * sizes.max():
-            raise self._over_a_pole()
+            raise self._too_far_around()
         points = centre[:, None] + np.linalg.solve(triangle, offsets)
         origin, scale = surface.position(*centre)[:, None], np.abs(points - centre[:, None]).max()
         for _ in range(NEWTON):
@@ -102,12 +112,16 @@ class DiskForce:
                 return points
             matrix = np.einsum("ik,dim->mkd", frame, np.stack(surface.derivatives(*points_now)))
             if (np.abs(np.linalg.det(matrix)) < SINGULAR * abs(np.linalg.det(triangle))).any():
-                raise self._over_a_pole()
+                raise self._too_far_around()
             step = np.linalg.solve(matrix, gap.T[:, :, None])[:, :, 0].T
             points = points + step * min(1.0, scale / np.abs(step).max())
-        raise self._over_a_pole()
+        raise self._too_far_around()
 
-    def _over_a_pole(self) -> InputError:
-        return InputError(f"disk at {tuple(self.at)} of radius {self.radius} m reaches over the edge of the surface or over "
-                          "a pole; the parameters have no inverse at a pole, so a disk cannot cover one; make it smaller, "
-                          "or use a PointForce, or a SurfaceLoad that is zero elsewhere")  # fmt: skip
+    def _over_the_edge(self) -> InputError:
+        return InputError(f"disk at {tuple(self.at)} of radius {self.radius} m reaches over the edge of the surface; "
+                          "make it smaller or move it")  # fmt: skip
+
+    def _too_far_around(self) -> InputError:
+        return InputError(f"disk at {tuple(self.at)} of radius {self.radius} m reaches over the edge of the surface, or so "
+                          "far around it that not all of it is over the surface, seen along the normal at its centre; make "
+                          "it smaller, or use a PointForce, or a SurfaceLoad that is zero elsewhere")  # fmt: skip

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly import local
 from skancf.assembly.pressure_kernel import pressure_stiffness
 from skancf.assembly.protocols import Assembly
@@ -52,6 +53,7 @@ class FollowerPressure:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         if not is_function(self.pressure):
             number("pressure", self.pressure)
         check_history(self.history)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.protocols import Assembly
 from skancf.errors import vector
 from skancf.history import History, check_history
@@ -26,6 +27,7 @@ class SurfaceLoad:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_distributed(self.force, self.history)
 
     def on(self, assembly: Assembly) -> DeadLoad:
@@ -44,6 +46,7 @@ class Gravity:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         vector("acceleration", self.acceleration, 3)
 

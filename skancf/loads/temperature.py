@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, finite
 from skancf.functions import is_function, values_at
@@ -29,6 +30,7 @@ class Temperature:
     history: History | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         for name, value in (("change", self.change), ("gradient", self.gradient)):
             if not is_function(value) and np.ndim(finite(name, value)):

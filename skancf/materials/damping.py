@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from skancf.arguments import plain
 from skancf.errors import InputError, number
 
 
@@ -36,6 +37,7 @@ class Damping:
     stiffness: float = 0.0
 
     def __post_init__(self) -> None:
+        plain(self)
         for name, unit in (("mass", "1/s"), ("stiffness", "s")):
             if number(name, getattr(self, name)) < 0:
                 raise InputError(f"{name} = {getattr(self, name)} {unit}: damping that is negative adds energy; give a "

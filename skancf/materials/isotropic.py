@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
 from skancf.materials.law import SHEAR_CORRECTION, build
 
@@ -44,6 +45,7 @@ class Isotropic:
     angle = 0.0
 
     def __post_init__(self) -> None:
+        plain(self)
         positive("young", self.young, "Pa")
         nu = number("poisson", self.poisson)
         if not -1 < nu < 0.5:

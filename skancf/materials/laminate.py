@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, number, positive, shown
-from skancf.materials.law import Law, require_law, turned, turned_strain
+from skancf.materials.law import Law, require_law, stiffness_of, turned, turned_strain
 from skancf.materials.section import Section, stack
 
 
@@ -34,13 +35,14 @@ class Layer:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
+        plain(self)
         require_law(self.material)
         positive("thickness of a layer", self.thickness, "m")
         number("angle", self.angle)
 
     def stiffness(self) -> np.ndarray:
         """C, shape (6, 6), in the frame of the surface (Pa)."""
-        return turned(self.material.stiffness(), self.angle)
+        return turned(stiffness_of(self.material), self.angle)
 
     def thermal_strain(self) -> np.ndarray:
         """Free strain per kelvin, shape (6,), in the frame of the surface."""
@@ -83,6 +85,7 @@ class Laminate:
     offset: float = 0.0
 
     def __post_init__(self) -> None:
+        plain(self)
         if not isinstance(self.layers, Sequence) or isinstance(self.layers, str | bytes) or not len(self.layers):
             raise InputError(f"layers = {shown(self.layers)}: give a list of layers, as in [Layer(material, thickness)]")
         object.__setattr__(self, "layers", tuple(self.layers))

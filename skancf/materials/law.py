@@ -10,8 +10,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.arguments import choice
+from skancf.arguments import choice, plain
 from skancf.errors import InputError, finite, number, positive, shown, vector
+from skancf.functions import Noted, is_ours
 
 SHEAR_CORRECTION = 5 / 6
 TRANSVERSE = [3, 4]
@@ -38,6 +39,19 @@ def require_law(material: Any) -> None:
     if isinstance(material, type) or missing:
         raise InputError(f"material = {shown(material)}: give a law, for example Isotropic(young, poisson, density)"
                          + (f"; this has no {' and no '.join(missing)}" if missing else ""))  # fmt: skip
+
+
+def stiffness_of(law: Any) -> np.ndarray:
+    """The stiffness of a law, checked where the law is none of this library's."""
+    if is_ours(law):
+        return np.asarray(law.stiffness())
+    with Noted("material"):
+        matrix = finite("material.stiffness()", law.stiffness())
+        vector("material.thermal_strain()", law.thermal_strain(), 6)
+        positive("material.density", law.density, "kg/m3")
+    if matrix.shape != (6, 6):
+        raise InputError(f"material.stiffness() of shape {matrix.shape}: a law is a 6 x 6 matrix")
+    return check_definite(matrix, type(law).__name__)
 
 
 def check_definite(matrix: np.ndarray, name: str) -> np.ndarray:
@@ -136,6 +150,7 @@ class Anisotropic:
     _stiffness: np.ndarray = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        plain(self)
         vector("expansion", self.expansion, 6)
         object.__setattr__(self, "_stiffness", build(self, finite("matrix", self.matrix)))
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import positive, vector
 from skancf.materials.law import SHEAR_CORRECTION, build, check_definite, turned_strain
 
@@ -45,6 +46,7 @@ class Orthotropic:
     expansion: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        plain(self)
         for name, values in (("young", self.young), ("shear", self.shear)):
             for value in vector(name, values, 3):
                 positive(name, value, "Pa")

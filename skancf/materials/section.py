@@ -12,7 +12,7 @@ import numpy as np
 
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, positive
-from skancf.materials.law import require_law
+from skancf.materials.law import require_law, stiffness_of
 
 IN_PLANE = [0, 1, 5]
 LEAST, MOST = 1e-80, 1e80
@@ -230,7 +230,7 @@ def section_of(material: Any, thickness: float | None) -> Section:
     if thickness is None:
         raise InputError(f"thickness: missing; a plate of one material ({type(material).__name__}) needs a thickness")
     half = positive("thickness", thickness, "m") / 2
-    return stack([-half, half], [material.stiffness()], [material.density], [material.thermal_strain()])
+    return stack([-half, half], [stiffness_of(material)], [material.density], [material.thermal_strain()])
 
 
 def stack(z: Any, stiffness: Sequence[Any], density: Sequence[float], expansion: Sequence[Any]) -> Section:

@@ -6,7 +6,7 @@ from math import exp, isqrt, log
 import numpy as np
 
 from skancf.arguments import whole
-from skancf.errors import InputError
+from skancf.errors import InputError, shown
 from skancf.meshes.placing import coarse_for
 from skancf.meshes.sizes import Sizes
 from skancf.surfaces import BoundedSurface
@@ -72,4 +72,8 @@ def stretch(surface: BoundedSurface) -> tuple[float, float]:
     middles = (np.arange(16) + 0.5) / 16
     x, y = np.meshgrid(x_low + (x_high - x_low) * middles, y_low + (y_high - y_low) * middles)
     x_slope, y_slope = surface.derivatives(x, y)
-    return float(np.linalg.norm(x_slope, axis=0).mean()), float(np.linalg.norm(y_slope, axis=0).mean())
+    along_x, along_y = (float(np.linalg.norm(slope, axis=0).mean()) for slope in (x_slope, y_slope))
+    if not (along_x > 0 and along_y > 0):
+        raise InputError(f"surface = {shown(surface)}: the mean lengths of X_x and X_y are {along_x:.3g} and {along_y:.3g}; "
+                         "a surface has area, correct its derivatives")  # fmt: skip
+    return along_x, along_y

@@ -13,7 +13,8 @@ Pair = tuple[float, float]
 
 def fractions(regions: Sequence[Region], finest: float) -> np.ndarray:
     r"""Fine length over coarse length of each region, :math:`\max(\text{finest}, (\sigma_i / \bar\sigma)^{-1/2})`: (m,)."""
-    if not 0 < number("finest", finest) < 1:
+    finest = number("finest", finest)
+    if not 0 < finest < 1:
         raise InputError(f"finest = {finest}: give the smallest fine length over the coarse one, between 0 and 1")
     return np.array([max(finest, region.ratio**-0.5) for region in regions])
 

@@ -117,7 +117,8 @@ def _along(
 ) -> Sizes:
     """The wanted lengths in one direction."""
     shares = fractions(regions, finest)
-    if not 1 < number("growth", growth) <= LARGEST_RATIO:
+    growth = number("growth", growth)
+    if not 1 < growth <= LARGEST_RATIO:
         raise InputError(f"growth = {growth}: neighbouring lengths may grow by a factor greater than 1 and at most 2")
     ramp = pair("transition", transition)[direction]
     if ramp < 0:
@@ -155,7 +156,10 @@ def _check_choice(*choices: Any) -> None:
 
 def _shape(shape: Any) -> tuple[int, int]:
     try:
-        nx, ny = shape
-    except (TypeError, ValueError) as wrong:
-        raise InputError(f"shape = {shown(shape)}: give the two numbers of cells (nx, ny)") from wrong
+        counts = () if isinstance(shape, str | bytes | bytearray | set | dict) else tuple(shape)
+    except TypeError:
+        counts = ()
+    if len(counts) != 2:
+        raise InputError(f"shape = {shown(shape)}: give the two numbers of cells (nx, ny)")
+    nx, ny = counts
     return whole("nx", nx), whole("ny", ny)

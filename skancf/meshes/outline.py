@@ -76,8 +76,8 @@ def fills(mesh: skfem.MeshQuad, bounds: Any = None) -> bool:
     So they do where every edge of the boundary lies on the rectangle, and together they are as long as its sides: the number
     of elements over a point changes at the boundary only. There are no slits then either.
     """
-    box = _box(mesh, bounds)
-    on, length = _on_box(mesh, mesh.boundary_facets(), box)
+    box = box_of(mesh, bounds)
+    on, length = on_box(mesh, mesh.boundary_facets(), box)
     return bool(on.any(axis=(0, 1)).all() and (np.abs((on * length).sum(axis=2) - 1) < ONE_PLACE).all())
 
 
@@ -92,24 +92,25 @@ def check_outline(mesh: skfem.MeshQuad, bounds: Any = None) -> None:
     loops, areas = (_around if hasattr(mesh, "hanging") else _loops)(mesh, facets, ends)
     if bounds is None:
         return
-    box = _box(mesh, bounds)
-    on, _ = _on_box(mesh, facets, box)
+    box = box_of(mesh, bounds)
+    on, _ = on_box(mesh, facets, box)
     free = (areas[loops] > 0) & ~on.any(axis=(0, 1)) & ~np.isin(facets, (mesh.boundaries or {}).get(OPENING, []))
     if free.any():
         share = areas[areas > 0].sum() / np.prod(box[:, 1] - box[:, 0])
         middle = ends.mean(axis=1)[:, free][:, 0]
-        raise InputError(f"the mesh covers {100 * share:.4g} % of the surface, which spans {_span(box)}: the edge of an "
+        covered = f"{100 * share:.4g} %" if share < 0.9999 else f"all but {100 * abs(1 - share):.1g} %"
+        raise InputError(f"the mesh covers {covered} of the surface, which spans {_span(box)}: the edge of an "
                          f"element at {_place(middle)} is within it. What has no elements carries nothing; give a surface "
                          "of the size of the mesh, mesh all of it, or cut openings= (edges of cuts in a mesh of your own "
                          f"are the boundary {OPENING!r})")  # fmt: skip
 
 
-def _box(mesh: skfem.MeshQuad, bounds: Any) -> np.ndarray:
+def box_of(mesh: skfem.MeshQuad, bounds: Any) -> np.ndarray:
     """Smallest and largest x, and y, (2, 2)."""
     return np.stack([mesh.p.min(axis=1), mesh.p.max(axis=1)], axis=1) if bounds is None else np.array(bounds, float)
 
 
-def _on_box(mesh: skfem.MeshQuad, facets: np.ndarray, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def on_box(mesh: skfem.MeshQuad, facets: np.ndarray, box: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Whether edges lie on x = min, x = max and y = min, y = max, (2, 2, n), and their lengths over those of these sides,
     (2, 1, n)."""
     ends = mesh.p[:, mesh.facets[:, facets]]

@@ -1,6 +1,6 @@
 """Element lengths in geometric progression, from a coarse mesh to a fine one or back."""
 
-from math import log1p
+from math import log, log1p
 
 import numpy as np
 
@@ -70,4 +70,5 @@ def _real_steps(l_0: float, l_n: float, length: float) -> float:
     """n before rounding; ln(l_n / l_0) and ln q by log1p, because both may be close to 0."""
     if l_0 == l_n:
         return length / l_0 - 1
-    return log1p((l_n - l_0) / l_0) / log1p((l_n - l_0) / (length - l_n))
+    part = (l_n - l_0) / l_0
+    return (log1p(part) if part > -0.5 else log(l_n / l_0)) / log1p((l_n - l_0) / (length - l_n))

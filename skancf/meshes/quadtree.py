@@ -7,15 +7,17 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.arguments import MESH, SURFACE, having, instance, whole
+from skancf.arguments import MESH, instance, whole
 from skancf.elements.nodal import require_aligned
 from skancf.errors import InputError, shown
+from skancf.functions import is_function
 from skancf.memory import require_mesh
 from skancf.meshes.check import check_mesh
 from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TOP, Forest, Leaves
 from skancf.meshes.names import Names
-from skancf.meshes.snap import onto_bounds
+from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.surfaces import Surface, closed_directions
+from skancf.surfaces.asked import require_surface
 
 # Of the extent of the mesh: coordinates that are closer are one line.
 SAME = 1e-9
@@ -180,7 +182,9 @@ class MeshQuadTree(skfem.MeshQuad):
 
     def _numbers(self, what: str, elements: Any) -> np.ndarray:
         try:
-            # By name, or by a function of the middles; see scikit-fem.
+            if is_function(elements):
+                return self._where_true(elements)
+            # By name; see scikit-fem.
             found = np.asarray(self.normalize_elements(elements) if len(np.shape(elements)) == 0 else elements)
         except Exception as wrong:
             raise InputError(f"{what}: {shown(elements)}: give element numbers, a mask or the name of a subdomain ({wrong})"
@@ -191,6 +195,13 @@ class MeshQuadTree(skfem.MeshQuad):
         if found.size and not (whole and found.min() >= 0 and found.max() < self.nelements):
             raise InputError(f"{what}: give element numbers from 0 to {self.nelements - 1}, not {shown(elements)}")
         return np.unique(found).astype(int)
+
+    def _where_true(self, function: Any) -> np.ndarray:
+        """Elements at whose middles a function of points (2, n) is true, as in scikit-fem."""
+        found = np.asarray(function(self.p[:, self.t].mean(axis=1)))
+        if found.dtype != bool or found.shape != (self.nelements,):
+            raise InputError(f"the function returned {shown(found)}, not True or False for each element")
+        return np.flatnonzero(found)
 
     # Where things are
 
@@ -289,7 +300,7 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     """
     instance("mesh", mesh, skfem.MeshQuad, MESH)
     if surface is not None:
-        having("surface", surface, ("position", "derivatives"), SURFACE)
+        require_surface(surface, ("position", "derivatives"))
     closed = closed_directions(surface) if surface is not None else (False, False)
     if isinstance(mesh, MeshQuadTree):
         if surface is None or closed == tuple(mesh.leaves.forest.closed):
@@ -299,6 +310,7 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     bounds = getattr(surface, "bounds", None)
     if bounds is not None:
         mesh = onto_bounds(mesh, bounds)
+    mesh = onto_lines(mesh)
     forest = forest_of(mesh, closed)
     coarse = skfem.MeshQuad(forest.points, forest.corners)
     names = Names.of(replace(coarse, _boundaries=_facets_by_ends(mesh, coarse), _subdomains=mesh.subdomains))

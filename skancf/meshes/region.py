@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from skancf.arguments import sequence
+from skancf.arguments import plain, sequence
 from skancf.errors import InputError, number, vector
 
 REGION = "regions, as stress_regions finds them or as in [Region((0.5, 0.5), (0.1, 0.1))]"
@@ -36,6 +36,7 @@ class Region:
     value: float | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         vector("centre", self.centre, 2)
         if not (vector("half_size", self.half_size, 2) > 0).all():
             raise InputError(f"half_size = {self.half_size}: give two lengths greater than zero")

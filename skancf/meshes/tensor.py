@@ -10,6 +10,7 @@ from skancf.errors import InputError, finite, shown
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, cut, rectangles_of
 from skancf.surfaces import BoundedSurface, Interval, closed_directions
+from skancf.surfaces.asked import require_surface
 
 LONGEST = 1e9
 """Largest ratio of the two ranges of a surface's parameters."""
@@ -86,6 +87,7 @@ def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:
 
 def bounds_of(surface: BoundedSurface) -> tuple[Interval, Interval]:
     """``surface.bounds``, or an :class:`InputError` that says what to do instead."""
+    require_surface(surface, ())
     if isinstance(surface, type) or not hasattr(surface, "bounds") or not hasattr(surface, "sides"):
         raise InputError(f"surface = {shown(surface)}: it has no bounds to mesh; use a surface over a rectangle "
                          "of the parameter plane, or bring a MeshQuad of your own")

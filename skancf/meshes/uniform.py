@@ -1,13 +1,13 @@
 """Uniform meshes."""
 
-from collections.abc import Sequence, Sized
+from collections.abc import Sequence
 
 import numpy as np
 import skfem
 
 from skancf.arguments import whole
 from skancf.memory import MESH, require_mesh
-from skancf.meshes.openings import Opening
+from skancf.meshes.openings import Opening, rectangles_of
 from skancf.meshes.tensor import bounds_of, tensor
 from skancf.surfaces import BoundedSurface
 
@@ -42,7 +42,7 @@ def uniform(surface: BoundedSurface, nx: int, ny: int, openings: Sequence[Openin
     nx, ny = whole("nx", nx), whole("ny", ny)
     x_bounds, y_bounds = bounds_of(surface)
     # Before the rows of nodes; with openings some of the elements are cut out, and those that are left are looked at later.
-    if isinstance(openings, Sized) and not len(openings):
+    if not len(rectangles_of(openings)):
         require_mesh(nx * ny)
     else:
         require_mesh(nx * ny, MESH)

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.arguments import drawable, row, sequence, texts
+from skancf.arguments import row, sequence, texts
 from skancf.atomic import AnyPath
 from skancf.errors import InputError, finite, number, vector
 from skancf.output.canvas import BAND, INK, draw_curves, new_figure, plane_axes, save
 from skancf.output.colours import colour_map, marked_style
 from skancf.output.curves import Curves, curves_of
-from skancf.output.plane import cell_outlines, edge_curves, to_plane
+from skancf.output.plane import cell_outlines, drawable, edge_curves, to_plane
 from skancf.surfaces import Surface
 
 PANEL, PER_ROW = 2.9, 4
@@ -216,6 +216,8 @@ def effectivity(
 
 
 def _check_number(name: str, given: Sequence[Any], meshes: Sequence[skfem.MeshQuad]) -> None:
+    if getattr(given, "shape", None) == ():
+        raise InputError(f"{name} = {given!r}: give a list, one for each mesh")
     if len(given) != len(meshes):
         raise InputError(f"{name}: {len(given)} for {len(meshes)} meshes; give one for each")
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import skfem
 
-from skancf.arguments import drawable, flag, mapping, sequence, texts
+from skancf.arguments import flag, mapping, sequence, texts
 from skancf.atomic import AnyPath
 from skancf.errors import vector
 from skancf.meshes import Region
@@ -15,7 +15,7 @@ from skancf.meshes.region import REGION
 from skancf.output.canvas import BAND, INK, contour_colours, draw_curves, new_figure, plane_axes, plane_height, save
 from skancf.output.colours import line_style
 from skancf.output.curves import Curves, panels_of
-from skancf.output.plane import edge_curves, label_place, region_outline, subdivided, to_plane
+from skancf.output.plane import drawable, edge_curves, label_place, region_outline, subdivided, to_plane
 from skancf.surfaces import Surface
 
 

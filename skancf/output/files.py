@@ -76,7 +76,7 @@ def write(
         file = check_file(path, ".vtu")
         write_state(states, file, subdivisions, depths)
         return file
-    if not isinstance(states, Iterable) or isinstance(states, str | bytes):
+    if not isinstance(states, Iterable) or isinstance(states, str | bytes) or getattr(states, "ndim", 1) == 0:
         what = type(states).__name__
         raise InputError(f"states: give a Solution or a sequence of them, as motion.states or result.path, not {what}")
     return write_collection(

@@ -49,7 +49,8 @@ class Look:
     show_mesh, show_undeformed : bool
         Draw the edges of elements, as the curves they are; draw the undeformed ones too, in grey.
     title : str, optional
-        Default: field, depth, and time or load factor. ``""``: none.
+        Default: field, depth, and time or load factor; that an answer is one of small deflections, or a mode, which has no
+        size of its own. ``""``: none.
     subdivisions : int, optional
         Cells along an element's edge. Default: by the number of elements.
     size : (2,) tuple of int
@@ -209,9 +210,13 @@ def _boundary(solution: Solution, rims: np.ndarray) -> np.ndarray:
 
 def _title(solution: Solution, style: Look, where: str) -> str:
     parts = [f"{words(style.field)}, {where}" if where else words(style.field)]
+    if solution.note:
+        parts.append(solution.note)
+    if solution.linear:
+        parts.append("small deflections")
     if solution.time is not None:
         parts.append(f"t = {solution.time:.4g} s")
-    elif solution.load_factor != 1:
+    elif solution.load_factor != 1 and not (solution.note and solution.load_factor == 0):
         parts.append(f"load factor {solution.load_factor:.4g}")
     if style.scale != 1:
         parts.append(f"displacements x {style.scale:.4g}")

@@ -5,16 +5,25 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.arguments import MESH, instance
 from skancf.errors import InputError, finite
 from skancf.meshes import Region
 from skancf.surfaces import Surface
+from skancf.surfaces.asked import require_surface
 
 ENOUGH_CELLS = 15_000
 
 
+def drawable(mesh: Any, surface: Any) -> None:
+    """InputError for what is no mesh, and for what is no surface and not None."""
+    instance("mesh", mesh, skfem.MeshQuad, MESH)
+    if surface is not None:
+        require_surface(surface, ("position", "derivatives"))
+
+
 def to_plane(surface: Surface | None, points: np.ndarray) -> np.ndarray:
     """x and y in space, (2, ...), of points of the parameter plane (2, ...)."""
-    return points if surface is None else surface.position(*points)[:2]
+    return points if surface is None else np.asarray(surface.position(*points))[:2]
 
 
 def edge_curves(mesh: skfem.MeshQuad, surface: Surface | None) -> np.ndarray:

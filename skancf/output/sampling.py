@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from skancf.arguments import STATE, instance, whole
-from skancf.errors import number
 from skancf.memory import require_much
-from skancf.solution import Solution
+from skancf.solution import Depth, Solution, depth_of
 
 
 class Grid(NamedTuple):
@@ -96,13 +95,12 @@ EACH = 300
 """Bytes of a point with its cell, displacement, strain and stress."""
 
 
-def sample_surface(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Surface:
+def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> Surface:
     """Positions, displacements and velocities of a state; see :func:`sample`."""
     instance("solution", solution, Solution, STATE)
     require_points(subdivisions, solution.system.geometry.n_elements)
     cut, geometry = grid(subdivisions), solution.system.geometry
-    if number("z", z):
-        solution.system.problem.section.layer_at(z)
+    z = depth_of(solution.system.problem.section, z)
     first = np.arange(geometry.n_elements)[:, None] * cut.points.shape[1]
     theory, local, side = geometry.theory, geometry.local(solution.q.reshape(-1, 4, 3)), geometry.side
     inside, table = geometry.inside(cut.points), geometry.theory.position_table(cut.points)[0]
@@ -127,7 +125,7 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: float = 0.0) ->
     )
 
 
-def sample_strain(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def sample_strain(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Strain and stress (n, 6) at the points of :func:`sample`."""
     instance("solution", solution, Solution, STATE)
     require_points(subdivisions, solution.system.geometry.n_elements)
@@ -135,7 +133,7 @@ def sample_strain(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> 
     return solution.strains(points, z).reshape(-1, 6), solution.stresses(points, z).reshape(-1, 6)
 
 
-def sample(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Samples:
+def sample(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> Samples:
     """A state at depth z, each element cut into ``subdivisions`` squared linear quadrilaterals.
 
     Parameters
@@ -143,9 +141,9 @@ def sample(solution: Solution, subdivisions: int = 4, z: float = 0.0) -> Samples
     solution : Solution
     subdivisions : int
         Cells along an element's edge, at least 1.
-    z : float
-        Depth, from the bottom face to the top face (m). Default: the reference surface, where bending leaves no stress;
-        give a face, ``solution.system.problem.section.z[-1]``, for what bending does there.
+    z : float or {"top", "middle", "bottom"}
+        Depth, from the bottom face to the top face (m). Default: the reference surface, z = 0, where bending leaves no
+        strain, and no stress in a plate of one material; give a face, ``"top"`` or ``"bottom"``, for what it does there.
 
     Returns
     -------

@@ -67,7 +67,7 @@ def spectrum_chart(
     highest = max(each.nyquist for each in drawn.values())
     if limit is None:
         limit = min(highest, 4 / 3 * float(np.concatenate([at for at, _ in peaks]).max(initial=0))) or highest
-    positive("limit", limit, "Hz")
+    limit = positive("limit", limit, "Hz")
     figure = new_figure(7.5, 4.5)
     axes = figure.subplots()
     axes.set(yscale="log", xlim=(0, limit), ylim=(largest * 10.0**-DECADES, largest * 20), xlabel="frequency (Hz)",

@@ -15,6 +15,7 @@ from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution
 from skancf.statics.asked import check_asked
 from skancf.statics.causes import require_support
+from skancf.statics.depth import warn_without_time
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -112,10 +113,11 @@ def buckling(
         a check fails, for example as load factors are missing that further searches did not find.
     """
     check_asked(system, backend)
-    check_tolerance(tolerance)
+    tolerance = check_tolerance(tolerance)
     choice("signs", signs, ("positive", "both"))
     n = checked_count(n, system.constraints)
     require_support(system)
+    warn_without_time(system)
     start, constraints = system.undeformed, system.constraints
     moved = system.prescribed()
     if not (system.external_force(start).any() or moved.any()):

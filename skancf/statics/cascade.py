@@ -30,6 +30,10 @@ SNAPPED = (
     "snapped: Newton's method got no further than load factor {:.4g}, and from there the structure was relaxed at the full "
     "load, to a stable state downhill; there may be others. trace(system) shows the path"
 )
+MOVED_ON = (
+    "relaxed at the full load, because from the state it started from Newton's method found no equilibrium, to a stable "
+    "state downhill; there may be others"
+)
 SLACK = (
     "relaxed at the full load from load factor {:.4g}, to a stable state downhill, because {}. A sheet so thin for its load "
     "may have several ways to wrinkle"
@@ -38,7 +42,7 @@ BUCKLED = (
     "buckled: the state to which load steps led had {} negative eigenvalue(s), so it was pushed along its softest motion "
     "and relaxed at the full load, to a stable state downhill; there may be others, such as a mirror image"
 )
-NOTHING = "Relaxation at the full load found no stable state from there either."
+NOTHING = "Relaxation at the full load found no stable state from there either"
 LOST = (
     "rounding of the nodal coordinates leaves up to {:.1e} of the loads or of the energy norm open: the body is so thin, or "
     "so lightly loaded, that its coordinates hardly hold the answer. Of small deflections solve_linear has more digits"
@@ -93,14 +97,14 @@ class Cascade:
             found, self.checks = self.second_best
             self.attempts.append((self.load_factor, found))
             self._keep(found, self.load_factor)
-            return self._ended(self._unstable())
+            return self._ended(f"{self._unstable()}. {NOTHING}")
         at = self.path[-1]
 
         def ahead() -> float | None:
             return limit_ahead(self.system, at, control.smallest * self.span)
 
         status, message = cause(self.system, self.solver, self.path, wanted, last, ahead)
-        return self.result(status, f"{message} {NOTHING}" if self.relaxes else message)
+        return self.result(status, f"{message} {NOTHING}." if self.relaxes else message)
 
     def _load_steps(self, control: HalveAndGrow, shortest: float, farthest: float) -> tuple[float, NewtonResult]:
         """Steps until the whole load is on or they are shorter than ``shortest``; the last solve and its load factor."""
@@ -165,6 +169,7 @@ class Cascade:
                 return self._ended(BUCKLED.format(last.negative_pivots))
             self.checks = checks
             self.attempts.append((self.load_factor, last))
+            return self._ended(f"{self._unstable()}. {NOTHING}")
         return self._ended(self._unstable())
 
     def _relaxed(self, last: NewtonResult) -> StaticResult | None:
@@ -172,9 +177,10 @@ class Cascade:
         at = self.path[-1]
         if not self._downhill(lambda: self.relaxation.from_state(at.q, self.path[0].q)):
             return None
+        if not self.span:
+            return self._ended(MOVED_ON)
         too_far = last.status is Status.TOO_FAR
-        message = SLACK.format(at.load_factor, last.message) if too_far else SNAPPED.format(at.load_factor)
-        return self._ended(message)
+        return self._ended(SLACK.format(at.load_factor, last.message) if too_far else SNAPPED.format(at.load_factor))
 
     def _ended(self, message: str) -> StaticResult:
         """The result of the last attempt, with what it met on the way."""

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.constrain import free_rigid_motions
 from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
@@ -19,9 +18,9 @@ NEAR = 10.0
 
 
 def require_support(system: System) -> None:
-    """InputError where a rigid motion is free; only nodes of four vectors tell what a rigid motion is."""
-    springs: Any = getattr(system, "foundation", None)
-    free = free_rigid_motions(system.undeformed, system.constraints, springs) if system.pattern.block == 12 else []
+    """InputError where a rigid motion is free, of a model that knows what a rigid motion is."""
+    hook: Any = getattr(system, "free_rigid_motions", None)
+    free = hook() if hook else []
     if free:
         raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
 

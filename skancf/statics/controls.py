@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from skancf.arguments import instance, whole
+from skancf.arguments import instance, plain, whole
 from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
 from skancf.solution import probe
@@ -51,6 +51,7 @@ class StepLength:
     cut: float = 2.0
 
     def __post_init__(self) -> None:
+        plain(self)
         whole("easy", self.easy, floats=True)
         for name in ("smallest", "largest"):
             positive(name, getattr(self, name))
@@ -95,6 +96,7 @@ class ArcLength:
     steps: StepLength = StepLength()
 
     def __post_init__(self) -> None:
+        plain(self)
         if number("first", self.first) == 0:
             raise InputError("first = 0: give the load factor of the first step")
         instance("steps", self.steps, StepLength, "a StepLength")
@@ -133,6 +135,7 @@ class DisplacementControl:
     steps: StepLength = StepLength()
 
     def __post_init__(self) -> None:
+        plain(self)
         number("to", self.to)
         _check_place(self.at, self.direction)
         if not 0 < number("first", self.first) <= 1:
@@ -167,6 +170,7 @@ class DisplacementReached:
     value: float
 
     def __post_init__(self) -> None:
+        plain(self)
         number("value", self.value)
         _check_place(self.at, self.direction)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from skancf.arguments import instance
 from skancf.assembly.system import System
-from skancf.errors import DidNotConverge, OutOfDepth, number
+from skancf.errors import DidNotConverge, OutOfDepth, number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -14,9 +14,9 @@ from skancf.statics.asked import check_asked
 from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
-from skancf.statics.depth import warn_if_thick
+from skancf.statics.depth import warn_if_loose, warn_if_thick, warn_without_time
 from skancf.statics.newton import OPEN, Status
-from skancf.statics.path import trace
+from skancf.statics.path import traced
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 from skancf.statics.verify import Balance, unmet
 
@@ -77,15 +77,17 @@ def solve(
     """
     check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
                 follow=follow, relax=relax, progress=progress)  # fmt: skip
-    number("load_factor", load_factor)
+    load_factor, rtol = number("load_factor", load_factor), positive("rtol", rtol)
     if control is not None:
         instance("control", control, HalveAndGrow, "a HalveAndGrow, or call trace for paths by another control")
     require_support(system)
+    warn_without_time(system)
     result = equilibrium(
         system, load_factor, control=control, start=start, rtol=rtol, max_iterations=max_iterations, mixed=mixed,
         follow=follow, relax=relax, backend=backend, progress=progress,
     )  # fmt: skip
     warn_if_thick(result.solution)
+    warn_if_loose(result.solution)
     return result
 
 
@@ -113,7 +115,7 @@ def _followed(
 ) -> StaticResult:
     """The whole way by arc length."""
     first = ArcLength().first * (load_factor - start.load_factor)
-    found = trace(
+    found = traced(
         start.system, ArcLength(first=first), until=load_factor, start=start, rtol=rtol, mixed=mixed, backend=backend,
         progress=progress,
     )  # fmt: skip
@@ -140,11 +142,15 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     Warns
     -----
     OutOfDepth
-        Where they are out of balance by more than a millionth.
+        Where they are out of balance by more than a millionth, and where the answer is out of the depth of its theory or
+        of its mesh.
     """
     check_asked(system, backend)
     require_support(system)
-    return warn_if_thick(small_deflection(system, backend=backend))
+    warn_without_time(system)
+    solution = small_deflection(system, backend=backend)
+    warn_if_thick(solution)
+    return warn_if_loose(solution)
 
 
 def small_deflection(system: System, load_factor: float = 1.0, *, backend: str = "auto") -> Solution:

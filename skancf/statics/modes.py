@@ -15,6 +15,7 @@ from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.memory import require_much
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.asked import check_asked
+from skancf.statics.depth import warn_without_time
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -115,8 +116,10 @@ def modes(
     check_asked(system, backend)
     if state is not None:
         require_same_mesh(system, state, "state")
-    check_tolerance(tolerance)
+    tolerance = check_tolerance(tolerance)
     warn_if_mass_is_off(system)
+    if state is None:
+        warn_without_time(system)
     n = checked_count(n, system.constraints)
     stiffness = state_tangent(system, state)
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
@@ -310,10 +313,12 @@ def checked_count(n: int, constraints: Constraints) -> int:
     return n
 
 
-def check_tolerance(tolerance: float) -> None:
+def check_tolerance(tolerance: float) -> float:
     """InputError for what is no relative accuracy of eigenvalues, from zero (rounding) to less than one."""
-    if not 0 <= number("tolerance", tolerance) < 1:
+    checked = number("tolerance", tolerance)
+    if not 0 <= checked < 1:
         raise InputError(f"tolerance = {tolerance}: give the relative accuracy of the eigenvalues, less than one")
+    return checked
 
 
 def free_directions(constraints: Constraints) -> np.ndarray:
@@ -322,9 +327,12 @@ def free_directions(constraints: Constraints) -> np.ndarray:
     return np.array([constraints.from_frame(e) for e in np.eye(constraints.fixed.size)[numbers]])
 
 
+MODE = "mode of arbitrary size"
+
+
 def moved_along(state: Solution, mode: np.ndarray, size: float | None) -> Solution:
     """A state moved along a mode until its nodes moved by ``size`` at most; by default a tenth of the structure's extent."""
     r = state.system.undeformed.reshape(-1, 4, 3)[:, 0]
     size = 0.1 * float(np.linalg.norm(np.ptp(r, axis=0))) if size is None else positive("size", size, "m")
     largest = float(np.linalg.norm(mode.reshape(-1, 4, 3)[:, 0], axis=1).max())
-    return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor)
+    return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor, note=MODE)

@@ -24,8 +24,8 @@ class System(Protocol):
     A model may also have ``strain_energy(q, factor)``, by which the end of a solve is judged; ``largest_turn(change)``, the
     largest change of a slope; ``pretension``, the stiffness of a uniform dilation; ``skew(q, time, factor)``, the
     skew-symmetric part of its tangent as a sparse matrix or None; ``folded(q)``, the number and the place of an element that
-    folded or None; ``foundation``, its springs as a matrix or None; and ``plain_stiffness()``, that of the undeformed state
-    with membrane strains as they are.
+    folded or None; ``foundation``, its springs as a matrix or None; ``plain_stiffness()``, that of the undeformed state with
+    membrane strains as they are; and ``free_rigid_motions()``, those that nothing holds, in words.
     """
 
     constraints: Constraints

@@ -13,14 +13,20 @@ from skancf.solution import Solution
 from skancf.statics.asked import check_asked
 from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
+from skancf.statics.depth import warn_without_time
 from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, Status, largest_turn
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
+from skancf.statics.stopping import ROUNDING
 from skancf.statics.verify import Balance, checks_of
 
 FIRST_TURN = 0.5
 """Largest change of a slope in the first step by arc length, relative to the slope's length."""
+UNMOVED = (
+    "the load strains the structure and does not move it, as heat does to what is held all round, so there is no way to "
+    "follow: solve(system) finds the state under the load, also one that buckled"
+)
 CROSSED = (
     "the asked end lies between load factors {:.6g} and {:.6g}, but even in the smallest step its equilibrium was not "
     "found; allow a smaller step (StepLength) or more iterations"
@@ -128,6 +134,19 @@ def trace(
     check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
                 mixed=mixed, progress=progress)  # fmt: skip
     require_support(system)
+    warn_without_time(system)
+    return traced(
+        system, control, until=until, steps=steps, start=start, rtol=rtol, max_iterations=max_iterations, mixed=mixed,
+        backend=backend, progress=progress,
+    )  # fmt: skip
+
+
+def traced(
+    system: System, control: ArcLength | DisplacementControl | None = None, *,
+    until: float | DisplacementReached | None = None, steps: int = 200, start: Solution | None = None, rtol: float = 1e-7,
+    max_iterations: int = 15, mixed: bool = True, backend: str = "auto", progress: bool = False,
+) -> PathResult:  # fmt: skip
+    """:func:`trace` for a system that is known to be supported, and arguments that are checked."""
     at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
     control = ArcLength() if control is None else control
     if not isinstance(control, ArcLength | DisplacementControl):
@@ -135,7 +154,7 @@ def trace(
     if not (system.external_force(at.q).any() or system.prescribed().any()):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
-        follower = Follower(system, solver, rtol, int(max_iterations), mixed)
+        follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)
         return _Run(system, control, follower, until).go(at, int(steps), bar)
 
 
@@ -196,6 +215,8 @@ class _Run:
         if not (np.isfinite(first) and first):
             return Status.NOT_FINITE, f"the load moves the structure by {first} at the start; look at its size"
         if isinstance(self.control, ArcLength):
+            if not _moves(self.system, point.direction / (point.rate or 1.0)):
+                return Status.STEP_TOO_SMALL, UNMOVED
             # A held film is a thousand times stiffer once it has moved a little than the tangent at the start says.
             first /= max(1.0, largest_turn(self.system, first * point.direction) / FIRST_TURN)
         step = 1.0
@@ -279,6 +300,12 @@ class _Run:
         rates = 1.0 / self.follower.size(before.direction), 1.0 / self.follower.size(last.direction)
         way = self.follower.distance(before, last)
         return turning_estimate((0.0, way), rates) - way <= NEAR * length
+
+
+def _moves(system: System, along: np.ndarray) -> bool:
+    """Does a unit of the load move the body by more than rounding of its coordinates?"""
+    mass, at = system.mass, system.undeformed
+    return bool(along @ (mass @ along) > ROUNDING**2 * (at @ (mass @ at)))
 
 
 def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -> float | None:

@@ -18,7 +18,7 @@ import numpy as np
 
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.statics.newton import NewtonResult, System, factored, largest_turn
-from skancf.statics.soft import factor_shifted
+from skancf.statics.soft import factor_shifted, soft_motions
 from skancf.statics.stopping import Pull, work
 from skancf.statics.tangents import is_skew
 
@@ -28,9 +28,13 @@ INNER_RTOL, INNER_STEPS = 3e-2, 10
 PUSHED, CIRCLING = 400, 150
 """The same from a pushed state, and where the loads have no potential there, so that no energy need fall."""
 PUSHES = 3
-PUSH = 1e-2
-"""Of the size of the body, along the motion in which an equilibrium is not stable."""
+STRONGEST = 1e4
+"""A pull so many times as strong as the first one, or as a strain, holds what no pull can hold: the relaxation ends."""
+PUSH, HALVINGS = 1e-2, 10
+"""Of the size of the body, along the motion in which an equilibrium is not stable; halved where that leads uphill."""
 CANDIDATES, INVERSE_ITERATIONS = 4, 8
+ALIKE = 1 - 1e-6
+"""Components of a motion that are equal by symmetry differ by less."""
 
 
 @dataclass
@@ -39,7 +43,8 @@ class Letting:
 
     An easy step, of two iterations, divides it by eight; one of more than six doubles it; a failed one, or one that ended
     where the tangent is not definite even with the pull, multiplies it by four. After a failure two steps stay above twice
-    the pull that failed.
+    the pull that failed. A step that went uphill, to a state that is not stable, has failed too: under a weak pull such a
+    state attracts.
     """
 
     strength: float
@@ -47,16 +52,16 @@ class Letting:
     waiting: int = 0
     calm: int = 0
 
-    def after(self, iterations: int, converged: bool, definite: bool) -> None:
-        """Take note of a step; ``calm`` counts easy ones in a row."""
-        if not converged:
+    def after(self, iterations: int, went: bool, definite: bool) -> None:
+        """Take note of a step, and whether it was taken; ``calm`` counts easy ones in a row."""
+        if not went:
             self.failed, self.waiting, self.calm = self.strength, 2, 0
             self.strength *= 4.0
             return
-        self.calm = self.calm + 1 if iterations <= 2 else 0
         if not definite:
-            self.strength *= 4.0
+            self.strength, self.calm = 4.0 * self.strength, 0
             return
+        self.calm = self.calm + 1 if iterations <= 2 else 0
         following = self.strength / {0: 8.0, 1: 8.0, 2: 8.0, 3: 2.0, 4: 1.0, 5: 1.0, 6: 1.0}.get(iterations, 0.5)
         if self.waiting and following < 2 * self.failed:
             following = min(self.strength, 2 * self.failed)
@@ -112,19 +117,23 @@ class Relaxation:
 
     def _go(self, flow: _Flow, origin: np.ndarray, budget: int) -> NewtonResult | None:
         used, letting = 0, flow.letting
-        while used < budget and np.isfinite(letting.strength) and flow.pushes <= PUSHES:
+        strongest = STRONGEST * max(1.0, flow.reference)
+        while used < budget and letting.strength < strongest and flow.pushes <= PUSHES:
             pull = Pull(letting.strength, self.metric, flow.q)
             held = self.solve(flow.q, self.load_factor, pull=pull, rtol=INNER_RTOL, max_steps=INNER_STEPS)
             used += held.iterations
-            flow.q = held.q if held.converged else flow.q
-            letting.after(held.iterations, held.converged, self.is_definite(held))
+            # Without a potential pivots do not tell, until they are what keeps the flow from an end.
+            definite = not held.negative_pivots or not (flow.unstable or self.has_potential(held.q))
+            went = held.converged and (definite or self.rise(flow.q, held.q) < 0)
+            flow.q = held.q if went else flow.q
+            letting.after(held.iterations, went, definite)
             if letting.calm < flow.calm_enough:
                 continue
             free = self.solve(flow.q, self.load_factor, origin=origin)
             used, letting.calm = used + free.iterations, -1
             if not free.converged:
                 continue
-            if self.is_definite(free):
+            if not free.negative_pivots:
                 return free
             flow.unstable, flow.calm_enough = flow.unstable or free, 5
             # Far from the state that was held, Newton's method went back uphill: the flow goes on from where it is.
@@ -132,10 +141,6 @@ class Relaxation:
                 flow.pushes += 1
                 flow.q, letting.strength = self._pushed(free.q), max(letting.strength, flow.reference)
         return flow.unstable
-
-    def is_definite(self, found: NewtonResult) -> bool:
-        """Without negative pivots, or under loads without a potential, of which pivots do not tell."""
-        return not found.negative_pivots or not self.has_potential(found.q)
 
     def has_potential(self, q: np.ndarray) -> bool:
         """Whether the tangent of a state is symmetric."""
@@ -156,7 +161,20 @@ class Relaxation:
 
     def _pushed(self, q: np.ndarray) -> np.ndarray:
         shape = downhill(self.system, self.solver, q, self.load_factor)
-        return q + shape / self._far(shape)
+        shape = shape / self._far(shape)
+        for _ in range(HALVINGS):
+            if self.rise(q, q + shape) < 0:
+                break
+            shape = shape / 2
+        return q + shape
+
+    def rise(self, q: np.ndarray, to: np.ndarray) -> float:
+        """Change of the strain energy less the work of the loads, of which the mean of both ends acts on the way."""
+        system: Any = self.system
+        factor = self.load_factor
+        stored = system.strain_energy(to, factor) - system.strain_energy(q, factor)
+        force = 0.5 * factor * (system.external_force(q) + system.external_force(to))
+        return float(stored - force @ (to - q))
 
     def _far(self, change: np.ndarray) -> float:
         """Largest displacement in a change, over that of a push."""
@@ -166,24 +184,13 @@ class Relaxation:
 
 
 def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:
-    """The motion, of a few soft ones, against which the tangent is least stiff per mass: (n_dofs,)."""
+    """The motion, of a few soft ones, against which the tangent is least stiff per mass: (n_dofs,).
+
+    Of its two directions the one in which the first of its largest components is positive: the same on every machine.
+    """
     matrix = system.tangent(q, factor=load_factor)
     factor_shifted(solver, matrix, system.mass)
-    rng = np.random.default_rng(0)
-    motions = [system.constraints.free_part(rng.standard_normal(q.size)) for _ in range(CANDIDATES)]
-    for _ in range(INVERSE_ITERATIONS):
-        found = np.array([solver.solve(system.mass @ x) for x in motions])
-        stiff, heavy = (found @ np.array([form @ x for x in found]).T for form in (matrix, system.mass))
-        values, parts = _ritz(stiff, heavy)
-        motions = list(parts @ found)
-    return np.asarray(motions[int(np.argmin(values))])
-
-
-def _ritz(stiff: np.ndarray, heavy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and rows of eigenvectors of a small pair; nearly dependent motions are dropped."""
-    sizes, basis = np.linalg.eigh(heavy / np.sqrt(np.outer(heavy.diagonal(), heavy.diagonal())))
-    kept = sizes > 1e-10
-    frame = (basis[:, kept] / np.sqrt(sizes[kept])) / np.sqrt(heavy.diagonal())[:, None]
-    values, parts = np.linalg.eigh(frame.T @ stiff @ frame)
-    return values, (frame @ parts).T
-
+    values, motions = soft_motions(system, solver, matrix, CANDIDATES, INVERSE_ITERATIONS)
+    motion = motions[int(np.argmin(values))]
+    sizes = np.abs(motion)
+    return np.asarray(motion * np.sign(motion[np.argmax(sizes > ALIKE * sizes.max())]))

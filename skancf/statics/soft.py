@@ -1,6 +1,7 @@
-"""The softest motion of an equilibrium: what becomes singular at limit points and bifurcations."""
+"""The softest motions of an equilibrium: what becomes singular at limit points and bifurcations."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,7 +39,7 @@ def softest_mode(
     tangent = SkewSolver(system.tangent(q, factor=load_factor), None, solver)
     factor_shifted(solver, tangent.matrix, system.mass)
     with np.errstate(over="ignore", invalid="ignore"):
-        return _inverse_iteration(system, solver, q, tangent, without_work)
+        return _softest(system, solver, q, tangent, without_work)
 
 
 def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) -> float:
@@ -72,18 +73,43 @@ def factor_shifted(solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatr
         return -shift
 
 
-def _inverse_iteration(
-    system: System, solver: DirectSolver, q: np.ndarray, tangent: SkewSolver, without_work: bool
-) -> Mode:
+def soft_motions(
+    system: System, solver: DirectSolver, tangent: Any, count: int, iterations: int,
+    keep: Callable[[np.ndarray], np.ndarray] = np.asarray,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """The eigenvalues nearest to zero of a tangent against the mass, (m,), and their motions (m, n_dofs), m <= ``count``.
+
+    By inverse iteration of a few motions at once, with factors that the solver has; ``keep`` projects on a part of them.
+    """
+    rng, mass = np.random.default_rng(0), system.mass
+    motions = np.array([system.constraints.free_part(rng.standard_normal(system.undeformed.size)) for _ in range(count)])
+    for _ in range(iterations):
+        found = np.array([keep(solver.solve(mass @ x)) for x in motions])
+        stiff, heavy = (found @ np.array([form @ x for x in found]).T for form in (tangent, mass))
+        values, parts = _ritz(stiff, heavy)
+        motions = parts @ found
+    return values, motions
+
+
+def _ritz(stiff: np.ndarray, heavy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and rows of eigenvectors of a small pair; nearly dependent motions are dropped."""
+    sizes, basis = np.linalg.eigh(heavy / np.sqrt(np.outer(heavy.diagonal(), heavy.diagonal())))
+    kept = sizes > 1e-10
+    frame = (basis[:, kept] / np.sqrt(sizes[kept])) / np.sqrt(heavy.diagonal())[:, None]
+    values, parts = np.linalg.eigh(frame.T @ stiff @ frame)
+    return values, (frame @ parts).T
+
+
+def _softest(system: System, solver: DirectSolver, q: np.ndarray, tangent: SkewSolver, without_work: bool) -> Mode:
     load = system.external_force(q) - tangent.multiply(system.prescribed())
     soft = solver.solve(load)
-    x = system.constraints.free_part(np.random.default_rng(0).standard_normal(q.size))
-    for _ in range(INVERSE_ITERATIONS):
-        x = solver.solve(system.mass @ x)
-        if without_work:
-            x = x - (x @ load) / (soft @ load) * soft
-        x /= np.sqrt(x @ (system.mass @ x))
-    eigenvalue, compliance = float(x @ (tangent.matrix @ x)), float(soft @ load)
+
+    def workless(x: np.ndarray) -> np.ndarray:
+        return x - (x @ load) / (soft @ load) * soft
+
+    keep = workless if without_work else np.asarray
+    values, motions = soft_motions(system, solver, tangent.matrix, 1, INVERSE_ITERATIONS, keep)
+    eigenvalue, x, compliance = float(values[0]), motions[0], float(soft @ load)
     share = float((x @ load) ** 2 / (eigenvalue * compliance)) if eigenvalue and compliance else 1.0
     negative = solver.negative_pivots - (without_work and compliance < 0)
     return Mode(eigenvalue, x, negative, compliance, share)

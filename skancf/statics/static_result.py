@@ -3,7 +3,7 @@
 import warnings
 from dataclasses import dataclass
 
-from skancf.arguments import whole
+from skancf.arguments import plain, whole
 from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, positive
 from skancf.solution import Solution
@@ -22,6 +22,7 @@ class HalveAndGrow:
     easy: int = 5
 
     def __post_init__(self) -> None:
+        plain(self)
         whole("easy", self.easy, floats=True)
         for name in ("first", "smallest", "cut", "growth"):
             positive(name, getattr(self, name))

@@ -3,11 +3,13 @@
 A place is the name of a boundary, a list of names, a point (x, y) of the parameter plane or a list of them (nodes must be
 there), or a function of (x, y) that is true at the nodes meant. Names are those of the mesh (``"left"``), ``"boundary"`` for
 the outer boundary, which the edges of openings are no part of, ``"openings"`` for those, ``"opening 1"`` and so on for one
-of them, in the order of their lowest x and then y, and ``"corners"``.
+of them, in the order of their lowest x and then y, and ``"corners"``. An opening that reaches the outer boundary is a notch,
+and its edges are part of that.
 
 Points are single points, however many there are: between them slopes are free, and of three or more in a row along an edge
 :class:`~skancf.OutOfDepth` is warned by supports that hold positions. A name means edges, and so does a function
-of (x, y) where it is true at both ends of one: slopes along them are held too.
+of (x, y) where it is true at both ends of one: slopes along them are held too. A function that is true along edges and at
+nodes inside as well, as one with a wide tolerance is, is warned of too, unless it is true everywhere.
 """
 
 from typing import Any, NamedTuple
@@ -81,13 +83,14 @@ def edges(geometry: Geometry, where: Any) -> Edges:
         place = tuple(geometry.mesh.p[:, hanging[times < 2][0]].tolist())
         raise InputError(f"support on {where!r}: the line ends at {place}, where a node hangs in the middle of a larger "
                          "element's edge and cannot be held by itself; refine the mesh around it")  # fmt: skip
-    out: dict[int, list[np.ndarray]] = {int(n): [] for n in ends.ravel()}
-    for pair, along in zip(ends.T.tolist(), geometry.facet_directions(facets).T, strict=True):
-        x, y = along.tolist()
+    found: dict[int, list[tuple[float, float, np.ndarray]]] = {int(n): [] for n in ends.ravel()}
+    directions = geometry.facet_directions(facets)
+    compared = geometry.in_extents(directions)
+    for pair, along, (x, y) in zip(ends.T.tolist(), directions.T, compared.T.tolist(), strict=True):
         for node in pair:
-            if all(abs(x * known[1] - y * known[0]) > 1e-8 for known in out[node]):
-                out[node].append(along)
-    out = {node: directions for node, directions in out.items() if node_of[node] >= 0}
+            if all(abs(x * known_y - y * known_x) > 1e-8 for known_x, known_y, _ in found[node]):
+                found[node].append((x, y, along))
+    out = {node: [along for _, _, along in known] for node, known in found.items() if node_of[node] >= 0}
     alone = np.setdiff1d(nodes, node_of[list(out)] if out else [])
     return {**out, **{int(n): [] for n in np.flatnonzero(np.isin(node_of, alone))}}
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
@@ -26,7 +27,8 @@ class DrivenClamp(Support):
     run from rest begins with an angle and a displacement of zero.
 
     Statics has no time. It takes the body where it is at the time ``static``; without one it stands at the undeformed place,
-    and :class:`~skancf.OutOfDepth` is warned. Modes and buckling modes are about a body that stands still in any case.
+    and :class:`~skancf.OutOfDepth` is warned once by ``solve``, ``solve_linear``, ``trace``, ``buckling``, ``adapt``, and
+    ``modes`` without a state. Modes and buckling modes are about a body that stands still in any case.
 
     Unlike on the edge of a :class:`Clamp`, all nodal vectors follow, so the surface does not stretch at these nodes. The
     place may be an edge, single points, or a whole part of the surface, a hub for example.
@@ -66,6 +68,7 @@ class DrivenClamp(Support):
     static: float | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         unit_vector("axis", self.axis, "a body turns about an axis; give its direction")
         vector("through", self.through, 3)
         if self.static is not None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, unit_vector, vector
@@ -78,6 +79,7 @@ class Spring(Support):
     stiffness: Any
 
     def __post_init__(self) -> None:
+        plain(self)
         check_factors("stiffness", self.stiffness)
 
     def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -108,6 +110,7 @@ class Dashpot(Support):
     damping: Any
 
     def __post_init__(self) -> None:
+        plain(self)
         check_factors("damping", self.damping)
 
     def dashpots(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -138,6 +141,7 @@ class Foundation(Support):
     direction: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         if not is_function(self.stiffness):
             positive("stiffness", self.stiffness, "N/m3")
         if self.direction is not None:

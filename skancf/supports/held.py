@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.geometry import Geometry
-from skancf.errors import InputError, shown, unit_vector
+from skancf.errors import InputError, shown, unit_vector, warn
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import (
     FOURTH,
@@ -70,7 +70,10 @@ class NoRotation(Support):
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
-        return no_turn_about(geometry, edges(geometry, self.where))
+        place = edges(geometry, self.where)
+        if hint := geometry.strays(self.where):
+            warn(f"NoRotation: where = {hint}; narrow the function if an edge alone is meant")
+        return no_turn_about(geometry, place)
 
 
 @dataclass(frozen=True)
@@ -98,8 +101,8 @@ class SimpleSupport(Support):
         return rows + no_tilt_along(geometry, place) if self.kind == "hard" else rows
 
 
-IN_PLANE = 1e-3
-"""Cosine between a direction and the normal below which it lies in the surface."""
+IN_PLANE, ASKEW = 1e-3, 0.9
+"""Cosines between a direction and the normal below which it lies in the surface, or does not hold the deflection alone."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +122,11 @@ class Roller(Support):
     ------
     InputError
         On a mesh: in theory `kirchhoff`, for a hard one in a direction that lies in the surface.
+
+    Warns
+    -----
+    OutOfDepth
+        On a mesh: there, for a hard one in a direction that is askew to the surface all along the place.
     """
 
     where: Any
@@ -134,11 +142,16 @@ class Roller(Support):
         rows = held_along(place, direction[None])
         if self.kind != "hard":
             return rows
-        if geometry.theory.twist and all(abs(geometry.normal_at(node) @ direction) < IN_PLANE for node in place):
-            raise InputError(
-                f"Roller({self.where!r}, {self.direction}, kind='hard'): in theory 'kirchhoff' the normal tilts along an "
-                "edge as the edge itself does, and this direction, in the surface, leaves the edge free to bend: hold the "
-                "deflection too, take kind='soft', or theory 'full'"
+        upright = max((abs(geometry.normal_at(node) @ direction) for node in place), default=1.0)
+        if geometry.theory.twist and upright < ASKEW:
+            said = f"Roller({self.where!r}, {self.direction}, kind='hard'): in theory 'kirchhoff' the normal tilts along an"
+            way_out = "hold the deflection too, take kind='soft', or theory 'full'"
+            if upright < IN_PLANE:
+                raise InputError(f"{said} edge as the edge itself does, and this direction, in the surface, leaves the edge "
+                                 f"free to bend: {way_out}")  # fmt: skip
+            warn(
+                f"{said} edge as the edge itself does, which this direction, askew to the surface, does not hold: the tilt "
+                f"is held at nodes only, and the answer depends on how many there are; {way_out}",
             )
         return rows + no_tilt_along(geometry, place)
 

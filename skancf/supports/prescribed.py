@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebpts2, chebvander
 
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function, values_at
@@ -80,6 +81,7 @@ class Prescribed(Support):
     rotation: Any = None
 
     def __post_init__(self) -> None:
+        plain(self)
         check_history(self.history)
         if self.rotation is not None and not is_function(self.rotation):
             vector("rotation", self.rotation, 3)
@@ -171,7 +173,7 @@ def _three(value: Any) -> bool:
     """Whether it has three entries in an order."""
     if isinstance(value, np.ndarray):
         return value.shape[:1] == (3,)
-    return isinstance(value, Sequence) and len(value) == 3
+    return isinstance(value, Sequence) and not isinstance(value, str | bytes | bytearray) and len(value) == 3
 
 
 class Fields:
@@ -220,7 +222,7 @@ class Fields:
         """A line through a node, the same from both sides of a seam, and the sign of a direction along it."""
         own = int(self.geometry.ties.node_of[node])
         seen = (own, -1) if own >= 0 and own not in self.geometry.ties.poles else (own, node)
-        x, y = np.round(along, 6).tolist()
+        x, y = np.round(self.geometry.in_extents(along), 6).tolist()
         sign = 1.0 if (x, y) > (0.0, 0.0) else -1.0
         return (*seen, sign * x + 0.0, sign * y + 0.0), sign
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
@@ -42,6 +43,7 @@ class AnnulusSector(Revolution):
     closed: Any = False
 
     def __post_init__(self) -> None:
+        plain(self)
         positive("outer", self.outer)
         if number("inner", self.inner) < 0:
             raise InputError(f"inner = {self.inner}: give a radius of at least zero (0: a disc)")

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
 from skancf.surfaces.cylinder import ALONG_X
 from skancf.surfaces.protocol import Interval
@@ -46,6 +47,7 @@ class Cone(Revolution):
     axes = ALONG_X
 
     def __post_init__(self) -> None:
+        plain(self)
         for name in ("radius_low", "radius_high"):
             if number(name, getattr(self, name)) == 0:
                 raise InputError(f"{name} = 0: a cone has no tangent plane at its apex; cut it off with a small "

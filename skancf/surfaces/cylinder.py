@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import positive
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
@@ -51,6 +52,7 @@ class CylinderSector(Revolution):
     axes = ALONG_X
 
     def __post_init__(self) -> None:
+        plain(self)
         positive("radius", self.radius)
         positive("length", self.length)
         object.__setattr__(self, "closed", check_sector(self.angle, self.start, self.closed))

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
 from skancf.surfaces.protocol import Interval, parameters
 
@@ -38,6 +39,7 @@ class HyperbolicParaboloid:
     rise: float
 
     def __post_init__(self) -> None:
+        plain(self)
         positive("length_x", self.length_x)
         positive("length_y", self.length_y)
         if number("rise", self.rise) == 0:

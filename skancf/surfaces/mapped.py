@@ -6,19 +6,20 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, finite, positive, shown
 from skancf.functions import called, is_function
 from skancf.surfaces.differences import POINTS, difference
 from skancf.surfaces.kinks import check_kinks
-from skancf.surfaces.protocol import Interval, parameters
+from skancf.surfaces.protocol import TAKEN, Interval, parameters
 
 # A parameter may miss the bounds by this fraction of their range.
 ROUNDING = 1e-9
+# Of steps over the range of a parameter; of shorter ones the differences are rounding.
+SMALLEST_STEP = 1e-7
 # What tells a wrong function (a seam that gapes or kinks, derivatives of something else) from inexact differences,
 # relative to the largest value.
 MISTAKE = 1e-4
-# Names that every mesh gives to its outer boundary, its corners and its openings.
-TAKEN = ("boundary", "corners", "openings")
 
 
 @dataclass(frozen=True)
@@ -61,14 +62,16 @@ class MappedSurface:
     step: float = 1 / 256
 
     def __post_init__(self) -> None:
+        plain(self)
         if not is_function(self.function):
             raise InputError(f"function = {shown(self.function)}: give a function of x and y that returns three components")
         _check_bounds(self.bounds)
         _check_names(self.sides)
         if not _is_pair(self.closed):
             raise InputError(f"closed = {shown(self.closed)}: give two of True or False, for x and for y")
-        if positive("step", self.step) > 1 / POINTS:
-            raise InputError(f"step = {self.step}: {POINTS} values must fit into the range; give at most 1/{POINTS}")
+        if not SMALLEST_STEP <= positive("step", self.step) <= 1 / POINTS:
+            raise InputError(f"step = {self.step}: {POINTS} different values must fit into the range; give at least "
+                             f"{SMALLEST_STEP:g} and at most 1/{POINTS}")  # fmt: skip
         self._check_function()
 
     def position(self, x: Any, y: Any) -> np.ndarray:
@@ -124,7 +127,7 @@ class MappedSurface:
         jet = [self.position(x, y), *self.derivatives(x, y)]
         for axis, closed in enumerate(self.closed):
             if closed:
-                _check_seam(axis, jet)
+                check_seam(axis, jet)
         check_kinks(self._value, self.bounds)
         if self.exact_derivatives is not None:
             differences = [self._along_x(self._value, x, y), self._along_y(self._value, x, y)]
@@ -132,7 +135,7 @@ class MappedSurface:
                 _check_exact(name, exact, near, x, y)
 
 
-def _check_seam(axis: int, jet: list[np.ndarray]) -> None:
+def check_seam(axis: int, jet: list[np.ndarray]) -> None:
     """X, X_x and X_y on a grid are the same at both ends of the axis."""
     for name, values in zip(("X", "X_x", "X_y"), jet, strict=True):
         # The origin of space does not matter to the size of a surface.
@@ -163,6 +166,9 @@ def _components(name: str, given: Any, x: np.ndarray, y: np.ndarray) -> np.ndarr
     if any(shape not in ((), x.shape) for shape in shapes):
         raise InputError(f"{name} returned components of shapes {shapes} at x and y of shape {x.shape}; each needs that "
                          "shape, or is a number")
+    kinds = {np.asarray(component).dtype.kind for component in given}
+    if not kinds <= set("biuf"):
+        raise InputError(f"{name} returned {shown(given)}; give the three components of space as numbers")
     values = np.stack([np.broadcast_to(np.asarray(component, float), x.shape) for component in given])
     wrong = ~np.isfinite(values).all(axis=0)
     if wrong.any():
@@ -186,7 +192,7 @@ def _check_bounds(bounds: Any) -> None:
 def _check_names(sides: Any) -> None:
     strings = isinstance(sides, tuple) and all(isinstance(name, str) and name for name in sides)
     if not strings or len(sides) != 4 or len(set(sides)) != 4:
-        raise InputError(f"sides = {sides}: give four different names, for x = min, x = max, y = min and y = max")
+        raise InputError(f"sides = {shown(sides)}: give four different names, for x = min, x = max, y = min and y = max")
     if set(sides) & set(TAKEN):
         raise InputError(f"sides = {sides}: {' and '.join(TAKEN[:2])} mean all sides and all corners, "
                          f"{TAKEN[2]} the edges of openings; choose other names")  # fmt: skip

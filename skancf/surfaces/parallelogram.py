@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, positive
 from skancf.surfaces.protocol import Interval, parameters
 
@@ -34,6 +35,7 @@ class Parallelogram:
     angle: float
 
     def __post_init__(self) -> None:
+        plain(self)
         positive("length_x", self.length_x)
         positive("length_y", self.length_y)
         positive("angle", self.angle)

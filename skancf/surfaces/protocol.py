@@ -5,6 +5,8 @@ from typing import Any, Protocol
 import numpy as np
 
 Interval = tuple[float, float]
+TAKEN = ("boundary", "corners", "openings")
+"""Names that every mesh gives to its outer boundary, its corners and its openings."""
 
 
 class Surface(Protocol):

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from skancf.arguments import plain
 from skancf.errors import positive, vector
 from skancf.surfaces.plane import Plane
 from skancf.surfaces.protocol import Interval
@@ -24,6 +25,7 @@ class Rectangle(Plane):
     origin: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
+        plain(self)
         positive("length_x", self.length_x)
         positive("length_y", self.length_y)
         vector("origin", self.origin, 2)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.arguments import plain
 from skancf.errors import InputError, positive, vector
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
@@ -49,6 +50,7 @@ class SphereSector(Revolution):
     closed: Any = False
 
     def __post_init__(self) -> None:
+        plain(self)
         positive("radius", self.radius)
         low, high = vector("polar", self.polar, 2)
         if not 0 <= low < high <= pi:

@@ -2,5 +2,6 @@
 
 ``case`` says what a case is, ``bodies``, ``conditions``, ``cases`` and ``wrong`` make them, ``transforms`` restate them,
 ``properties`` lists what must hold; each room of oracles (``linear``, ``invariance``, ``nonlinear``, ``vibration``) is pure
-functions of a case. ``python -m fuzz`` runs them without an end, ``tests/test_fuzz.py`` a bounded part.
+functions of a case, and ``broken`` shows that they can fail. ``python -m fuzz`` runs them without an end,
+``tests/test_fuzz.py`` a bounded part.
 """

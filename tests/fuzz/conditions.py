@@ -10,7 +10,8 @@ from fuzz.case import Mesh, place
 from fuzz.shapes import open_sides
 
 DIRECTIONS = among((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.6, 0.0, 0.8), (1.0, -2.0, 0.5))
-KINDS = among("soft", "hard")
+KINDS, ROLLS = among("soft", "hard"), among("soft", "soft", "hard")
+"""Kinds of simple supports and of rollers, of which hard ones in the surface are refused."""
 THEORIES = among("kirchhoff", "full", "kirchhoff", "full", sk.Kirchhoff(assumed=False), sk.Full(assumed=False))
 
 
@@ -49,7 +50,8 @@ def _holding(sides: list[str], surface: Any, mesh: Mesh, section: Section, sprin
         st.builds(lambda kind: [sk.SimpleSupport("boundary", kind)], KINDS),
         st.just([sk.Clamp("boundary")]),
         st.builds(lambda a, b: [sk.Pin(a), sk.SimpleSupport(b)], side, side),
-        st.builds(lambda s, d, k: [sk.Clamp(s), sk.Roller("boundary", d, k)], side, DIRECTIONS, KINDS),
+        st.builds(lambda s, d, k: [sk.Clamp(s), sk.Roller("boundary", d, k)], side, DIRECTIONS, ROLLS),
+        st.builds(lambda s, d, e: [sk.Roller("boundary", d), sk.Roller(s, e)], side, DIRECTIONS, DIRECTIONS),
         st.just([sk.Pin("corners")]) if len(sides) == 4 else point,
         point,
     ]
@@ -68,7 +70,7 @@ def _more(sides: list[str], surface: Any, mesh: Mesh, section: Section, springs:
     if sides:
         side = among(*sides)
         found += [
-            st.builds(sk.Roller, side, DIRECTIONS, KINDS), st.builds(sk.Symmetry, side), st.builds(sk.NoRotation, side),
+            st.builds(sk.Roller, side, DIRECTIONS, ROLLS), st.builds(sk.Symmetry, side), st.builds(sk.NoRotation, side),
             st.builds(sk.SimpleSupport, side, KINDS),
         ]  # fmt: skip
     return st.one_of(*found).map(lambda support: [support])

@@ -80,6 +80,12 @@ def stored(solution: sk.Solution) -> np.ndarray:
     return 2 * EPS * np.broadcast_to(places.max(axis=(0, 2))[None, :, None], places.shape).ravel()
 
 
+def nothing(solution: sk.Solution) -> float:
+    """Energy of rounded coordinates, which is what is left under loads that do no work."""
+    lost = stored(solution)
+    return float(lost @ (abs(solution.system.stiffness().to_scipy()) @ lost))
+
+
 def rounding(solution: sk.Solution) -> float:
     r"""What rounding of the stiffness and of stored coordinates does to the energy :math:`u \cdot K u`, relatively.
 

@@ -47,7 +47,8 @@ PROPERTIES = {
     "reciprocity": Property(_with_another_load(), linear.reciprocity, 40),
     "superposition": Property(cases(), linear.superposition, 30),
     "nested": Property(
-        cases(surfaces=AFFINE, kinds=conditions.DEAD, theories=st.just(sk.Kirchhoff(assumed=False)), moved=False),
+        cases(surfaces=AFFINE, kinds=conditions.DEAD, theories=st.just(sk.Kirchhoff(assumed=False)), moved=False,
+              plain=True),
         linear.nested, 30,
     ),
     "units": Property(st.tuples(cases(units=False), UNITS), invariance.units, 40),

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
+from skancf.arguments import plain
 from skancf.errors import unit_vector, vector
 from skancf.solution import Solution
 from skancf.statics.controls import displacement_row
@@ -39,6 +40,7 @@ class Displacement(Smooth):
     unit: ClassVar[str] = "m"
 
     def __post_init__(self) -> None:
+        plain(self)
         vector("at", self.at, 2)
         unit_vector("direction", self.direction)
 

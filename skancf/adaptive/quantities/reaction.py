@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from skancf.arguments import STATE, instance
+from skancf.arguments import STATE, instance, plain
 from skancf.assembly.system import System
 from skancf.errors import unit_vector
 from skancf.solution import Solution
@@ -42,6 +42,7 @@ class Reaction:
     unit: ClassVar[str] = "N"
 
     def __post_init__(self) -> None:
+        plain(self)
         unit_vector("direction", self.direction)
 
     def value(self, state: Solution) -> float:

@@ -6,6 +6,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
+from skancf.arguments import plain
 from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, unit_vector, vector
 from skancf.solution import Solution
@@ -52,6 +53,7 @@ class Rotation(Smooth):
     unit: ClassVar[str] = "rad"
 
     def __post_init__(self) -> None:
+        plain(self)
         vector("at", self.at, 2)
         unit_vector("towards", self.towards)
 

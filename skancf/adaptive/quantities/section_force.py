@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
-from skancf.arguments import choice
+from skancf.arguments import choice, plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import InputError, finite, vector
@@ -54,6 +54,7 @@ class SectionForce(Smooth):
     within: tuple[Range, Range] | None = None
 
     def __post_init__(self) -> None:
+        plain(self)
         choice("component", self.component, COMPONENTS)
         if self.at is not None:
             vector("at", self.at, 2)

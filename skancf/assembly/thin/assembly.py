@@ -15,6 +15,8 @@ from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
 from skancf.theories.kirchhoff import KEPT, Kirchhoff, covariant_to_local, jet_table, legendre
 
 PLAIN = Kirchhoff(assumed=False)
+ROUNDING = 1e-13
+"""Of the metric, what a difference of two strains leaves."""
 
 
 class ThinAssembly(CompiledAssembly):
@@ -98,6 +100,25 @@ class ThinAssembly(CompiledAssembly):
         extra = np.einsum("ek,eklp,el,elp->ekp", rest, law[:, :3, :3], rest, (strains - hat)[:, :3], optimize=True)
         stress[:, :3] = extra + np.einsum("ecsp,ecp->ecs", projection, stress[:, :3] - extra)
         return np.ascontiguousarray(stress)
+
+    def rest_strains(self, q: np.ndarray) -> np.ndarray:
+        """What the assumed membrane strains leave out at the integration points: covariant, (n_elements, 3, n_points)."""
+        geometry, points = self.geometry, self.geometry.theory.quadrature[0]
+        before = PLAIN.strains(geometry.undeformed_local, points)[:, :3]
+        change = PLAIN.strains(geometry.local(q), points)[:, :3] - before
+        change[np.abs(change) < ROUNDING * np.abs(before).max(axis=(1, 2), keepdims=True)] = 0.0
+        projection = self._rule.projections[self.sections.assumed[self.sections.shape]]
+        return np.asarray(change - np.einsum("ecsp,ecs->ecp", projection, change))
+
+    def rest_energy(self, strains: np.ndarray) -> float:
+        """Energy of those strains, with the small factors that they count with."""
+        sections = self.sections
+        counted = sections.rest[sections.shape][:, :, None] * strains
+        energy = 0.0
+        for law, (k, l) in zip(sections.law[sections.shape].swapaxes(0, 1), sections.pairs, strict=True):
+            if max(k, l) < 3:
+                energy += (0.5 if k == l else 1.0) * float(np.vdot(counted[:, k], law * counted[:, l]))
+        return energy
 
     def section_strains(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Membrane strains and curvature changes in the local frame at points (2, n): (n_elements, 6, n)."""

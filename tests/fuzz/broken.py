@@ -1,0 +1,129 @@
+"""The library broken on purpose, and the properties that must notice: each oracle can fail."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import skancf as sk
+from skancf.assembly.system import System
+from skancf.linear import BlockMatrix, DirectSolver
+from skancf.solution import Solution
+from skancf.statics import cascade, equilibrium
+
+Patch = Any
+"""pytest's monkeypatch."""
+
+
+def _reactions_too_large(patch: Patch) -> None:
+    keep = Solution.reactions
+    patch.setattr(Solution, "reactions", lambda self: 1.001 * keep(self))
+
+
+def _energy_too_large(patch: Patch) -> None:
+    keep = System.linear_energy
+    patch.setattr(System, "linear_energy", lambda self, *rest: 1.0001 * keep(self, *rest))
+
+
+def _loads_that_grow_faster(patch: Patch) -> None:
+    keep = System.linear_change
+    patch.setattr(System, "linear_change", lambda self, *rest: keep(self, *rest) * (1 + abs(keep(self, *rest)).max()))
+    patch.setattr(equilibrium, "unmet", lambda measured: [])  # which would have refused such an answer
+
+
+def _forces_by_the_axes_of_space(patch: Patch) -> None:
+    keep = System.applied_force
+    turn = np.tile([1.0, 1.01, 1.0], 4)
+    patch.setattr(System, "applied_force", lambda self, *rest: keep(self, *rest) * np.resize(turn, self.n_dofs))
+
+
+def _loads_by_the_order_of_nodes(patch: Patch) -> None:
+    keep = System.applied_force
+    patch.setattr(System, "applied_force", lambda self, *rest: keep(self, *rest) * np.linspace(1.0, 1.01, self.n_dofs))
+
+
+def _answers_by_the_order_of_nodes(patch: Patch) -> None:
+    """No symmetric matrix gives them."""
+    keep = DirectSolver.solve
+    patch.setattr(
+        DirectSolver, "solve", lambda self, f, *rest, **more: keep(self, f * np.linspace(1, 1.01, f.size), *rest, **more)
+    )
+    patch.setattr(equilibrium, "unmet", lambda measured: [])
+
+
+def _newton_that_ends_early(patch: Patch) -> None:
+    keep = cascade.newton
+    patch.setattr(cascade, "newton", lambda *rest, **options: keep(*rest, **{**options, "rtol": 1e-1}))
+    patch.setattr(cascade.Cascade, "_verified", lambda self, result: result)
+
+
+def _stiffer(patch: Patch, by: Callable[[System, np.ndarray], np.ndarray]) -> None:
+    """Adds to the diagonal blocks (n_nodes, 12, 12) of the stiffness what a function of them says."""
+    keep = System._unstressed
+
+    def unstressed(self: System, plain: bool = False) -> BlockMatrix:
+        values, slots = keep(self, plain).values.copy(), self.pattern.diagonal_slots
+        values[slots] += by(self, values[slots])
+        return BlockMatrix(self.pattern, values)
+
+    patch.setattr(System, "_unstressed", unstressed)
+
+
+def _slopes_held_by_space(patch: Patch) -> None:
+    """No rigid rotation is free, and all translations are."""
+    slopes = np.diag(np.repeat([0.0, 1e-3, 0.0, 0.0], 3))
+    _stiffer(patch, lambda system, blocks: slopes * np.abs(blocks))
+
+
+def _a_spring_without_unit(patch: Patch) -> None:
+    point = np.diag(np.repeat([10.0, 0.0, 0.0, 0.0], 3))
+    _stiffer(patch, lambda system, blocks: point)
+
+
+def _stiffer_with_more_elements(patch: Patch) -> None:
+    keep = System._unstressed
+    patch.setattr(System, "_unstressed", lambda self, *rest: (1 + 1e-2 * self.geometry.n_elements) * keep(self, *rest))
+
+
+def _a_restart_that_stops_short(patch: Patch) -> None:
+    keep = equilibrium.equilibrium
+    patch.setattr(
+        equilibrium, "equilibrium",
+        lambda system, factor, **more: keep(system, factor * (1.0 if more["start"] is None else 0.999), **more),
+    )  # fmt: skip
+
+
+def _a_linear_answer_too_large(patch: Patch) -> None:
+    keep = System.linear_change
+    patch.setattr(System, "linear_change", lambda self, *rest: 1.01 * keep(self, *rest))
+    patch.setattr(equilibrium, "unmet", lambda measured: [])
+
+
+def _a_mass_by_the_order_of_nodes(patch: Patch) -> None:
+    keep = System.gathered_mass
+
+    def mass(self: System, *rest: Any) -> BlockMatrix:
+        values = keep(self, *rest).values.copy()
+        slots = self.pattern.diagonal_slots
+        values[slots] *= np.linspace(1.0, 1.1, len(slots))[:, None, None]
+        return BlockMatrix(self.pattern, values)
+
+    patch.setattr(System, "gathered_mass", mass)
+
+
+def _loads_that_take_anything(patch: Patch) -> None:
+    for load in (sk.SurfaceLoad, sk.PointForce, sk.LineLoad):
+        patch.setattr(load, "__post_init__", lambda self: None)
+
+
+BROKEN = [
+    ("balance", _reactions_too_large), ("balance", _forces_by_the_axes_of_space), ("moments", _slopes_held_by_space),
+    ("clapeyron", _energy_too_large), ("reciprocity", _answers_by_the_order_of_nodes),
+    ("superposition", _loads_that_grow_faster), ("nested", _stiffer_with_more_elements), ("units", _a_spring_without_unit),
+    ("frame", _forces_by_the_axes_of_space), ("mirror", _forces_by_the_axes_of_space),
+    ("numbering", _loads_by_the_order_of_nodes), ("symmetry", _loads_by_the_order_of_nodes),
+    ("honest", _newton_that_ends_early), ("restart", _a_restart_that_stops_short),
+    ("small loads", _a_linear_answer_too_large), ("vibration", _a_mass_by_the_order_of_nodes),
+    ("free bodies", _slopes_held_by_space), ("refusals", _loads_that_take_anything),
+]  # fmt: skip
+"""Properties and what breaks the library so that they fail."""

@@ -174,9 +174,9 @@ REFERENCES: dict[str, Callable[[], Found]] = {
     "hinged_roof": hinged_roof,
     "l_shape": l_shape,
     "corner_plate": corner_plate,
-    "paper_2n": lambda: moving("paper_2n", 24, 6e-6),
-    "paper_20n": lambda: moving("paper_20n", 20, 2e-4),
-    "free_ruler": lambda: moving("free_ruler", 24, 1e-4),
+    "paper_2n": lambda: moving("paper_2n", 24, 1e-4),
+    "paper_20n": lambda: moving("paper_20n", 20, 6e-4),
+    "free_ruler": lambda: moving("free_ruler", 24, 2.5e-4),
 }
 
 

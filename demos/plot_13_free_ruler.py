@@ -14,9 +14,10 @@ its application to non-linear dynamics of shells, *Computer Methods in Applied M
 the trapezoidal rule, stable at any step in linear problems, is not so here is known since J. C. Simo and N. Tarnow (1992),
 The discrete energy-momentum method, *ZAMP* 43, 757-792.
 
-The numbers to hit: with P = 2000 N and steps of 0.2 ms the trapezoidal rule doubles its energy between 15 and 35 ms, the
-energy-momentum rule keeps its own to :math:`10^{-8}` until the end at 100 ms, and generalised-alpha with the spectral radius
-0.8 stays within 25 %.
+The numbers to hit: with P = 2000 N and steps of 0.2 ms the trapezoidal rule doubles its energy between 15 and 35 ms. The
+energy-momentum rule with the spectral radius 1 keeps its own to :math:`10^{-8}` until the end at 100 ms; with 0.8, the
+default, it never has more than at 4 ms, loses less than 1 % and keeps the angular momentum to :math:`10^{-6}`.
+Generalised-alpha with 0.8 stays within 25 %.
 """
 
 # %%
@@ -36,13 +37,14 @@ from skancf import output
 LENGTH, WIDTH, THICKNESS, LOAD, UNTIL, END = 0.3, 0.06, 0.002, 2000.0, 4e-3, 0.1
 SURFACE = sk.Rectangle(LENGTH, WIDTH)
 STEP = 2e-4
-MORE = ((LOAD, 1e-4), (LOAD, 5e-5), (LOAD, 1e-5), (10 * LOAD, STEP), (10 * LOAD, 1e-4), (10 * LOAD, 5e-5))
+MORE = ((LOAD, 1e-4), (LOAD, 5e-5), (LOAD, 2e-5), (10 * LOAD, STEP), (10 * LOAD, 1e-4), (10 * LOAD, 5e-5))
 """Other loads and steps, in the full size."""
 RULES = {
     "trapezoidal": sk.Trapezoidal(),
     "midpoint": sk.ImplicitMidpoint(),
     "generalised-alpha": sk.GeneralizedAlpha(0.8),
-    "energy-momentum": sk.EnergyMomentum(),
+    "energy-momentum": sk.EnergyMomentum(1.0),
+    "dissipative": sk.EnergyMomentum(0.8),
 }
 
 
@@ -114,7 +116,8 @@ HEAD = "P (N)   dt(ms) rule               end                energy             
 # %%
 # Pictures
 # --------
-COLOURS = {"trapezoidal": "#D55E00", "midpoint": "#CC79A7", "generalised-alpha": "#0072B2", "energy-momentum": "#009E73"}
+COLOURS = {"trapezoidal": "#D55E00", "midpoint": "#CC79A7", "generalised-alpha": "#0072B2", "energy-momentum": "#009E73",
+           "dissipative": "#202020"}  # fmt: skip
 
 
 def flying_along(state: sk.Solution) -> sk.Solution:
@@ -182,15 +185,20 @@ def main(size: str = "full", out: str = "out") -> dict[str, Figures]:
     print(f"\nThe trapezoidal rule under the default balance: {stopped.message}")
 
     draw_energies(found, folder / "ruler_energies.png")
-    draw_flight({name: motions[name] for name in ("trapezoidal", "energy-momentum")}, folder / "ruler_flight.png")
-    states = [flying_along(state) for state in list(motions["energy-momentum"].states)[: {"full": 101, "small": 41}[size]]]
+    draw_flight({name: motions[name] for name in ("trapezoidal", "dissipative")}, folder / "ruler_flight.png")
+    states = [flying_along(state) for state in list(motions["dissipative"].states)[: {"full": 101, "small": 41}[size]]]
     output.animation(states, folder / "ruler.gif", field="M11", show_undeformed=False, view=(0.2, -1.0, 0.3),
                      title="Bending moment, seen from the centre of mass")  # fmt: skip
 
-    kept, blown, damped = (found[name] for name in ("energy-momentum", "trapezoidal", "generalised-alpha"))
+    lost = motions["dissipative"].ledger.numerical[-1] / found["dissipative"].energy
+    print(f"The dissipative rule has taken out {lost:.1%} of the energy by the end, and booked it.")
+    kept, falling, blown, damped = (
+        found[name] for name in ("energy-momentum", "dissipative", "trapezoidal", "generalised-alpha")
+    )
     assert blown.doubled is not None and 0.015 < blown.doubled < 0.035, blown.doubled
     assert kept.deviation < 1e-8 and kept.turning < 1e-8 and kept.end == END, kept
     assert 1e-3 < damped.deviation < 0.25, damped.deviation
+    assert falling.ratio.max() < 1 + 1e-6 and falling.ratio[-1] > 0.99 and falling.turning < 1e-6, falling
     assert stopped.status is sk.dynamics.MotionStatus.UNBALANCED and stopped.ledger.times[-1] <= blown.doubled
     return found
 
@@ -199,7 +207,8 @@ def main(size: str = "full", out: str = "out") -> dict[str, Figures]:
 # The trapezoidal rule is the second best while it lasts; then a swinging of the membrane that the steps do not resolve grows
 # within a millisecond, and Newton's method finds no step. The midpoint rule keeps the momenta and blows up all the same.
 # Generalised-alpha lasts: its energy swings by some per cent as the ruler bends, and little of it is gone at the end. The
-# energy-momentum rule keeps what there is, and pays with one tangent in every iteration.
+# energy-momentum rule keeps what there is. With dissipation its energy falls and never rises, by what the ledger calls
+# numerical: half a per cent in this flight, nearly all of it in vibrations that no step of 0.2 ms follows.
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="A free ruler")
     parser.add_argument("--size", choices=["full", "small"], default=os.environ.get("SKANCF_DEMO_SIZE", "full"))

@@ -11,8 +11,11 @@ A steel plate of 300 mm by 150 mm by 2 mm is thrown with a spin about an oblique
 and begins to bend at the same time. Nothing acts on it afterwards. It is thrown twice: gently, so that it swings by a part
 of its thickness and with its natural frequencies, and hard, so that it bends by some ten thicknesses.
 
-The numbers to hit, with the energy-momentum rule: energy and momenta are constant to :math:`10^{-10}` in both throws. Gently
-thrown, the plate swings at the frequency of its first symmetric bending mode, to 1 %.
+The numbers to hit, with the energy-momentum rule without dissipation, ``EnergyMomentum(1.0)``: energy and momenta are
+constant to :math:`10^{-10}` in both throws. Gently thrown, the plate swings at the frequency of its first symmetric bending
+mode, to 1 %. In the same hard throw the default, ``EnergyMomentum(0.8)``, keeps the momenta too, never gains energy, and
+loses less than half as much with half the step: the energy of a plate that is bent so far goes into ever faster vibrations,
+which steps of 0.2 ms do not follow.
 """
 
 # %%
@@ -20,6 +23,7 @@ thrown, the plate swings at the frequency of its first symmetric bending mode, t
 # ---------
 import argparse
 import os
+import warnings
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -52,7 +56,7 @@ def bent(state: sk.Solution) -> np.ndarray:
     return np.array([above.mean(), above @ [1.0, -1.0, 1.0, -1.0] / 4])
 
 
-def throw(system: object, bending: float) -> sk.Motion:
+def throw(system: object, bending: float, rho_inf: float = 1.0, dt: float = STEP) -> sk.Motion:
     """The flight, with how bent the plate is at every step."""
     q = system.undeformed
 
@@ -61,7 +65,7 @@ def throw(system: object, bending: float) -> sk.Motion:
 
     velocity = THROW.at(q) + initial_velocity(system, q, begins)
     return sk.simulate(
-        system, END, dt=STEP, rule=sk.EnergyMomentum(), velocity=velocity, record={"bent": bent}, outputs=101,
+        system, END, dt=dt, rho_inf=rho_inf, velocity=velocity, record={"bent": bent}, outputs=101,
         newton_rtol=1e-12, progress=False,
     ).unwrap()  # fmt: skip
 
@@ -137,6 +141,20 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
         assert max(most.values()) < 1e-10, most
         if name == "gently":
             assert largest.found and abs(largest.difference) < 1e-2, largest
+    lost = []
+    for dt in (STEP, STEP / 2):
+        with warnings.catch_warnings():
+            # The check of what the rule takes out fails, and is right: it is what is looked at here.
+            warnings.simplefilter("ignore", sk.OutOfDepth)
+            damped = throw(system, BENDING["hard"], 0.8, dt)
+        book, most = damped.ledger, {key: float(deviation.max()) for key, deviation in kept(damped).items()}
+        lost.append(book.numerical[-1] / book.energy[0])
+        print(f"\nhard, by the default rule in steps of {1000 * dt:g} ms: {lost[-1]:.1%} of the energy dissipated; largest "
+              f"deviation: linear momentum {most['linear momentum']:.1e}, angular momentum {most['angular momentum']:.1e}\n"
+              f"{damped.checks[-1]}")  # fmt: skip
+        assert book.energy.max() <= book.energy[0] * (1 + 1e-10), book.energy.max()
+        assert max(most["linear momentum"], most["angular momentum"]) < 1e-10, most
+    assert lost[1] < 0.5 * lost[0] < 0.25, lost
     draw(motions, spectra, modes, folder / "tumbling.png")
     states = list(motions["hard"].states)[: {"full": 101, "small": 31}[size]]
     output.animation(states, folder / "tumbling.gif", field="displacement", show_undeformed=False, title="A tumbling plate")
@@ -146,7 +164,8 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
 
 # %%
 # The spin alone makes the plate a little stiffer. Bent by many thicknesses it cannot bend without being stretched, swings
-# faster than in any small vibration, and has a spectrum with more lines than the plate has modes.
+# faster than in any small vibration, and has a spectrum with more lines than the plate has modes. Without dissipation a run
+# keeps the energy of all of it, which is not to say that it follows it.
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="A tumbling plate")
     parser.add_argument("--size", choices=["full", "small"], default=os.environ.get("SKANCF_DEMO_SIZE", "full"))

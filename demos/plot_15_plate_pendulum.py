@@ -14,8 +14,9 @@ Waves travel at some 4 m/s in such a material, and the falling corner is as fast
 factors, beyond what a linear law between stress and Green's strain means, and what it does then depends on every detail. The
 same plate with a hundred times the modulus is beside it.
 
-The numbers to hit: total energy constant to :math:`10^{-8}` in every run, and for the stiffer plate a path of the far corner
-that halving the step changes by less than 6 mm in a second, a hundredth of its length.
+The numbers to hit: energy balances to :math:`10^{-4}` in every run, the rule takes less than half a per cent of it out of
+the stiffer plate, and halving the step changes the path of its far corner by less than 6 mm in a second, a hundredth of its
+length.
 """
 
 # %%
@@ -53,9 +54,9 @@ def areas(state: sk.Solution) -> tuple[float, float]:
 
 
 def swing(young: float, n: int, dt: float, retardation: float = 0.0) -> sk.Motion:
-    """A second of it, with the energy-momentum rule; it may stop where no step can be taken any more."""
-    return sk.simulate(pendulum(young, n, retardation), END, rule=sk.EnergyMomentum(), steps=sk.FixedStep(dt, smallest=1e-3),
-                       outputs=201, progress=False)  # fmt: skip
+    """A second of it, by the default rule; it may stop where no step can be taken any more."""
+    return sk.simulate(pendulum(young, n, retardation), END, steps=sk.FixedStep(dt, smallest=1e-3), outputs=201,
+                       progress=False)  # fmt: skip
 
 
 def agree(one: sk.Motion, other: sk.Motion) -> float:
@@ -69,6 +70,11 @@ def agree(one: sk.Motion, other: sk.Motion) -> float:
 def lost(motion: sk.Motion) -> float:
     """Largest energy without a source, relative to the largest of any."""
     return float(np.abs(motion.ledger.balance).max() / motion.ledger.turnover[-1])
+
+
+def taken(motion: sk.Motion) -> float:
+    """Energy that the rule took out, relative to the largest of any."""
+    return float(motion.ledger.numerical[-1] / motion.ledger.turnover[-1])
 
 
 # %%
@@ -113,7 +119,7 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
     output.check_folder(folder)
     finest = {"full": 8, "small": 4}[size]
     motions = {}
-    print("E (Pa)  elements  step (ms)  agrees until   energy   areas          iterations per step")
+    print("E (Pa)  elements  step (ms)  agrees until  balance  by the rule  areas          iterations per step")
     for young in (SOFT, STIFFER):
         cases = {(finest, 1e-3): swing(young, finest, 1e-3)}
         best = cases[finest, 1e-3]
@@ -124,11 +130,13 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
             motions[name] = motion
             until = "" if motion is best else f"{agree(motion, best):.2f} s"
             low, high = np.array([areas(state) for state in motion.states]).T
-            print(f"{young:.0e}  {2 * n:3d} x {n:d}  {1000 * dt:8.1f}  {until:>13}  {lost(motion):.1e}   "
-                  f"{low.min():.2f} to {high.max():.2f}   {motion.iterations / len(motion.steps):.1f}")  # fmt: skip
+            print(f"{young:.0e}  {2 * n:3d} x {n:d}  {1000 * dt:8.1f}  {until:>13}  {lost(motion):.1e}  "
+                  f"{taken(motion):10.1e}   {low.min():.2f} to {high.max():.2f}   "
+                  f"{motion.iterations / len(motion.steps):.1f}")  # fmt: skip
             if not motion.finished:
                 print(f"        {motion.message}")
-            assert lost(motion) < 1e-8, lost(motion)
+            assert lost(motion) < 1e-4, lost(motion)
+            assert young == SOFT or taken(motion) < 0.005, taken(motion)
         if young == STIFFER:
             away = np.linalg.norm(best.displacement(FAR) - cases[finest, 2e-3].displacement(FAR), axis=1).max()
             print(f"halving the step moves the far corner by {1000 * away:.2f} mm at most")
@@ -137,7 +145,7 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
     gone = damped.ledger.dissipation[-1]
     print(f"\nWith a retardation of {1000 * RETARDATION:.0f} ms: {damped.status.value}, {gone:.2f} J dissipated, "
           f"{lost(damped):.1e} without a source, {damped.iterations / len(damped.steps):.1f} iterations a step")  # fmt: skip
-    assert damped.finished and gone > 0 and lost(damped) < 1e-8
+    assert damped.finished and gone > 0 and lost(damped) < 1e-4
     soft = swing(SOFT, 4, 2e-3, RETARDATION)
     print(f"The soft plate with it: {soft.status.value}. {soft.message}")
 
@@ -148,10 +156,10 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
 
 
 # %%
-# Energy is no witness of accuracy here: all these motions keep it. The soft plate's paths part after a third of a second on
-# two meshes and a little later with two steps; the stiffer plate's path with half the step stays where it was, and a finer
-# mesh changes it later and less. Where areas shrink to some hundredths the law has nothing to say, and there the damped run
-# of the soft plate finds no step any more.
+# Energy is no witness of accuracy here: in all these motions it balances. The soft plate's paths part after a third of a
+# second on two meshes and a little later with two steps; the stiffer plate's path with half the step stays where it was, and
+# a finer mesh changes it later and less. Where areas shrink to some hundredths the law has nothing to say, and there runs of
+# the soft plate may find no step any more.
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="A plate pendulum")
     parser.add_argument("--size", choices=["full", "small"], default=os.environ.get("SKANCF_DEMO_SIZE", "full"))

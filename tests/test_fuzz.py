@@ -6,6 +6,9 @@ from fuzz.properties import PROPERTIES
 from fuzz.run import Failure, run
 
 from skancf.assembly.system import System
+from skancf.dynamics import checkpoint
+from skancf.dynamics.energy_momentum import EnergyMomentum
+from skancf.dynamics.steps import LocalError
 from skancf.solution import Solution
 from skancf.statics import Modes, cascade, equilibrium
 
@@ -54,7 +57,45 @@ def _one_rigid_motion_missed(monkeypatch):
     monkeypatch.setattr(Modes, "n_rigid", property(lambda self: 5, lambda self, value: None), raising=False)
 
 
+def _loads_that_do_not_scale(monkeypatch):
+    keep = System.applied_force
+
+    def applied(self, *rest):
+        force = keep(self, *rest)
+        return force * (1 + 0.02 * np.sin(np.log(np.abs(force).max() + 1e-300)))
+
+    monkeypatch.setattr(System, "applied_force", applied)
+
+
+def _stresses_that_feed(monkeypatch):
+    keep = EnergyMomentum.stresses
+    monkeypatch.setattr(EnergyMomentum, "stresses", lambda self, *rest: 1.02 * keep(self, *rest))
+
+
+def _a_force_from_nowhere(monkeypatch):
+    keep = System.force_between
+
+    def between(self, *rest):
+        force = keep(self, *rest)
+        return force + 1e-3 * np.abs(force).max() * np.tile([1.0, 0.0, 0.0] + 9 * [0.0], self.n_dofs // 12)
+
+    monkeypatch.setattr(System, "force_between", between)
+
+
+def _states_without_what_was_before(monkeypatch):
+    monkeypatch.setattr(checkpoint, "_optional", lambda state: {"jerk": None, "before": None})
+
+
+def _errors_made_small(monkeypatch):
+    keep = LocalError.over
+    monkeypatch.setattr(LocalError, "over", lambda self, attempt: 1e-4 * keep(self, attempt))
+
+
 BROKEN = [
+    ("energy of motions", _stresses_that_feed), ("energy of motions", _a_force_from_nowhere),
+    ("small motions", _loads_that_do_not_scale), ("motions in units", _loads_that_do_not_scale),
+    ("motions in a frame", _forces_by_the_axes_of_space), ("restarted motions", _states_without_what_was_before),
+    ("asked error", _errors_made_small),
     ("balance", _reactions_too_large), ("clapeyron", _energy_too_large),
     ("superposition", _loads_that_grow_faster), ("frame", _forces_by_the_axes_of_space),
     ("mirror", _forces_by_the_axes_of_space), ("balance", _forces_by_the_axes_of_space),

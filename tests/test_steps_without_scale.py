@@ -44,9 +44,9 @@ def test_steps_do_not_depend_on_how_large_a_load_is(theory):
     assert 0.5 * 0.002 < largest[0] < 5 * 0.002
     counts = [accepted(run) for run in runs]
     assert min(counts) > 30 and max(counts) <= 1.15 * min(counts)
-    # The two small ones are linear, to the square of the deflection over the thickness and Newton's rest.
+    # The two small ones are linear; rounding makes some steps of the smallest others. Well below the asked error.
     one, two = (run.displacement((0.25, 0.55)) / load for run, load in zip(runs[1:], (1e-3, 1e-6), strict=True))
-    assert np.abs(one - two).max() < 1e-3 * np.abs(one).max()
+    assert np.abs(one - two).max() < 5e-3 * np.abs(one).max()
 
 
 @theories
@@ -123,6 +123,20 @@ def test_the_asked_error_is_reached(name, theory, rtol):
     error = max(rms(system, u) for u in motion.q - reference.q) / size
     assert rtol / 5 < error < 3 * rtol, error / rtol
     assert size > 1.5 * system.problem.thickness, "the motion is small"
+
+
+@pytest.mark.parametrize("rtol", [5e-3, 2e-4])
+@pytest.mark.parametrize("begin", [0.0, 0.05], ids=["at once", "late"])
+def test_a_load_that_grows_from_zero(begin, rtol):
+    """Errors of its first steps are a fixed part of the motion there. Against short fixed steps: they were four times 2e-4,
+    with no end, when the first step was as long as was tried; measured 0.3 to 0.7."""
+    surface = sk.CylinderSector(0.5, 0.3, 1.0, start=np.pi / 2 - 0.5)
+    load = sk.SurfaceLoad((0.0, 0.0, -150.0), history=sk.Ramp(0.02, begin))
+    problem = sk.Problem(surface, 0.01, sk.Isotropic(1e8, 0.2, 1500.0), [sk.Clamp("start")], [load])
+    system = problem.on(sk.meshes.uniform(surface, 1, 3), "full")
+    short, motion = simulate(system, 0.15, dt=2.5e-4), simulate(system, 0.15, rtol=rtol)
+    error = max(rms(system, u) for u in motion.q - short.q) / max(rms(system, q - system.undeformed) for q in short.q)
+    assert rtol / 10 < error < 1.5 * rtol, error / rtol
 
 
 def two_layers():

@@ -226,3 +226,19 @@ def test_wrong_factors_never_converge(theory, factor, gmres, monkeypatch):
         assert not outcome.converged or left < 1e-4 * max(1.0, factor)
     else:
         assert not outcome.converged and outcome.message
+
+
+@theories
+@pytest.mark.parametrize("unit", [1e3, 1e-2])
+def test_iterations_do_not_depend_on_the_unit_of_length(unit, theory):
+    """Positions and slopes are of one size to GMRES: in long steps that need it the same iterations, and the same steps."""
+    counts = []
+    for s in (1.0, unit):
+        surface = sk.Rectangle(1.0 * s, 0.8 * s)
+        problem = sk.Problem(surface, 0.033 * s, sk.Isotropic(1e7 / s, 0.3, 1000.0 / s**3))
+        system = problem.on(sk.meshes.uniform(surface, 2, 2), theory)
+        velocity = sk.RigidVelocity((2.0 * s, 0.0, 1.0 * s), (0.6, -2.0, 4.0))
+        motion = sk.simulate(system, 0.7, dt=0.115, velocity=velocity, newton_rtol=1e-9, outputs=2, progress=False)
+        counts.append([(step.accepted, step.iterations, step.factorisations) for step in motion.steps])
+    assert counts[0] == counts[1]
+    assert any(factorisations > 3 for *_, factorisations in counts[0]), "no step needed GMRES"

@@ -28,7 +28,7 @@ TINY = 1e-20
 DIVERGED = 1e6
 """Times the energy of the first correction, at which an iteration is given up."""
 SMALL = 1e-7
-"""Change of coordinates over which the residual is differenced."""
+"""Change of coordinates, in sizes of the body, over which the residual is differenced."""
 HARDLY, DEGREE = 0.9, 4
 """Vibrations are hardly resolved whose inertia is less than this part of inertia and stiffness over a step; 15 % of their
 error is taken for resolved."""
@@ -70,6 +70,7 @@ class StepSolver:
         self.system, self.rule, self.rtol = system, rule, rule.newton_rtol if rtol is None else rtol
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
         self.factors = TurningFactors(self.linear, system.constraints)
+        self.sizes = system.geometry.scales.ravel()
         self.factored_dt = 0.0
         self.effort = Effort.KEEP
         self.energy = 0.0
@@ -203,16 +204,20 @@ class StepSolver:
     def _with_skew_part(
         self, change: np.ndarray, residual: np.ndarray, u: np.ndarray, start: State, dt: float
     ) -> np.ndarray:
-        """The correction of the whole tangent, by GMRES on differences of the residual, preconditioned by the factors."""
+        """The correction of the whole tangent, by GMRES on differences of the residual, preconditioned by the factors.
+
+        In coordinates without units, whose norm means something.
+        """
         if self.rule.symmetric:
             return change
+        sizes, scaled = self.sizes, change / self.sizes
 
         def product(x: np.ndarray) -> np.ndarray:
             size = SMALL / max(float(np.abs(x).max()), 1e-300)
-            return self.factors.solve((self.residual(u + size * x, start, dt) - residual) / size)[0]
+            return self.factors.solve((self.residual(u + size * sizes * x, start, dt) - residual) / size)[0] / sizes
 
         operator = LinearOperator((u.size, u.size), matvec=product, dtype=np.float64)
-        return np.asarray(gmres(operator, change, x0=change, rtol=INNER, atol=0.0, restart=VECTORS, maxiter=1)[0])
+        return sizes * np.asarray(gmres(operator, scaled, x0=scaled, rtol=INNER, atol=0.0, restart=VECTORS, maxiter=1)[0])
 
     def _factor(self, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> None:
         rule, system = self.rule, self.system

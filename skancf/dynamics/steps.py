@@ -148,6 +148,8 @@ class _Limited(ABC):
         return _changed(attempt.dt, max(0.9 * hardest**-0.5, 1.0), self.largest)
 
 
+BEGINNING = 1 / 25
+"""Part of the run, times the third root of the asked error, that a step may last in which the motion only begins."""
 NEGLIGIBLE = 0.05
 """Part of the asked error that a step may miss of a load at once: what jumps without a knot is found by no short step."""
 
@@ -168,6 +170,9 @@ class LocalError(_Limited):
 
     the part :math:`e_s` of the rule's error :math:`c\,\Delta t^3 \dddot q` that it resolves, and its share of the amplitude
     A of vibrations that it hardly resolves. Sizes are mass-weighted root mean squares over the plate.
+
+    A load that grows from zero makes errors in its first steps that are a fixed part of the motion there, however short they
+    are: such a step may last :math:`T \sqrt[3]{r} / 25`, so that its error is a small part of what comes later.
 
     What is missed of each function of time h of a load or a prescribed motion is controlled alike: a rule takes h in the
     middle of a step, and what that misses of its integral, :math:`\Delta t\,|h(t_{1/2}) - \bar h|`, may be
@@ -201,7 +206,8 @@ class LocalError(_Limited):
     def over(self, attempt: Attempt) -> float:
         share = attempt.dt / attempt.span
         allowed = 0.5 * self.rtol * (attempt.motion * share + attempt.growth) + self.atol * share + attempt.rounding
-        error = 0.0 if attempt.begins else attempt.error / max(allowed, 1e-300)
+        beginning = (share / BEGINNING) ** 2 * self.rtol ** (-2 / 3)  # of order three, of which nothing else is known
+        error = beginning if attempt.begins else attempt.error / max(allowed, 1e-300)
         return max([error, *(self._over_impulse(part, share) for part in attempt.impulses)])
 
     def _over_impulse(self, part: Missed, share: float) -> float:

@@ -7,6 +7,9 @@ import numpy as np
 
 import skancf as sk
 from skancf.assembly.system import System
+from skancf.dynamics import checkpoint
+from skancf.dynamics.energy_momentum import EnergyMomentum
+from skancf.dynamics.steps import LocalError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
 from skancf.statics import cascade, equilibrium
@@ -116,6 +119,40 @@ def _loads_that_take_anything(patch: Patch) -> None:
         patch.setattr(load, "__post_init__", lambda self: None)
 
 
+def _loads_that_do_not_scale(patch: Patch) -> None:
+    keep = System.applied_force
+
+    def applied(self: System, *rest: Any) -> np.ndarray:
+        force = keep(self, *rest)
+        return force * (1 + 0.02 * np.sin(np.log(np.abs(force).max() + 1e-300)))
+
+    patch.setattr(System, "applied_force", applied)
+
+
+def _stresses_that_feed(patch: Patch) -> None:
+    keep = EnergyMomentum.stresses
+    patch.setattr(EnergyMomentum, "stresses", lambda self, *rest: 1.02 * keep(self, *rest))
+
+
+def _a_force_from_nowhere(patch: Patch) -> None:
+    keep = System.force_between
+
+    def between(self: System, *rest: Any) -> np.ndarray:
+        force = keep(self, *rest)
+        return force + 1e-3 * np.abs(force).max() * np.tile([1.0, 0.0, 0.0] + 9 * [0.0], self.n_dofs // 12)
+
+    patch.setattr(System, "force_between", between)
+
+
+def _states_without_what_was_before(patch: Patch) -> None:
+    patch.setattr(checkpoint, "_optional", lambda state: {"jerk": None, "before": None})
+
+
+def _errors_made_small(patch: Patch) -> None:
+    keep = LocalError.over
+    patch.setattr(LocalError, "over", lambda self, attempt: 1e-4 * keep(self, attempt))
+
+
 BROKEN = [
     ("balance", _reactions_too_large), ("balance", _forces_by_the_axes_of_space), ("moments", _slopes_held_by_space),
     ("clapeyron", _energy_too_large), ("reciprocity", _answers_by_the_order_of_nodes),
@@ -125,5 +162,9 @@ BROKEN = [
     ("honest", _newton_that_ends_early), ("restart", _a_restart_that_stops_short),
     ("small loads", _a_linear_answer_too_large), ("vibration", _a_mass_by_the_order_of_nodes),
     ("free bodies", _slopes_held_by_space), ("refusals", _loads_that_take_anything),
+    ("energy of motions", _stresses_that_feed), ("energy of motions", _a_force_from_nowhere),
+    ("small motions", _loads_that_do_not_scale), ("motions in units", _loads_that_do_not_scale),
+    ("motions in a frame", _forces_by_the_axes_of_space), ("restarted motions", _states_without_what_was_before),
+    ("asked error", _errors_made_small),
 ]  # fmt: skip
 """Properties and what breaks the library so that they fail."""

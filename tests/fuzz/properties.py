@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from hypothesis import strategies as st
 
 import skancf as sk
-from fuzz import conditions, invariance, linear, nonlinear, vibration, wrong
+from fuzz import conditions, invariance, linear, motion, moving, nonlinear, vibration, wrong
 from fuzz.bodies import AFFINE, among
 from fuzz.cases import EVERYTHING, NONLINEAR, UNITS, Frame, Range, cases, framed, free_bodies, parted
 
@@ -61,6 +61,14 @@ PROPERTIES = {
     "small loads": Property(cases(within=SOFT, most=3), nonlinear.small_loads, 20),
     "vibration": Property(_restated, vibration.restated, 25),
     "free bodies": Property(free_bodies(), vibration.rigid, 30),
+    "energy of motions": Property(
+        st.one_of(moving.motions(moving.KEEPING), moving.motions(moving.KEEPING, free=True, loads=False)), motion.energy, 40,
+    ),
+    "small motions": Property(moving.motions(spin=False).map(moving.at_rest), motion.scaling, 20),
+    "motions in a frame": Property(moving.restated("frame"), motion.restated, 25),
+    "motions in units": Property(moving.restated("units"), motion.restated, 20),
+    "restarted motions": Property(moving.motions(steps=among(10)), motion.restart, 8),
+    "asked error": Property(moving.motions(among(sk.EnergyMomentum()), spin=False), motion.asked, 12),
     "refusals": Property(wrong.statements(), wrong.refused, 100),
 }  # fmt: skip
 

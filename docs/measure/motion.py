@@ -1,6 +1,6 @@
 """States in motion on finer and coarser meshes: what becomes of their energy by how positions are carried, and the time.
 
-Writes docs/decisions/settled.csv, settled_runs.csv and settled_cost.csv. From the folder of the repository, in two minutes:
+Writes docs/decisions/settled.csv, settled_runs.csv and settled_cost.csv. From the folder of the repository, in ten minutes:
 
     .venv/bin/python docs/measure/motion.py
 """
@@ -130,7 +130,7 @@ def run(system: System, place: tuple[float, float], settle: bool | None, stretch
     first = state.kinetic_energy
     for k in range(stretches):
         system = state.system
-        motion = sk.simulate(system, 2e-4, start=state, outputs=2, progress=False, rtol=1e-2).unwrap()
+        motion = sk.simulate(system, 2e-4, start=state, outputs=2, progress=False, rtol=1e-3).unwrap()
         state = sk.Solution(system, motion.q[-1], motion.v[-1], float(motion.times[-1]))
         if settle is not None and k < stretches - 1:
             mesh, along = system.mesh, system.mesh.p[0, system.mesh.t].mean(axis=0) / system.mesh.p[0].max()

@@ -234,7 +234,8 @@ class System:
 
     def load_histories(self) -> list[Any]:
         """The functions of time that loads are multiplied with, each once."""
-        return list({id(load.history): load.history for load in self.loads if load.history is not None}.values())
+        found = [getattr(load, "history", None) for load in self.loads]
+        return list({id(history): history for history in found if history is not None}.values())
 
     def _histories(self) -> Iterable[Any]:
         return chain.from_iterable([*[load.histories() for load in self.loads], self.prescription.histories()])

@@ -10,7 +10,7 @@ from skancf.assembly.system import System
 from skancf.atomic import reason
 from skancf.checks import Check, failures
 from skancf.dynamics.error import Measure
-from skancf.dynamics.impulses import LoadImpulses
+from skancf.dynamics.impulses import LoadImpulses, Missed
 from skancf.dynamics.ledger import Book, MeshEvent
 from skancf.dynamics.motion import Motion, MotionStatus, Step
 from skancf.dynamics.motion_checks import MOMENTA, checks_of
@@ -187,7 +187,8 @@ class Run:
         settings, start, control, measure = self.settings, self.state, self.settings.control, self.measure
         outcome = self.solver.step(start, step)
         error = imbalance = np.inf
-        farthest, over, accepted, missed = self.farthest, 0.0, False, ()
+        farthest, over, accepted = self.farthest, 0.0, False
+        missed: tuple[Missed, ...] = ()
         if outcome.converged:
             error = measure.error(self.solver, start, outcome.end, settings.span)
         if np.isfinite(error):

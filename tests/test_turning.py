@@ -239,6 +239,7 @@ def test_iterations_do_not_depend_on_the_unit_of_length(unit, theory):
         system = problem.on(sk.meshes.uniform(surface, 2, 2), theory)
         velocity = sk.RigidVelocity((2.0 * s, 0.0, 1.0 * s), (0.6, -2.0, 4.0))
         motion = sk.simulate(system, 0.7, dt=0.115, velocity=velocity, newton_rtol=1e-9, outputs=2, progress=False)
-        counts.append([(step.accepted, step.iterations, step.factorisations) for step in motion.steps])
+        # Of an attempt that fails rounding says how long it takes.
+        counts.append([(step.accepted, step.dt, step.iterations if step.accepted else 0) for step in motion.steps])
+        assert any(step.accepted and step.factorisations > 3 for step in motion.steps), "no step needed GMRES"
     assert counts[0] == counts[1]
-    assert any(factorisations > 3 for *_, factorisations in counts[0]), "no step needed GMRES"

@@ -44,7 +44,8 @@ def energy(moving: Moving) -> None:
     ledger = run(moving, system, options).ledger
     size = float(ledger.turnover[-1])
     assume(size > 0)
-    # Newton's method ends at 1e-6 in the norm of energy, and rounding of the coordinates may be more of a small energy.
+    # Newton's method ends at 1e-6 in the norm of energy, of a momentum too, in each step; and rounding of the coordinates
+    # may be more of a small energy.
     places = np.abs(system.undeformed)
     noise = 1e-28 * float(places @ (abs(system.stiffness().to_scipy()) @ places))
     bounded("energy without a source", float(np.abs(ledger.balance).max()), 1e-5 * size + noise)
@@ -56,7 +57,7 @@ def energy(moving: Moving) -> None:
         arm = float(np.abs(nodal(system.undeformed)[:, 0]).max()) if name == "angular" else 1.0
         largest = arm * np.sqrt(2 * size * float(np.abs(system.shares[:, 0]).sum()))
         known = max(float(np.linalg.norm(part, axis=1).max()) for part in (have, given))
-        bounded(f"{name} momentum without a source", float(left), 1e-5 * max(known, largest) + arm * np.sqrt(noise))
+        bounded(f"{name} momentum without a source", float(left), 3e-6 * moving.steps * max(known, largest) + arm * np.sqrt(noise))
 
 
 def scaling(moving: Moving) -> None:
@@ -77,6 +78,8 @@ def restated(moving: Moving) -> None:
     one, two = (
         run(moving, *prepared(moving, period, there=there), newton_rtol=NEWTON) for there in (False, True)
     )
+    # Whether a step that is far too long converges is up to rounding.
+    assume([step.dt for step in one.steps if step.accepted] == [step.dt for step in two.steps if step.accepted])
     here, there = moved(one), moved(two) @ moving.frame.turn / moving.units[0]
     size = float(np.abs(here).max())
     unknown = 1e-10 * float(np.abs(one.system.undeformed).max())

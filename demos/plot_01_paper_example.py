@@ -51,7 +51,7 @@ class Size:
     rtol: float
 
 
-SIZES = {"full": Size(12, (12, 14, 16, 20, 24), 36, 3e-3), "small": Size(8, (8, 10, 12), 16, 8e-3)}
+SIZES = {"full": Size(12, (12, 14, 16, 20, 24), 36, 8e-3), "small": Size(8, (8, 10, 12), 16, 8e-3)}
 
 
 # %%

@@ -70,8 +70,8 @@ def simulate(
         Short for ``rule=EnergyMomentum(rho_inf)``: spectral radius at infinite frequency, default 0.8; 1 keeps energy, 1/3
         damps most.
     outputs : int, times or "steps"
-        Number of equidistant output times, or the times: states between steps are interpolated with cubics, good for
-        positions, and where the body turns much in a step not for stresses. ``"steps"``: the end of every step.
+        Number of equidistant output times, or the times: states inside of steps are interpolated in a frame that turns with
+        the body. ``"steps"``: the end of every step.
     record : mapping of name to function of a Solution, optional
         Quantities kept at every accepted step.
     velocity : RigidVelocity, function, or (n_dofs,) array, optional

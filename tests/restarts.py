@@ -60,7 +60,7 @@ def tip(state):
 CLAMP = [sk.Clamp("left")]
 JUMP = [sk.EdgeLoad("right", (0, 0, 20.0), history=lambda t: float(t > 0.02))]
 ROUGH = [sk.EdgeLoad("right", (300.0, 0, 40.0), history=sk.Pulse(0.05, 0.01, "rectangle"))]
-STRUCK = [sk.Impulse((1.0, 1.0), (0, 0, 2.0), 0.021), sk.EdgeImpulse("right", (0, 0.5, -1.0), 0.05)]
+STRUCK = [sk.Impulse((1.0, 1.0), (0, 0, 0.4), 0.021), sk.EdgeImpulse("right", (0, 0.2, -0.4), 0.05)]
 MOVING = [sk.MovingForce(sk.Path([0, 0.05, 0.1], [(0.1, 0.3), (0.9, 0.7), (0.9, 0.1)]), (0, 0, -20.0)),
           sk.Impulse((1.0, 1.0), (0, 0, -0.5), 0.07)]  # fmt: skip
 DRIVEN = [sk.Prescribed("left", (0, 0, 0.02), history=lambda t: np.sin(50 * t)), sk.Dashpot((1.0, 1.0), (3.0, 3.0, 3.0))]

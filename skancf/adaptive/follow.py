@@ -67,7 +67,8 @@ class Follow:
         Level, counted from the coarse mesh, to which elements are merged at most.
     energy : float, optional
         E (J), where the run so far says too little of it: at its beginning, when a load has done hardly any work yet, a
-        small part of a small energy is asked for.
+        small part of a small energy would be asked for. Without it the mesh stays while the energy doubles from look to
+        look.
 
     Raises
     ------
@@ -109,6 +110,8 @@ class Follow:
         to the last look.
         """
         state = Solution(system, now.q, now.v, now.time)
+        if self.energy is None and self._begins(Solution(system, before.q, before.v, before.time), state, energy):
+            return None
         asked = self.rtol**2 * (energy if self.energy is None else self.energy)
         values = check_indicators(called("indicator", self.indicator, state))
         ahead = min(2 * now.time - before.time, end)
@@ -122,6 +125,10 @@ class Follow:
             if new is None or new.raised <= 0:
                 return new
         return self._moved(system, now, target, again=False)
+
+    def _begins(self, before: Solution, now: Solution, most: float) -> bool:
+        """Whether the strain energy is the largest so far and still doubles from look to look: it says nothing yet."""
+        return now.strain_energy > 0.999 * most and now.strain_energy > 2 * before.strain_energy
 
     def _room(self, system: System, marked: np.ndarray) -> np.ndarray:
         """Marked elements that may be quartered, a mask."""

@@ -196,9 +196,9 @@ def _state_of(run: Run) -> dict[str, np.ndarray]:
                float(run.mark.tries)]  # fmt: skip
     sums = {f"sum_{name}": np.asarray(book.sums[name]) for name in SUMS}
     forces = {f"forces_{field.name}": np.asarray(getattr(book.before, field.name)) for field in fields(Forces)}
-    return {"numbers": np.array(numbers), "missed": run.impulses.missed, "q": state.q, "v": state.v, "a": state.a,
-            **{name: np.zeros(0) if value is None else value for name, value in _optional(state).items()}, **sums,
-            **forces}  # fmt: skip
+    return {"numbers": np.array(numbers), "missed": run.impulses.missed, "origin": run.origin,
+            "q": state.q, "v": state.v, "a": state.a, **sums, **forces,
+            **{name: np.zeros(0) if value is None else value for name, value in _optional(state).items()}}  # fmt: skip
 
 
 def _optional(state: State) -> dict[str, np.ndarray | None]:
@@ -221,7 +221,7 @@ def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
 
 
 def _check(files: RunFiles, data: dict[str, np.ndarray], system: System) -> None:
-    shapes = {"numbers": (N_NUMBERS,), **dict.fromkeys(("q", "v", "a"), (system.n_dofs,))}
+    shapes = {"numbers": (N_NUMBERS,), **dict.fromkeys(("q", "v", "a", "origin"), (system.n_dofs,))}
     names = [*shapes, "missed", "jerk", "before", *(f"sum_{name}" for name in SUMS),
              *(f"forces_{field.name}" for field in fields(Forces))]  # fmt: skip
     if any(name not in data or data[name].shape != shapes.get(name, data[name].shape) for name in names):
@@ -241,7 +241,7 @@ def _restore(run: Run, data: dict[str, np.ndarray]) -> None:
     run.solver.forget()
     recorder.done, book.turnover = int(done), turnover
     run.strikes = run.strikes[len(run.strikes) - int(strikes) :]
-    run.impulses.missed = data["missed"]
+    run.impulses.missed, run.origin = data["missed"], data["origin"]
     book.sums = {name: data[f"sum_{name}"] if data[f"sum_{name}"].ndim else float(data[f"sum_{name}"]) for name in SUMS}
     forces = {field.name: data[f"forces_{field.name}"] for field in fields(Forces)}
     book.before = Forces(float(forces.pop("time")), **forces)

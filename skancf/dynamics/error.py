@@ -49,10 +49,11 @@ class Measure:
         h that it hardly resolves do not add up: what is wrong of them is twice their amplitude A at most, whatever the
         number of steps, so that each has its share of that. F is that of :meth:`StepSolver.slowed`.
         """
-        rule = solver.rule
-        error = rule.error(start, end)
-        slow = solver.resolved(error, end.dt)
-        rest = error - slow
-        inertia = float(rest @ (self.system.mass @ solver.slowed(rest, end.dt)))
-        amplitude = np.sqrt(max(inertia, 0.0) / self.mass) / (4 * abs(rule.error_constant))
-        return float(ADDING * self.size(slow) + 2 * amplitude * end.dt / span)
+        with np.errstate(over="ignore", invalid="ignore"):  # an error that is not finite rejects the step
+            rule = solver.rule
+            error = rule.error(start, end)
+            slow = solver.resolved(error, end.dt)
+            rest = error - slow
+            inertia = float(rest @ (self.system.mass @ solver.slowed(rest, end.dt)))
+            amplitude = np.sqrt(max(inertia, 0.0) / self.mass) / (4 * abs(rule.error_constant))
+            return float(ADDING * self.size(slow) + 2 * amplitude * end.dt / span)

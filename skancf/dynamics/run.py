@@ -107,7 +107,7 @@ class Run:
         a = self.solver.initial_acceleration(q, v, settings.begin, self._driven(settings.begin))
         self.state = State(settings.begin, q, v, a)
         self.steps: list[Step] = []
-        self.farthest, self.hardest = self.measure.size(q - system.undeformed), 0.0
+        self.origin, self.farthest, self.hardest = q, 0.0, 0.0
         self.impulses = LoadImpulses(system, settings.begin, settings.span)
         self.dt = positive("steps.first", called("steps.first", settings.control.first, settings.span / FIRST_STEP), "s")
         self.shortest = self.dt * positive("steps.smallest", settings.control.smallest)
@@ -200,7 +200,7 @@ class Run:
                            lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
             imbalance = (self.book.left - before) / max(self.book.turnover, self._noise)
             done = (outcome.end.time - settings.begin) / settings.span
-            farthest = max(farthest, measure.size(outcome.end.q - self.system.undeformed))
+            farthest = max(farthest, measure.size(outcome.end.q - self.origin))
             missed = self.impulses.step(start.time, step)
             attempt = Attempt(
                 step, settings.span, error, outcome.iterations, farthest, farthest - self.farthest, measure.rounding,
@@ -233,8 +233,9 @@ class Run:
 
     @property
     def _noise(self) -> float:
-        """Energy that is rounding (J)."""
-        return max(NOISE * self.solver.rounding, 1e-300)
+        """Energy that is rounding (J): of coordinates alone, and of their product with a strain in the energy."""
+        rounding = NOISE * self.solver.rounding
+        return max(rounding, 1e-300) + MIXED * (rounding * self.book.turnover) ** 0.5
 
     def _is_unbalanced(self, tolerance: float) -> bool:
         """The first steps of a load that jumps cannot be balanced; nor can rounding."""
@@ -274,11 +275,12 @@ class Run:
                 tries = self.mark.tries + 1
                 self._rewind()
             self.recorder.end(self.state)
-            energy = self.solver.energy
+            energy, undeformed = self.solver.energy, np.array_equal(self.origin, self.system.undeformed)
             self.solver.close()
             self._on(new.system)
-            self.solver.energy = energy
-            self.state = new.state
+            self.solver.energy, self.state = energy, new.state
+            # Displacements since the start are not known on another mesh, unless it began undeformed.
+            self.origin = new.system.undeformed if undeformed else new.state.q
             self.book.remeshed(new.event, new.system, self.state)
             self.recorder.begin(new.system, self.state)
         self.mark_here(tries)
@@ -340,8 +342,8 @@ SUDDEN = 4
 """Where the displacement grows more than so many times in a step, and the acceleration doubles, the motion only begins."""
 TRIES = 2
 """How often a run goes back to the same look."""
-NOISE = 1e3
-"""Times the energy of rounding of the coordinates: what many steps of it come to."""
+NOISE, MIXED = 1e3, 1e2
+"""Times the energy of rounding of the coordinates: what many steps of it come to; and of the product of both."""
 FIRST = 10
 """Steps before the balance is judged: the first one of a load that jumps cannot be balanced."""
 SHORT = 1e-4

@@ -21,7 +21,7 @@ class Attempt:
         What it adds to the error by the end of the run (m): see :class:`LocalError`.
     iterations : int
     motion, growth : float
-        The largest displacement so far, that at its end included, and what this is more than before (m).
+        The largest displacement from the start of the run so far, that at its end included, and what it was less before (m).
     rounding : float
         The size that rounding of positions has (m).
     begins : bool
@@ -162,9 +162,9 @@ class LocalError(_Limited):
 
     .. math:: \tfrac12 r\,[R\,\Delta t / T + (R - R_{old})] + a\,\Delta t / T
 
-    where R is the largest displacement so far, so that the whole run may add :math:`r R + a`, and a motion that begins at
-    rest has something to compare its errors with. Nothing else has a scale: steps depend neither on the units, nor on how
-    large a load is, nor, where nothing is held, on a common translation. What a step adds is
+    where R is the largest displacement from the start of the run so far, so that the whole run may add :math:`r R + a`, and
+    a motion that begins at rest has something to compare its errors with. Nothing else has a scale: steps depend neither on
+    the units, nor on how large a load is, nor, where nothing is held, on a common translation. What a step adds is
 
     .. math:: \frac{\pi}{2} |e_s| + 2 A \frac{\Delta t}{T},
 

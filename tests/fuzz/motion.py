@@ -57,7 +57,8 @@ def energy(moving: Moving) -> None:
         arm = float(np.abs(nodal(system.undeformed)[:, 0]).max()) if name == "angular" else 1.0
         largest = arm * np.sqrt(2 * size * float(np.abs(system.shares[:, 0]).sum()))
         known = max(float(np.linalg.norm(part, axis=1).max()) for part in (have, given))
-        bounded(f"{name} momentum without a source", float(left), 3e-6 * moving.steps * max(known, largest) + arm * np.sqrt(noise))
+        allowed = 3e-6 * moving.steps * max(known, largest) + arm * np.sqrt(noise)
+        bounded(f"{name} momentum without a source", float(left), allowed)
 
 
 def scaling(moving: Moving) -> None:

@@ -5,8 +5,8 @@ From the folder of the repository, in some ten minutes of a processor:
     .venv/bin/python docs/measure/control.py
 
 Names of motions run these only, and write nothing; ``impulses``, ``scales`` or ``spins`` that table alone. The error is the
-mass-weighted root mean square of positions, where nothing is held less their mean, against a run with ``rtol=1e-4``, over the
-largest displacement.
+mass-weighted root mean square of positions, where nothing is held less their mean, against a run with ``rtol=1e-4``, over
+the largest displacement.
 ``impulses``: what a free bar has of the impulse of a load, docs/decisions/impulses.csv. ``scales``: steps under other loads
 and in other units, docs/decisions/scales.csv. ``spins``: a strip that a clamp spins up, docs/decisions/spins.csv.
 """

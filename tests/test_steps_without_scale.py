@@ -279,3 +279,36 @@ def test_an_error_in_metres_is_good_enough():
     for atol in (-1e-6, np.nan):
         with pytest.raises(sk.InputError, match="atol"):
             sk.LocalError(1e-3, atol=atol)
+
+
+@theories
+@pytest.mark.parametrize("force", [0.0, 4.0])
+def test_what_rests_is_no_motion(force, theory):
+    """At rest, undeformed and in an equilibrium: few steps, whatever rounding and the rest of statics make of it."""
+    surface = sk.Rectangle(0.25, 0.04)
+    loads = [sk.PointForce((0.25, 0.02), (0.0, 0.0, force))] if force else []
+    problem = sk.Problem(surface, 1e-3, sk.Isotropic(210e9, 0.3, 7850.0), [sk.Clamp("left")], loads)
+    system = problem.on(sk.meshes.uniform(surface, 6, 2), theory)
+    start = sk.solve(system).unwrap() if force else sk.Solution(system, system.undeformed)
+    motion = sk.simulate(system, 0.05, rtol=1e-2, start=start, progress=False).unwrap()
+    assert len(motion.steps) < 60 and all(check.passed for check in motion.checks)
+    assert np.abs(motion.q - start.q).max() < 1e-9
+
+
+def test_a_small_vibration_about_a_bent_state_is_followed():
+    """A thousandth more of a force that has bent a strip far: twice the deflection that it adds in statics, as in any first
+    mode; higher modes take part of it."""
+    surface, tip = sk.Rectangle(0.2, 0.03), (0.2, 0.015)
+
+    def under(force):
+        material = sk.Isotropic(210e9, 0.3, 7850.0)
+        problem = sk.Problem(surface, 2e-3, material, [sk.Clamp("left")], [sk.PointForce(tip, (0.0, 0.0, force))])
+        return problem.on(sk.meshes.uniform(surface, 4, 1), "kirchhoff")
+
+    system, bent = under(60.06), sk.solve(under(60.0)).unwrap()
+    start = sk.Solution(system, bent.q)
+    more = sk.solve(system, start=start).unwrap().displacement(tip)[2] - bent.displacement(tip)[2]
+    motion = sk.simulate(system, 0.02, rtol=3e-2, start=start, progress=False).unwrap()
+    rise = motion.displacement(tip)[:, 2] - bent.displacement(tip)[2]
+    assert rise.max() == pytest.approx(2 * more, rel=0.05) and rise.min() > -0.05 * more
+    assert bent.displacement(tip)[2] > 5 * 2e-3, "hardly bent"

@@ -8,8 +8,10 @@ from skancf.dynamics.step_solver import StepSolver
 
 ADDING = np.pi / 2
 """Errors of an oscillation's steps add up all of a cosine without its sign, of which they measure 2 / pi."""
-ROUNDING = 2e-16
-"""Of the size of the body: what a position is known to."""
+ROUNDING, MANY = 2e-16, 50
+"""Of the size of the body: what a position is known to; and how many times that a motion is that is followed."""
+BENT = 1e-6
+"""Of the displacement at the start: vibrations about it that are smaller than that are not followed."""
 
 
 class Measure:
@@ -38,6 +40,13 @@ class Measure:
             if self.free:
                 r = r - self.weights @ r
             return float(np.sqrt(self.weights @ (r * r).sum(axis=1)))
+
+    def least(self, q: np.ndarray) -> float:
+        """The displacement (m) from a start at nodal coordinates q (n_dofs,) that errors are compared with at least.
+
+        That of rounding, and a small part of the displacement at the start, which is known to the tolerance of statics.
+        """
+        return max(MANY * self.rounding, BENT * self.size(q - self.system.undeformed))
 
     def error(self, solver: StepSolver, start: State, end: State, span: float) -> float:
         r"""What a step adds to the error by the end of the run (m).

@@ -107,7 +107,8 @@ class Run:
         a = self.solver.initial_acceleration(q, v, settings.begin, self._driven(settings.begin))
         self.state = State(settings.begin, q, v, a)
         self.steps: list[Step] = []
-        self.origin, self.farthest, self.hardest = q, 0.0, 0.0
+        self.origin, self.least, self.hardest = q, self.measure.least(q), 0.0
+        self.farthest = self.least
         self.impulses = LoadImpulses(system, settings.begin, settings.span)
         self.dt = positive("steps.first", called("steps.first", settings.control.first, settings.span / FIRST_STEP), "s")
         self.shortest = self.dt * positive("steps.smallest", settings.control.smallest)
@@ -203,7 +204,8 @@ class Run:
             farthest = max(farthest, measure.size(outcome.end.q - self.origin))
             missed = self.impulses.step(start.time, step)
             attempt = Attempt(
-                step, settings.span, error, outcome.iterations, farthest, farthest - self.farthest, measure.rounding,
+                step, settings.span, error if farthest > self.least else 0.0, outcome.iterations, farthest,
+                farthest - self.farthest, measure.rounding,
                 begins=farthest > SUDDEN * self.farthest and 2 * measure.size(start.a) < measure.size(outcome.end.a),
                 impulses=missed, hardest=self.hardest, imbalance=imbalance, young=self.book.turnover > 2 * known,
                 total=self.book.imbalance / done,
@@ -235,11 +237,11 @@ class Run:
     def _noise(self) -> float:
         """Energy that is rounding (J): of coordinates alone, and of their product with a strain in the energy."""
         rounding = NOISE * self.solver.rounding
-        return max(rounding, 1e-300) + MIXED * (rounding * self.book.turnover) ** 0.5
+        return max(rounding, 1e-300) + (rounding * self.book.turnover) ** 0.5
 
     def _is_unbalanced(self, tolerance: float) -> bool:
         """The first steps of a load that jumps cannot be balanced; nor can rounding."""
-        return abs(self.book.left) > tolerance * max(self.book.turnover, self._noise) and len(self.steps) > FIRST
+        return abs(self.book.left) > tolerance * self.book.turnover + self._noise and len(self.steps) > FIRST
 
     def _driven(self, time: float) -> np.ndarray:
         """Accelerations of prescribed coordinates, (n_dofs,), after a time of the run; before its end."""
@@ -342,8 +344,8 @@ SUDDEN = 4
 """Where the displacement grows more than so many times in a step, and the acceleration doubles, the motion only begins."""
 TRIES = 2
 """How often a run goes back to the same look."""
-NOISE, MIXED = 1e3, 1e2
-"""Times the energy of rounding of the coordinates: what many steps of it come to; and of the product of both."""
+NOISE = 1e3
+"""Times the energy of rounding of the coordinates: what many steps of it come to."""
 FIRST = 10
 """Steps before the balance is judged: the first one of a load that jumps cannot be balanced."""
 SHORT = 1e-4

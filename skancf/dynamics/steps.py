@@ -163,7 +163,8 @@ class LocalError(_Limited):
     .. math:: \tfrac12 r\,[R\,\Delta t / T + (R - R_{old})] + a\,\Delta t / T
 
     where R is the largest displacement from the start of the run so far, so that the whole run may add :math:`r R + a`, and
-    a motion that begins at rest has something to compare its errors with. Nothing else has a scale: steps depend neither on
+    a motion that begins at rest has something to compare its errors with. It is a millionth of the displacement at the start
+    at least, so that a state at rest is not taken for a motion. Nothing else has a scale: steps depend neither on
     the units, nor on how large a load is, nor, where nothing is held, on a common translation. What a step adds is
 
     .. math:: \frac{\pi}{2} |e_s| + 2 A \frac{\Delta t}{T},

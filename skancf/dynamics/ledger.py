@@ -216,8 +216,8 @@ class Book:
             springs = -(system.foundation @ (at - system.undeformed))
         if system.viscous is not None:
             viscous = -(system.viscous @ rule.rate(u, start, dt))
-        if system.retardation:  # rule.force_of adds the force on the springs
-            material = -rule.force_of(system, u, start, dt, rule.viscous_stresses(system, u, start, dt)) - springs
+        if system.retardation:
+            material = -_force_of(system, rule, start, u, dt, rule.viscous_stresses(system, u, start, dt))
         return Forces(time, system.applied_force(at, time) - system.weight, supports, springs, viscous, material)
 
     def jump(self, system: System, before: State, after: State) -> None:
@@ -260,10 +260,16 @@ def _numerical(system: System, rule: Rule, start: State, u: np.ndarray, dt: floa
     stresses = rule.numerical_stresses(system, u, start, dt)
     if stresses is None:
         return 0.0
+    return float(_force_of(system, rule, start, u, dt, stresses) @ u)
+
+
+def _force_of(
+    system: System, rule: Rule, start: State, u: np.ndarray, dt: float, stresses: np.ndarray
+) -> np.ndarray:
+    """The internal force of stresses alone, (n_dofs,), without that on the springs, which the rule adds."""
     force = rule.force_of(system, u, start, dt, stresses)
-    if system.foundation is not None:
-        force -= system.foundation @ (start.q + 0.5 * u - system.undeformed)
-    return float(force @ u)
+    at = rule.at_stage(u, start, dt)[0]
+    return force if system.foundation is None else force - system.foundation @ (at - system.undeformed)
 
 
 def forces_at_rest(system: System, state: State) -> Forces:

@@ -9,6 +9,7 @@ from skancf.arguments import plain
 from skancf.errors import InputError, number, positive, shown
 from skancf.materials.law import Law, require_law, stiffness_of, turned, turned_strain
 from skancf.materials.section import Section, stack
+from skancf.materials.shear import with_shear_of_equilibrium
 
 
 @dataclass(frozen=True)
@@ -67,8 +68,10 @@ class Laminate:
 
     Notes
     -----
-    Each layer's law holds its own shear correction factor. That of a homogeneous plate, 5/6, is an approximation in a
-    laminate, where it depends on the layup; too large a factor makes thick laminates with soft cores too stiff.
+    The transverse shear stiffness of the layers together is that of shear stresses in equilibrium (Whitney 1973, Rohwer
+    1988), whatever the layup: :func:`skancf.materials.shear.equilibrium_stiffness`. A law's ``shear_correction`` other than
+    5/6 scales its shear modulus by its ratio to 5/6, and equal layers are one layer. Transverse shear stresses S13 and S23
+    are constant in a layer; those of all layers sum to the shear force.
 
     Weight acts at the centre of mass of the layers. In theory `kirchhoff` the mass is in the reference surface, whatever the
     offset: vibration and motion come with a warning where that is more than a hundredth of the thickness off. Surface and
@@ -95,9 +98,12 @@ class Laminate:
         number("offset", self.offset)
 
     def section(self) -> Section:
-        """The layers in the frame of the surface, at their heights above the reference surface."""
+        """The layers in the frame of the surface, at their heights above the reference surface.
+
+        Their transverse shear moduli are scaled so that their sum is the shear stiffness of equilibrium.
+        """
         tops = np.cumsum([0.0] + [layer.thickness for layer in self.layers])
-        return stack(
+        return with_shear_of_equilibrium(stack(
             tops - tops[-1] / 2 + self.offset, [layer.stiffness() for layer in self.layers],
             [layer.material.density for layer in self.layers], [layer.thermal_strain() for layer in self.layers],
-        )  # fmt: skip
+        ))  # fmt: skip

@@ -4,7 +4,7 @@ Classical lamination theory is that of R. M. Jones, *Mechanics of Composite Mate
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +17,8 @@ from skancf.materials.law import require_law, stiffness_of
 IN_PLANE = [0, 1, 5]
 LEAST, MOST = 1e-80, 1e80
 """Of stiffnesses and mass per area: cubes of them times those of lengths are computed with."""
+ROUNDING = 1e-12
+"""Of heights, relative to the thickness."""
 OUT_OF_PLANE = [2, 3, 4]
 SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
@@ -94,7 +96,7 @@ class Section:
     def first_moment(self) -> float:
         r""":math:`\int \rho z \, dz` (kg/m); zero where it is the rounding of heights."""
         moment = float(self.density @ self._powers()[1])
-        return moment if abs(moment) > 1e-12 * self.mass * self.thickness else 0.0
+        return moment if abs(moment) > ROUNDING * self.mass * self.thickness else 0.0
 
     def layer_at(self, z: Any) -> np.ndarray:
         """The layer that each depth belongs to, an int array of z's shape; at an interface the lower one.
@@ -146,6 +148,20 @@ class Section:
     def _abd(self) -> np.ndarray:
         A, B, D = np.einsum("kl,lij->kij", self._powers(), self.in_plane())
         return np.block([[A, B], [B, D]])
+
+    @cached_property
+    def neutral(self) -> float:
+        r"""Height of the surface that bending does not strain, :math:`\operatorname{tr} B / \operatorname{tr} A` (m).
+
+        That of a layer alone, of two directions the mean; zero where it is the rounding of heights.
+        """
+        A, B = self._abd[:3, :3], self._abd[:3, 3:]
+        height = float(np.trace(B) / np.trace(A))
+        return height if abs(height) > ROUNDING * self.thickness else 0.0
+
+    def about(self, height: float) -> "Section":
+        """The same layers with heights above a parallel surface at a height (m)."""
+        return replace(self, z=self.z - height) if height else self
 
     @property
     def bending_thickness(self) -> float:
@@ -200,7 +216,10 @@ class Section:
         return self.expansion[self.layer_at(z)] * change[..., None]
 
     def shear_stiffness(self) -> np.ndarray:
-        """Transverse shear stiffness k G t for 13 and 23, (2, 2) (N/m); the laws hold the shear correction factor k."""
+        """Transverse shear stiffness k G t for 13 and 23, (2, 2) (N/m); the laws hold the shear correction factor k.
+
+        Those of a laminate's layers are scaled so that this is the shear stiffness of equilibrium.
+        """
         return np.einsum("l,lij->ij", self.thicknesses, self.stiffness[:, SHEAR][:, :, SHEAR])
 
     def _powers(self) -> np.ndarray:

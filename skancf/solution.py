@@ -144,8 +144,8 @@ class Solution:
         """
         assembly, inside = self.system.assembly, self._inside(points)
         depth = self._chosen(z, points)
-        free = self._free_strains(inside, depth)
-        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, depth, free))
+        heat = self._heat(inside)
+        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, depth, heat))
 
     def stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
@@ -181,10 +181,13 @@ class Solution:
 
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
+        heat = self._heat(points)
+        return np.zeros(6) if heat is None else self.system.problem.section.thermal_strain(z, *heat)
+
+    def _heat(self, points: np.ndarray) -> np.ndarray | None:
+        """Temperature change T0 and T1, (2, n_elements, n), or None."""
         heat = self.system.temperature(points, self.time)
-        if heat is None:
-            return np.zeros(6)
-        return self.load_factor * self.system.problem.section.thermal_strain(z, *heat)
+        return None if heat is None else self.load_factor * heat
 
     def section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         r"""Membrane forces and moments per length in the local frame at points of every element: (n_elements, 6, n).

@@ -42,14 +42,14 @@ def test_the_reference_has_the_published_values():
         assert np.isclose(100 * 1e6 * exact(CROSS, a)[0] / a**4, value, atol=5e-4)
 
 
-@pytest.mark.parametrize("layers, shear, error", [
-    (CROSS, 1.75, 1.36), ([(METAL, 1.0, 0)], 0.03, 0.32), ([(PLY, 0.5, 0), (PLY, 0.5, 90)], 0.13, 0.6), (SANDWICH, 1.13, 0.42),
+@pytest.mark.parametrize("layers, error", [
+    (CROSS, 1.36), ([(METAL, 1.0, 0)], 0.32), ([(PLY, 0.5, 0), (PLY, 0.5, 90)], 0.6), (SANDWICH, 0.42),
 ], ids=["cross-ply", "one layer", "lopsided", "sandwich"])  # fmt: skip
-def test_cylindrical_bending(layers, shear, error):
+def test_cylindrical_bending(layers, error):
     """What is left at a / h = 10 and 50 is of higher order in h / a, given in per cent of the deflection at 10."""
-    bending, by_shear = by_theory(layers, 10.0)
-    found = 100 * ((bending + by_shear) / exact(layers, 10.0)[0] - 1)
-    assert found == pytest.approx(error, abs=0.02 * max(1, error)) and by_shear > 0.4 * shear * 0.01 * bending
+    (bending, by_shear), right = by_theory(layers, 10.0), exact(layers, 10.0)[0]
+    assert 100 * ((bending + by_shear) / right - 1) == pytest.approx(error, abs=0.02)
+    assert bending / right - 1 < -7 * error / 100, "shear counts"
     slender = by_theory(layers, 50.0)
     assert abs(sum(slender) / exact(layers, 50.0)[0] - 1) < 3e-4
 

@@ -59,8 +59,8 @@ class Assembly(Protocol):
     ) -> np.ndarray:
         """Derivative (n_nodes, 4, 3) of the sum of weights (m, 6, n) times N and M at points (2, n) of elements (m,)."""
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
-        """Strain in the local frame at a depth (n_elements, n, 6); ``free`` is the thermal part, which has no stress."""
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+        """Strain in the local frame at a depth (n_elements, n, 6), temperature as in :meth:`section_forces`."""
 
 
 class Loading(Protocol):

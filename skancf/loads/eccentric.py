@@ -24,8 +24,9 @@ class DeadLoadOnNormals(DeadLoad):
 
     def __init__(self, assembly: Assembly, nodal: np.ndarray, s: np.ndarray, history: History | None):
         super().__init__(nodal, history)
-        self.geometry, self.s = assembly.geometry, s
-        self.areas = assembly.areas * self.geometry.side[:, None]
+        self.geometry, self.s, sections = assembly.geometry, s, assembly.sections
+        centre = sections.moments[sections.shape][:, 1] / assembly.section.first_moment  # areas, of the surface there
+        self.areas = centre * self.geometry.side[:, None]
 
     @cached_property
     def slopes(self) -> np.ndarray:

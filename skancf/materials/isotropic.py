@@ -64,3 +64,7 @@ class Isotropic:
     def thermal_strain(self) -> np.ndarray:
         """Free strain per kelvin, shape (6,)."""
         return self.expansion * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+
+    def thinning(self) -> np.ndarray:
+        """Strain 33 per unit of 11, 22, 12 without stress out of the plane, shape (3,), of either kind."""
+        return -self.poisson / (1 - self.poisson) * np.array([1.0, 1.0, 0.0])

@@ -7,7 +7,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive, shown
-from skancf.materials.law import Law, require_law, stiffness_of, turned, turned_strain
+from skancf.materials.law import Law, require_law, stiffness_of, thinning_of, turned, turned_strain, turned_thinning
 from skancf.materials.section import Section, stack
 from skancf.materials.shear import with_shear_of_equilibrium
 
@@ -106,4 +106,5 @@ class Laminate:
         return with_shear_of_equilibrium(stack(
             tops - tops[-1] / 2 + self.offset, [layer.stiffness() for layer in self.layers],
             [layer.material.density for layer in self.layers], [layer.thermal_strain() for layer in self.layers],
+            [turned_thinning(thinning_of(layer.material), layer.angle) for layer in self.layers],
         ))  # fmt: skip

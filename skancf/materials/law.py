@@ -15,6 +15,7 @@ from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import Noted, is_ours
 
 SHEAR_CORRECTION = 5 / 6
+IN_PLANE, OUT_OF_PLANE = [0, 1, 5], [2, 3, 4]
 TRANSVERSE = [3, 4]
 THICKNESS = 2
 
@@ -52,6 +53,23 @@ def stiffness_of(law: Any) -> np.ndarray:
     if matrix.shape != (6, 6):
         raise InputError(f"material.stiffness() of shape {matrix.shape}: a law is a 6 x 6 matrix")
     return check_definite(matrix, type(law).__name__)
+
+
+def thinning(matrix: np.ndarray) -> np.ndarray:
+    """Strain 33 per unit of 11, 22, 12 where S33 = S23 = S13 = 0, of a law (6, 6): (3,)."""
+    out, plane = matrix[np.ix_(OUT_OF_PLANE, OUT_OF_PLANE)], matrix[np.ix_(OUT_OF_PLANE, IN_PLANE)]
+    return np.asarray(-np.linalg.solve(out, plane)[0])
+
+
+def thinning_of(law: Any) -> np.ndarray:
+    """The same of a law: what it says itself, which one of plane stress must, or that of its stiffness."""
+    own = getattr(law, "thinning", None)
+    return vector("material.thinning()", own(), 3) if callable(own) else thinning(stiffness_of(law))
+
+
+def turned_thinning(row: np.ndarray, angle: float) -> np.ndarray:
+    """The same (3,) of a material whose axes 1 and 2 are turned by ``angle`` (radians) about axis 3."""
+    return np.asarray(row @ strain_turn(angle)[np.ix_(IN_PLANE, IN_PLANE)])
 
 
 def check_definite(matrix: np.ndarray, name: str) -> np.ndarray:
@@ -160,6 +178,10 @@ class Anisotropic:
     def thermal_strain(self) -> np.ndarray:
         """Free strain per kelvin, shape (6,), after the turn by ``angle``."""
         return turned_strain(vector("expansion", self.expansion, 6), self.angle)
+
+    def thinning(self) -> np.ndarray:
+        """Strain 33 per unit of 11, 22, 12 without stress out of the plane, shape (3,), of either kind."""
+        return turned_thinning(thinning(finite("matrix", self.matrix)), self.angle)
 
 
 def build(law: Any, full: np.ndarray) -> np.ndarray:

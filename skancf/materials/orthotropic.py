@@ -6,7 +6,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import positive, vector
-from skancf.materials.law import SHEAR_CORRECTION, build, check_definite, turned_strain
+from skancf.materials.law import SHEAR_CORRECTION, build, check_definite, thinning, turned_strain, turned_thinning
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,10 @@ class Orthotropic:
 
     def stiffness(self) -> np.ndarray:
         """C, shape (6, 6), in Voigt order 11, 22, 33, 23, 13, 12, after the turn by ``angle``."""
+        return build(self, self._matrix())
+
+    def _matrix(self) -> np.ndarray:
+        """The three-dimensional law in the material's axes."""
         e1, e2, e3 = self.young
         nu12, nu13, nu23 = self.poisson
         g12, g13, g23 = self.shear
@@ -63,8 +67,12 @@ class Orthotropic:
         for (i, j), value in {(0, 1): -nu12 / e1, (0, 2): -nu13 / e1, (1, 2): -nu23 / e2}.items():
             compliance[i, j] = compliance[j, i] = value
         check_definite(compliance, "Orthotropic")
-        return build(self, np.linalg.inv(compliance))
+        return np.linalg.inv(compliance)
 
     def thermal_strain(self) -> np.ndarray:
         """Free strain per kelvin, shape (6,), after the turn by ``angle``."""
         return turned_strain(np.array([*self.expansion, 0.0, 0.0, 0.0]), self.angle)
+
+    def thinning(self) -> np.ndarray:
+        """Strain 33 per unit of 11, 22, 12 without stress out of the plane, shape (3,), of either kind."""
+        return turned_thinning(thinning(self._matrix()), self.angle)

@@ -12,14 +12,12 @@ import numpy as np
 
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, positive
-from skancf.materials.law import require_law, stiffness_of
+from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, require_law, stiffness_of, thinning, thinning_of
 
-IN_PLANE = [0, 1, 5]
 LEAST, MOST = 1e-80, 1e80
 """Of stiffnesses and mass per area: cubes of them times those of lengths are computed with."""
 ROUNDING = 1e-12
 """Of heights, relative to the thickness."""
-OUT_OF_PLANE = [2, 3, 4]
 SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
 
@@ -41,6 +39,9 @@ class Section:
         kg/m3.
     expansion : (n, 6) array
         Thermal strain of each layer (1/K).
+    thinning : (n, 3) array, optional
+        Strain 33 of each layer per unit of 11, 22, 12 where S33 = S23 = S13 = 0. Default: that of its stiffness, which a law
+        of plane stress has no more.
 
     Raises
     ------
@@ -52,14 +53,18 @@ class Section:
     stiffness: np.ndarray
     density: np.ndarray
     expansion: np.ndarray
+    thinning: Any = None
 
     def __post_init__(self) -> None:
         n = np.size(self.z) - 1
-        for name, shape in (("z", (n + 1,)), ("stiffness", (n, 6, 6)), ("density", (n,)), ("expansion", (n, 6))):
+        for name, shape in (("z", (n + 1,)), ("stiffness", (n, 6, 6)), ("density", (n,)), ("expansion", (n, 6)),
+                            ("thinning", (n, 3))):  # fmt: skip
+            if name == "thinning" and self.thinning is None:
+                object.__setattr__(self, name, [thinning(law) for law in self.stiffness])
             array = finite(name, getattr(self, name)).copy()
             if n < 1 or array.shape != shape:
                 raise InputError(f"{name} of shape {array.shape}: a section of n layers has n + 1 heights z, and "
-                                 "stiffness (n, 6, 6), density (n,) and expansion (n, 6)")  # fmt: skip
+                                 "stiffness (n, 6, 6), density (n,), expansion (n, 6) and thinning (n, 3)")  # fmt: skip
             array.flags.writeable = False
             object.__setattr__(self, name, array)
         if not (np.diff(self.z) > 0).all():
@@ -249,9 +254,12 @@ def section_of(material: Any, thickness: float | None) -> Section:
     if thickness is None:
         raise InputError(f"thickness: missing; a plate of one material ({type(material).__name__}) needs a thickness")
     half = positive("thickness", thickness, "m") / 2
-    return stack([-half, half], [stiffness_of(material)], [material.density], [material.thermal_strain()])
+    return stack([-half, half], [stiffness_of(material)], [material.density], [material.thermal_strain()],
+                 [thinning_of(material)])  # fmt: skip
 
 
-def stack(z: Any, stiffness: Sequence[Any], density: Sequence[float], expansion: Sequence[Any]) -> Section:
+def stack(
+    z: Any, stiffness: Sequence[Any], density: Sequence[float], expansion: Sequence[Any], thinning: Sequence[Any]
+) -> Section:
     """A section from lists."""
-    return Section(np.array(z), np.array(stiffness), np.array(density), np.array(expansion))
+    return Section(np.array(z), np.array(stiffness), np.array(density), np.array(expansion), np.array(thinning))

@@ -33,7 +33,8 @@ ALONG, ACROSS = [0, 2], [2, 1]
 
 
 def shear_stresses(section: Section, n: int) -> np.ndarray:
-    """Shear stresses 13 and 23 per unit of shear forces Q1 and Q2 at n Gauss points of each layer: (n_layers, n, 2, 2) (1/m)."""
+    """Shear stresses 13 and 23 per unit of shear forces Q1 and Q2 at n Gauss points of each layer: (n_layers, n, 2, 2)
+    (1/m)."""
     section = section.about(section.neutral)  # of a section far off, bending is a small difference
     grown = np.linalg.inv(section.abd())[:, [3, 4]]
     strain, curvature = grown[:3], grown[3:]

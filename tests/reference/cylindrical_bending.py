@@ -1,7 +1,7 @@
 r"""Exact elasticity of layered strips in cylindrical bending under :math:`q \sin(\pi x / a)` on the top face.
 
 N. J. Pagano, Exact solutions for composite laminates in cylindrical bending, J. Compos. Mater. 3 (1969) 398-411: plane
-strain, ends that carry no axial stress and do not sink. The amplitudes of :math:`u, w, \sigma_{zz}, \tau_{xz}` through a layer
+strain, ends that carry no axial stress and do not sink. The amplitudes of :math:`u, w, \sigma_{zz}, \tau_{xz}` in a layer
 follow a linear system, whose exponential carries them from face to face.
 """
 

@@ -13,6 +13,7 @@ with roots s of the factors of the rest. Then the stresses are :math:`A^T D A E`
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from skancf.materials.curved import CurvedSection
 from skancf.theories import kirchhoff_point as point
 
 CORNERS = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -73,14 +74,14 @@ class Element:
         if thickness is None:
             # Free of membrane forces, bending yields to the last block of the inverse.
             thickness = np.sqrt(12 * np.trace(np.linalg.inv(np.linalg.inv(abd)[3:, 3:])) / np.trace(abd[:3, :3]))
-        self.D = self._law(surface.derivatives(*at)[0], abd)
+        self.D = self._law(surface.derivatives(*at)[0], CurvedSection(section))
         self.A = self._generalised(thickness, assumed)
 
     def jet(self, q: np.ndarray) -> np.ndarray:
         """(5, 3, 16) of nodal vectors (4, 4, 3)."""
         return np.moveaxis(self.table @ q.ravel(), 1, 2)
 
-    def _law(self, along_x: np.ndarray, abd: np.ndarray) -> np.ndarray:
+    def _law(self, along_x: np.ndarray, section: CurvedSection) -> np.ndarray:
         """D of the generalised strains, (144, 144)."""
         out, duals, n = np.zeros((9, 16, 9, 16)), point.dual(self.reference), point.unit_normal(self.reference) * self.side
         for p in range(16):
@@ -94,8 +95,10 @@ class Element:
                     E[a, b] = E[b, a] = 1.0 if a == b else 0.5
                     turn[row, column] = (c @ E @ c.T)[i, j] * (1.0 if i == j else 2.0)
             both = np.kron(np.diag([1.0, self.side]), turn)
-            r1, r2 = self.reference[:2, :, p]
-            law = both.T @ abd @ both * np.linalg.norm(np.cross(r1, r2)) * self.weights[p]
+            r1, r2, r11, r22, r12 = self.reference[:, :, p]
+            h = np.array([[r11 @ n[:, p], r12 @ n[:, p]], [r12 @ n[:, p], r22 @ n[:, p]]])
+            b = c @ h @ c.T
+            law = both.T @ section.law(np.array([b[0, 0], b[1, 1], b[0, 1]])) @ both * np.linalg.norm(np.cross(r1, r2)) * self.weights[p]
             out[:6, p, :6, p] = law
             out[6:, p, 6:, p] = law[:3, :3]
         return out.reshape(144, 144)

@@ -75,7 +75,7 @@ class FullAssembly(CompiledAssembly):
         stress = []
         for depth, k in zip(z, layer, strict=True):
             free = np.zeros(6) if temperature is None else self.section.thermal_strain(depth, *temperature)
-            stress.append((self.strains(q, points, depth, free) - free) @ self.section.stiffness[k])
+            stress.append((self.strains(q, points, depth, temperature) - free) @ self.section.stiffness[k])
         plane = np.stack(stress)[..., [0, 1, 5]]
         return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
 
@@ -91,7 +91,7 @@ class FullAssembly(CompiledAssembly):
         stresses = np.einsum("zvken,zcv,zecn->ekn", to_local, laws, plane, optimize=True)
         return geometry.nodal(theory.strain_forces(geometry.local(q, elements), points, stresses), elements)
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
         geometry, theory = self.geometry, self.geometry.theory
         change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
         jets = theory.jets(geometry.undeformed_local, points)

@@ -9,8 +9,9 @@ from skancf.assembly.base import CompiledAssembly
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.thin import between_kernel, kernels, tangent_kernel
-from skancf.assembly.thin.sections import build_thin_sections
+from skancf.assembly.thin.sections import build_thin_sections, local_curvature
 from skancf.materials import Section
+from skancf.materials.curved import CurvedSection
 from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
 from skancf.theories.kirchhoff import KEPT, Kirchhoff, covariant_to_local, jet_table, legendre
 
@@ -26,7 +27,9 @@ class ThinAssembly(CompiledAssembly):
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         super().__init__(geometry, section, schedule)
-        self.sections = build_thin_sections(geometry, section)
+        self.curved = CurvedSection(section)
+        self.sections = build_thin_sections(geometry, self.curved)
+        self.curved.check(self.sections.curvature)
         theory = cast(Kirchhoff, geometry.theory)
         points, weights = theory.quadrature
         table = jet_table(points)
@@ -66,22 +69,19 @@ class ThinAssembly(CompiledAssembly):
         return np.einsum("ap,bp,sp->sab", table, table, self.sections.moments[:, 0])
 
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        return self._held_back(self._free_strains(self.section.thermal_resultants(middle, gradient)))
+        return self._held_back(self._free_strains(middle, gradient))
 
     def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
-        resultants = self.section.thermal_resultants(middle, gradient)
-        strains = self._free_strains(resultants)
-        # What is left in a section that strains freely: layers hold each other.
-        freed = 0.5 * np.einsum("iep,ij,jep->ep", resultants, np.linalg.inv(self.section.abd()), resultants)
-        left = self.section.thermal_energy(middle, gradient) - freed
+        strains, sections = self._free_strains(middle, gradient), self.sections
+        left = self.curved.energy_left(sections.curvature[sections.shape], middle, gradient)
         return float(0.5 * np.vdot(strains, self._held_back(strains)) + np.vdot(self.areas, left))
 
-    def _free_strains(self, resultants: np.ndarray) -> np.ndarray:
-        """Covariant strains (n_elements, 6, n_points) at which held back resultants (6, n_elements, n_points) vanish."""
-        free = np.tensordot(np.linalg.inv(self.section.abd()), resultants, 1)
-        turn = np.moveaxis(self.sections.turn[self.sections.shape], 3, 1)
-        covariant = np.linalg.solve(turn, np.moveaxis(free, 0, 2)[..., None])[..., 0]
-        return np.moveaxis(covariant, 1, 2)
+    def _free_strains(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Covariant strains (n_elements, 6, n_points) that a temperature change makes without section forces."""
+        sections = self.sections
+        free = self.curved.free_strains(sections.curvature[sections.shape], middle, gradient)
+        turn = np.moveaxis(sections.turn[sections.shape], 3, 1)
+        return np.moveaxis(np.linalg.solve(turn, free[..., None])[..., 0], 1, 2)
 
     def _held_back(self, strains: np.ndarray) -> np.ndarray:
         """Stresses (n_elements, 6, n_points) of covariant strains, assumed as those of a motion are.
@@ -128,23 +128,30 @@ class ThinAssembly(CompiledAssembly):
         if theory.assumed and len(plain):
             now, before = geometry.local(q, plain), geometry.undeformed_local[plain]
             change[plain] = PLAIN.strains(now, points) - PLAIN.strains(before, points)
-        jets = theory.jets(geometry.undeformed_local, points)
-        turn, _ = covariant_to_local(jets, geometry.tangents(points), geometry.side)
-        return np.asarray(np.einsum("ikep,ekp->eip", turn, change))
+        return np.asarray(np.einsum("ikep,ekp->eip", self._frame(points)[0], change))
+
+    def _frame(self, points: np.ndarray, elements: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """At points (2, n) of elements: from covariant strains to local ones (6, 6, m, n), and curvatures (m, n, 3)."""
+        geometry = self.geometry
+        chosen = slice(None) if elements is None else elements
+        jets = geometry.theory.jets(geometry.undeformed_local[chosen], points)
+        turn, _ = covariant_to_local(jets, geometry.tangents(points, elements), geometry.side[chosen])
+        return turn, local_curvature(jets, turn)
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
-        forces = np.einsum("ij,ejp->eip", self.section.abd(), self.section_strains(q, points))
+        strains, b = self.section_strains(q, points).swapaxes(1, 2), self._frame(points)[1]
         if temperature is not None:
-            forces = forces - np.moveaxis(self.section.thermal_resultants(*temperature), 0, 1)
-        return np.asarray(forces)
+            strains = strains - self.curved.free_strains(b, *temperature)
+        forces = self.curved.forces(b, (self.curved.law(b) @ strains[..., None])[..., 0])
+        return np.asarray(forces.swapaxes(1, 2))
 
     def section_force_gradient(
         self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
     ) -> np.ndarray:
         geometry, theory = self.geometry, cast(Kirchhoff, self.geometry.theory)
-        jets = theory.jets(geometry.undeformed_local[elements], points)
-        turn, _ = covariant_to_local(jets, geometry.tangents(points, elements), geometry.side[elements])
-        stresses = np.einsum("ikep,ij,ejp->ekp", turn, self.section.abd(), weights, optimize=True)
+        turn, b = self._frame(points, elements)
+        law = self.curved.forces(b[..., None, :], self.curved.law(b))  # rows are symmetric to columns
+        stresses = np.einsum("ikep,epij,ejp->ekp", turn, law, weights, optimize=True)
         local = geometry.local(q, elements)
         forces = theory.strain_forces(local, points, stresses)
         plain = self._plain(elements)
@@ -155,10 +162,11 @@ class ThinAssembly(CompiledAssembly):
         """Which of some elements take their membrane strains as they are, as positions among them."""
         return np.flatnonzero(self.sections.assumed[self.sections.shape[elements]] == 0)
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
-        parts = self.section_strains(q, points)
-        out = free + np.zeros((parts.shape[0], parts.shape[2], 6))
-        elastic = (parts[:, :3] + z * parts[:, 3:]).swapaxes(1, 2) - out[:, :, IN_PLANE]
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+        parts, b = self.section_strains(q, points).swapaxes(1, 2), self._frame(points)[1]
+        free = np.zeros(6) if temperature is None else self.section.thermal_strain(z, *temperature)
+        out = free + np.zeros((*b.shape[:-1], 6))
+        elastic = self.curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]
         out[:, :, IN_PLANE] += elastic
         # The others follow from S33 = S23 = S13 = 0.
         out[:, :, OUT_OF_PLANE] += elastic @ self.section.condensed(z).T

@@ -6,10 +6,10 @@ import numpy as np
 
 from skancf.assembly.classes import classes, rounding_of
 from skancf.assembly.geometry import Geometry
-from skancf.materials import Section
+from skancf.materials.curved import CurvedSection
 from skancf.memory import require_shapes
 from skancf.theories.kirchhoff import covariant_to_local, local_frame, rest_factors
-from skancf.theories.kirchhoff_point import dot, strain
+from skancf.theories.kirchhoff_point import DOUBLED, dot, strain
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,8 @@ class ThinSections:
         Roots of the factors of the rest of the membrane strains.
     turn : (n_shapes, 6, 6, n_points) array
         From covariant strains to those in the local frame.
+    curvature : (n_shapes, n_points, 3) array
+        Components 11, 22, 12 in the local frame (1/m).
     moments : (n_shapes, 2, n_points) array
         Integrals of the density times 1, z through the thickness.
     areas : (n_shapes, n_points) array
@@ -45,11 +47,12 @@ class ThinSections:
     assumed: np.ndarray
     rest: np.ndarray
     turn: np.ndarray
+    curvature: np.ndarray
     moments: np.ndarray
     areas: np.ndarray
 
 
-def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
+def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSections:
     """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
     points, weights = geometry.theory.quadrature
     # Covariant strains grow with the distance from a pole and its square, which the assumed ones beside it cannot.
@@ -61,8 +64,8 @@ def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
     jets = geometry.theory.jets(geometry.undeformed_local[representative], points)
     turn, area = covariant_to_local(jets, geometry.tangents(points, representative), geometry.side[representative])
     areas = area * weights
-    turns = turn.transpose(2, 3, 0, 1)
-    law = (turns.swapaxes(2, 3) @ section.abd() @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
+    turns, curvature = turn.transpose(2, 3, 0, 1), local_curvature(jets, turn)
+    law = (turns.swapaxes(2, 3) @ section.law(curvature) @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
     scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
     k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > 1e-13 * np.outer(scale, scale)))
     return ThinSections(
@@ -71,11 +74,18 @@ def build_thin_sections(geometry: Geometry, section: Section) -> ThinSections:
         pairs=np.stack([k, l], axis=1),
         law=np.ascontiguousarray(law[:, k, l]),
         assumed=np.where(plain[representative], 0, 1),
-        rest=rest_factors(jets, section.bending_thickness),
+        rest=rest_factors(jets, section.section.bending_thickness),
         turn=np.ascontiguousarray(np.moveaxis(turn, 2, 0)),
-        moments=np.stack([section.mass * areas, section.first_moment * areas], axis=1),
+        curvature=curvature,
+        moments=section.masses(curvature).swapaxes(0, 1) * areas[:, None],
         areas=areas,
     )
+
+
+def local_curvature(jets: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Curvature 11, 22, 12 of undeformed jets (5, 3, ...) in the local frame, where turn (6, 6, ...) leads: (..., 3)."""
+    doubled = -np.einsum("kl...,l...->...k", turn[3:, 3:], strain(jets)[3:])
+    return np.asarray(doubled / DOUBLED)
 
 
 def _shape_key(geometry: Geometry) -> tuple[np.ndarray, float]:

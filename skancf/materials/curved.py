@@ -1,0 +1,267 @@
+r"""A section on a curved surface: what layers off the reference surface, or of unlike stiffness, add to lamination theory.
+
+Lengths at the height z are :math:`\mu = 1 - z b` times those of the reference surface, with its undeformed curvature tensor b
+in the local frame (negative where the surface is bulged towards the normal), and so the strain there is, linear in that of
+the reference surface and exact for normals that stay normal and keep their length,
+
+.. math::
+    E(z) = \mu^{-1} \bigl( \varepsilon + z \kappa - \tfrac12 z^2 (b \kappa + \kappa b) - z^2 b \varepsilon b \bigr) \mu^{-1},
+    \qquad \kappa(z) = \mu^{-1} \bigl( \kappa - z (b \kappa + \kappa b) - 2 z b \varepsilon b \bigr) \mu^{-1}.
+
+The energy is taken about the neutral surface of the layers, at :math:`z_0`: that of lamination theory with the strains there
+and the area :math:`\det \mu(z_0)`, and what is odd in the height above it to first order in the curvature. What is even,
+a product of strain and curvature change in every section, is of the size that Love's first approximation leaves out, and is
+left out as there: a section that is the same above and below has the law of lamination theory about its middle.
+
+References
+----------
+W. T. Koiter, A consistent first approximation in the general theory of thin elastic shells, in *The Theory of Thin Elastic
+Shells* (1960) 12-33.
+"""
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from skancf.errors import InputError, warn
+from skancf.materials.section import IN_PLANE, ROUNDING, Section
+
+CURVED = 0.2
+"""Thickness over radius from which the law is uncertain: a ring of a stiff and a soft layer bends 0.7 % too far, one of fibres
+along it and across 1.4 % too little."""
+FRAMES = np.eye(3)
+TRACE = np.array([1.0, 1.0, 0.0])
+MINUS = np.array([[-1.0, 0, 0], [0, -1.0, 0], [0, 0, -2.0]])
+"""Strain 11, 22, 12 (doubled) that a unit of movement along the normal makes, per unit of curvature 11, 22, 12."""
+
+
+def sums(b: np.ndarray) -> np.ndarray:
+    r"""From a strain X in the order 11, 22, 12 (doubled) to :math:`b X + X b`: curvatures (..., 3) to (..., 3, 3)."""
+    one, two, both = np.moveaxis(b, -1, 0)
+    o = np.zeros_like(one)
+    return _matrix([[2 * one, o, both], [o, 2 * two, both], [2 * both, 2 * both, one + two]])
+
+
+def between(m: np.ndarray) -> np.ndarray:
+    """From a strain X to m X m with symmetric m, components 11, 22, 12 (..., 3): (..., 3, 3)."""
+    one, two, both = np.moveaxis(m, -1, 0)
+    return _matrix([
+        [one**2, both**2, one * both],
+        [both**2, two**2, two * both],
+        [2 * one * both, 2 * two * both, one * two + both**2],
+    ])  # fmt: skip
+
+
+def _matrix(rows: list[list[np.ndarray]]) -> np.ndarray:
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def determinant(b: np.ndarray) -> np.ndarray:
+    """Gaussian curvature, (...)."""
+    return np.asarray(b[..., 0] * b[..., 1] - b[..., 2] ** 2)
+
+
+def area_at(b: np.ndarray, z: float) -> np.ndarray:
+    """Area at a height per area of the reference surface, det(1 - z b): (...)."""
+    return np.asarray(1 - z * (b @ TRACE) + z * z * determinant(b))
+
+
+def curvature_at(b: np.ndarray, z: float) -> np.ndarray:
+    """Curvature of the parallel surface at a height, (..., 3)."""
+    return np.asarray((b - z * determinant(b)[..., None] * TRACE) / area_at(b, z)[..., None])
+
+
+def strains_at(b: np.ndarray, z: float) -> np.ndarray:
+    """From strain and curvature change of the reference surface to those of the parallel surface at a height: (..., 6, 6)."""
+    inverse = between((TRACE - z * ((b @ TRACE)[..., None] * TRACE - b)) / area_at(b, z)[..., None])
+    both, inner = sums(b), between(b)
+    top = np.concatenate([np.eye(3) - z * z * inner, z * np.eye(3) - z * z / 2 * both], axis=-1)
+    bottom = np.concatenate([-2 * z * inner, np.eye(3) - z * both], axis=-1)
+    return np.concatenate([inverse @ top, inverse @ bottom], axis=-2)
+
+
+class Rates(NamedTuple):
+    """Derivatives by the curvatures 11, 22, 12 of what is integrated through the thickness.
+
+    ``law`` (3, 6, 6), the odd part; ``free`` (3, 6, 2), free strains per unit of temperature change and its gradient;
+    ``left`` (3, 2, 2), twice the energy per area of layers that hold each other.
+    """
+
+    law: np.ndarray
+    free: np.ndarray
+    left: np.ndarray
+
+
+class CurvedSection:
+    """A section at places with curvatures b, components 11, 22, 12 in the local frame, (..., 3) (1/m)."""
+
+    def __init__(self, section: Section):
+        self.section, self.height = section, section.neutral
+        self.own = section.about(self.height)
+
+    @property
+    def centred(self) -> bool:
+        """Whether the law is that of lamination theory everywhere."""
+        return not (self.height or self.rates.law.any())
+
+    def law(self, b: np.ndarray) -> np.ndarray:
+        """Stiffness for strain and curvature change of the reference surface, per its area: (..., 6, 6)."""
+        if self.centred:
+            return np.broadcast_to(self.section.abd(), (*b.shape[:-1], 6, 6))
+        own = self.own.abd() + np.tensordot(curvature_at(b, self.height), self.rates.law, 1)
+        turn = strains_at(b, self.height)
+        return np.asarray(turn.swapaxes(-1, -2) @ own @ turn * area_at(b, self.height)[..., None, None])
+
+    def free_strains(self, b: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Strain and curvature change that a temperature change T0 + z T1 makes without forces and moments: (..., 6).
+
+        A size that grows changes the curvature too.
+        """
+        heat, own = self._heat(middle, gradient), curvature_at(b, self.height)
+        free = heat @ self._flat[1].T + np.einsum("...i,ikt,...t->...k", own, self.rates.free, heat)
+        return np.asarray((strains_at(own, -self.height) @ free[..., None])[..., 0])
+
+    def energy_left(self, b: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Energy per area of the reference surface of layers that hold each other at those strains, (...) (J/m2)."""
+        heat, own = self._heat(middle, gradient), curvature_at(b, self.height)
+        left = self._flat[2] + np.tensordot(own, self.rates.left, 1)
+        return np.asarray(0.5 * np.einsum("...s,...st,...t->...", heat, left, heat) * area_at(b, self.height))
+
+    def masses(self, b: np.ndarray) -> np.ndarray:
+        """Mass and its first moment per area of the reference surface, that at the centre of mass: (2, ...)."""
+        section = self.section
+        off = section.first_moment / section.mass
+        mass = section.mass * area_at(b, off)
+        return np.stack([mass, off * mass])
+
+    def strain_at(self, b: np.ndarray, z: float, strains: np.ndarray, heat: np.ndarray | None) -> np.ndarray:
+        """Strain 11, 22, 12 at a height, of strains (..., 6) of the reference surface and T0, T1 (2, ...): (..., 3).
+
+        With what the change of the thickness between the neutral surface and there adds.
+        """
+        at = (strains_at(b, z)[..., :3, :] @ strains[..., None])[..., 0]
+        own = (strains_at(b, self.height) @ strains[..., None])[..., 0]
+        higher = np.array([z - self.height])
+        by_strain, by_heat = (part[0] for part in self._levers(higher, self.section.layer_at([z])))
+        moved = own @ by_strain
+        if heat is not None:
+            moved = moved + self._heat(*heat) @ by_heat
+        return np.asarray(at + moved[..., None] * (curvature_at(b, z) @ MINUS))
+
+    def forces(self, b: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        r"""Membrane forces and moments per length of the reference surface from what does work on its strains: (..., 6).
+
+        Work on the strain has :math:`N + \tfrac12 (b M + M b)`, because bending a curved surface strains it at a height.
+        """
+        membrane = stresses[..., :3] - 0.5 * (sums(b).swapaxes(-1, -2) @ stresses[..., 3:, None])[..., 0]
+        return np.concatenate([membrane, stresses[..., 3:]], axis=-1)
+
+    def check(self, b: np.ndarray) -> None:
+        """Whether curvatures are small enough against the layers' heights.
+
+        Raises
+        ------
+        InputError
+            Where layers, or the way to them, reach beyond a centre of curvature.
+        """
+        if self.centred:
+            return
+        mean, deviation = (b @ TRACE) / 2, np.sqrt(np.maximum((b @ TRACE) ** 2 / 4 - determinant(b), 0.0))
+        principal = np.stack([mean - deviation, mean + deviation])
+        for z in (*self.section.z[[0, -1]], self.height):
+            shrunk, at = 1 - z * principal, np.abs(principal).max(initial=0.0)
+            if shrunk.min(initial=1.0) <= 0:
+                raise InputError(f"material: its layers reach to z = {z:.6g} m, past a centre of curvature of the surface, which "
+                                 f"has radii down to {1 / at:.6g} m: take the surface nearer to them (offset of a laminate)")  # fmt: skip
+        slenderness = self.section.thickness * np.abs(principal / (1 - self.height * principal)).max(initial=0.0)
+        if slenderness > CURVED:
+            warn(
+                f"theory 'kirchhoff' has layers off the reference surface, or of unlike stiffness, right to first order in "
+                f"thickness over radius, which is {slenderness:.3g} here (over {CURVED:g}); its square, {slenderness**2:.2g}, is "
+                "the size of the error of stiffness: theory 'full' on a fine mesh integrates through the thickness"
+            )
+
+    def _heat(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Temperature change at the neutral surface and its gradient, (..., 2)."""
+        return np.stack([middle + self.height * gradient, np.asarray(gradient, dtype=float)], axis=-1)
+
+    @cached_property
+    def _points(self) -> tuple[np.ndarray, ...]:
+        """Heights above the neutral surface, weights, layers, Q and alpha at Gauss points that integrate exactly."""
+        z, w, layer = self.own.points(3)
+        return z, w, layer, self.own.in_plane()[layer], self.own.expansion[layer][:, IN_PLANE]
+
+    def _levers(self, z: np.ndarray, layer: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Movement along the normal from the neutral surface to heights z (n,) above it, by the change of thickness.
+
+        Per unit of strain and curvature change, (n, 6), and of temperature change and its gradient, (n, 2).
+        """
+        own = self.own
+        thermal = own.expansion[:, 2] - np.einsum("li,li->l", own.thinning, own.expansion[:, IN_PLANE])
+        of_layers = np.column_stack([own.thinning, thermal])
+        parts = [_from_zero(of_layers, own.z, z, layer, power) for power in (1, 2)]
+        return np.hstack([part[:, :3] for part in parts]), np.column_stack([part[:, 3] for part in parts])
+
+    @cached_property
+    def _flat(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Resultants (6, 2) and free strains (6, 2) per unit of temperature change and gradient, and twice the energy left."""
+        z, w, _, Q, alpha = self._points
+        strain, free = _of_section(z), alpha[:, :, None] * np.stack([np.ones_like(z), z], axis=-1)[:, None]
+        resultants = np.einsum("z,zik,zij,zjt->kt", w, strain, Q, free, optimize=True)
+        strains = np.linalg.solve(self.own.abd(), resultants)
+        held = free - strain @ strains
+        return resultants, strains, np.einsum("z,zis,zij,zjt->st", w, held, Q, held, optimize=True)
+
+    @cached_property
+    def rates(self) -> Rates:
+        z, w, layer, Q, alpha = self._points
+        flat, of_law, abd = _of_section(z), [], self.own.abd()
+        by_strain, by_heat = self._levers(z, layer)
+        free = alpha[:, :, None] * np.stack([np.ones_like(z), z], axis=-1)[:, None]
+        _, strains, _ = self._flat
+        held = free - flat @ strains
+        of_free, of_left = [], []
+        for unit, minus, shrinks in zip(sums(FRAMES), MINUS, TRACE, strict=True):
+            change = np.concatenate([np.multiply.outer(z, unit), np.multiply.outer(z * z / 2, unit)], axis=-1)
+            change = change + minus[:, None] * by_strain[:, None]
+            moved = -minus[:, None] * by_heat[:, None]
+            one = _integral(w, flat, Q, change)
+            law = one + one.T - shrinks * _integral(w * z, flat, Q, flat)
+            of_law.append(_odd(law, abd, self.own.thickness))
+            resultants = _integral(w, change, Q, free) + _integral(w, flat, Q, moved) - shrinks * _integral(w * z, flat, Q, free)
+            of_free.append(np.linalg.solve(abd, resultants - law @ strains))
+            more = _integral(w, held, Q, moved - change @ strains)
+            of_left.append(more + more.T - shrinks * _integral(w * z, held, Q, held))
+        return Rates(np.array(of_law), np.array(of_free), np.array(of_left))
+
+
+def _of_section(z: np.ndarray) -> np.ndarray:
+    """From strain and curvature change to the strain at heights (n,): (n, 3, 6)."""
+    return np.concatenate([np.broadcast_to(np.eye(3), (len(z), 3, 3)), np.multiply.outer(z, np.eye(3))], axis=-1)
+
+
+def _integral(w: np.ndarray, a: np.ndarray, Q: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return np.asarray(np.einsum("z,zik,zij,zjl->kl", w, a, Q, b, optimize=True))
+
+
+def _from_zero(of_layers: np.ndarray, faces: np.ndarray, z: np.ndarray, layer: np.ndarray, power: int) -> np.ndarray:
+    """Integrals from 0 to heights z in their layers of what is constant in layers (n, k), times z^(power - 1)."""
+    powers = faces**power / power
+    whole = np.vstack([np.zeros(of_layers.shape[1]), np.cumsum(np.diff(powers)[:, None] * of_layers, axis=0)])
+
+    def up_to(z: np.ndarray, layer: np.ndarray) -> np.ndarray:
+        return whole[layer] + (z**power / power - powers[layer])[:, None] * of_layers[layer]
+
+    zero = np.zeros(1)
+    return np.asarray(up_to(z, layer) - up_to(zero, np.searchsorted(faces[1:-1], zero)))
+
+
+def _odd(law: np.ndarray, abd: np.ndarray, thickness: float) -> np.ndarray:
+    """A rate of the law without the product of the strain where bending strains nothing, and curvature change."""
+    lever = np.linalg.solve(abd[:3, :3], abd[:3, 3:])
+    A, B, D = law[:3, :3], law[:3, 3:], law[3:, 3:]
+    mixed = B.T @ lever
+    out = np.block([[A, A @ lever], [lever.T @ A, D - mixed - mixed.T + 2 * lever.T @ A @ lever]])
+    scale = np.sqrt(np.diag(abd))
+    return np.where(np.abs(out) > ROUNDING * thickness * np.outer(scale, scale), out, 0.0)

@@ -1,13 +1,6 @@
 r"""A section on a curved surface: what layers off the reference surface, or of unlike stiffness, add to lamination theory.
 
-Lengths at the height z are :math:`\mu = 1 - z b` times those of the reference surface, with its undeformed curvature tensor b
-in the local frame (negative where the surface is bulged towards the normal), and so the strain there is, linear in that of
-the reference surface and exact for normals that stay normal and keep their length,
-
-.. math::
-    E(z) = \mu^{-1} \bigl( \varepsilon + z \kappa - \tfrac12 z^2 (b \kappa + \kappa b) - z^2 b \varepsilon b \bigr) \mu^{-1},
-    \qquad \kappa(z) = \mu^{-1} \bigl( \kappa - z (b \kappa + \kappa b) - 2 z b \varepsilon b \bigr) \mu^{-1}.
-
+Strain at a height, and the area there, are those of :mod:`skancf.materials.parallel`.
 The energy is taken about the neutral surface of the layers, at :math:`z_0`: that of lamination theory with the strains there
 and the area :math:`\det \mu(z_0)`, and what is odd in the height above it to first order in the curvature. What is even,
 a product of strain and curvature change in every section, is of the size that Love's first approximation leaves out, and is
@@ -25,60 +18,14 @@ from typing import NamedTuple
 import numpy as np
 
 from skancf.errors import InputError, warn
+from skancf.materials.parallel import TRACE, area_at, curvature_at, determinant, strains_at, sums
 from skancf.materials.section import IN_PLANE, ROUNDING, Section
 
 CURVED = 0.2
-"""Thickness over radius from which the law is uncertain: a ring of a stiff and a soft layer bends 0.7 % too far, one of fibres
-along it and across 1.4 % too little."""
-FRAMES = np.eye(3)
-TRACE = np.array([1.0, 1.0, 0.0])
+"""Thickness over radius from which the law is uncertain: a ring of a stiff and a soft layer bends 0.7 % too far there, and one
+of fibres along it and across 1.4 % too little."""
 MINUS = np.array([[-1.0, 0, 0], [0, -1.0, 0], [0, 0, -2.0]])
 """Strain 11, 22, 12 (doubled) that a unit of movement along the normal makes, per unit of curvature 11, 22, 12."""
-
-
-def sums(b: np.ndarray) -> np.ndarray:
-    r"""From a strain X in the order 11, 22, 12 (doubled) to :math:`b X + X b`: curvatures (..., 3) to (..., 3, 3)."""
-    one, two, both = np.moveaxis(b, -1, 0)
-    o = np.zeros_like(one)
-    return _matrix([[2 * one, o, both], [o, 2 * two, both], [2 * both, 2 * both, one + two]])
-
-
-def between(m: np.ndarray) -> np.ndarray:
-    """From a strain X to m X m with symmetric m, components 11, 22, 12 (..., 3): (..., 3, 3)."""
-    one, two, both = np.moveaxis(m, -1, 0)
-    return _matrix([
-        [one**2, both**2, one * both],
-        [both**2, two**2, two * both],
-        [2 * one * both, 2 * two * both, one * two + both**2],
-    ])  # fmt: skip
-
-
-def _matrix(rows: list[list[np.ndarray]]) -> np.ndarray:
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
-
-
-def determinant(b: np.ndarray) -> np.ndarray:
-    """Gaussian curvature, (...)."""
-    return np.asarray(b[..., 0] * b[..., 1] - b[..., 2] ** 2)
-
-
-def area_at(b: np.ndarray, z: float) -> np.ndarray:
-    """Area at a height per area of the reference surface, det(1 - z b): (...)."""
-    return np.asarray(1 - z * (b @ TRACE) + z * z * determinant(b))
-
-
-def curvature_at(b: np.ndarray, z: float) -> np.ndarray:
-    """Curvature of the parallel surface at a height, (..., 3)."""
-    return np.asarray((b - z * determinant(b)[..., None] * TRACE) / area_at(b, z)[..., None])
-
-
-def strains_at(b: np.ndarray, z: float) -> np.ndarray:
-    """From strain and curvature change of the reference surface to those of the parallel surface at a height: (..., 6, 6)."""
-    inverse = between((TRACE - z * ((b @ TRACE)[..., None] * TRACE - b)) / area_at(b, z)[..., None])
-    both, inner = sums(b), between(b)
-    top = np.concatenate([np.eye(3) - z * z * inner, z * np.eye(3) - z * z / 2 * both], axis=-1)
-    bottom = np.concatenate([-2 * z * inner, np.eye(3) - z * both], axis=-1)
-    return np.concatenate([inverse @ top, inverse @ bottom], axis=-2)
 
 
 class Rates(NamedTuple):
@@ -168,18 +115,20 @@ class CurvedSection:
         if self.centred:
             return
         mean, deviation = (b @ TRACE) / 2, np.sqrt(np.maximum((b @ TRACE) ** 2 / 4 - determinant(b), 0.0))
-        principal = np.stack([mean - deviation, mean + deviation])
-        for z in (*self.section.z[[0, -1]], self.height):
-            shrunk, at = 1 - z * principal, np.abs(principal).max(initial=0.0)
-            if shrunk.min(initial=1.0) <= 0:
-                raise InputError(f"material: its layers reach to z = {z:.6g} m, past a centre of curvature of the surface, which "
-                                 f"has radii down to {1 / at:.6g} m: take the surface nearer to them (offset of a laminate)")  # fmt: skip
-        slenderness = self.section.thickness * np.abs(principal / (1 - self.height * principal)).max(initial=0.0)
-        if slenderness > CURVED:
+        principal, section = np.stack([mean - deviation, mean + deviation]), self.section
+        heights = np.array([*section.z[[0, -1]], self.height])
+        past = np.argmin([(1 - z * principal).min(initial=1.0) for z in heights])
+        if (1 - heights[past] * principal).min(initial=1.0) <= 0:
+            raise InputError(
+                f"material: layers at the height {heights[past]:.6g} m are past a centre of curvature of the surface, whose "
+                f"radii go down to {1 / np.abs(principal).max():.6g} m: take the surface nearer to them (a laminate's offset)"
+            )
+        ratio = section.thickness * np.abs(principal / (1 - self.height * principal)).max(initial=0.0)
+        if ratio > CURVED:
             warn(
-                f"theory 'kirchhoff' has layers off the reference surface, or of unlike stiffness, right to first order in "
-                f"thickness over radius, which is {slenderness:.3g} here (over {CURVED:g}); its square, {slenderness**2:.2g}, is "
-                "the size of the error of stiffness: theory 'full' on a fine mesh integrates through the thickness"
+                "theory 'kirchhoff' has layers off the reference surface, or of unlike stiffness, right to first order in "
+                f"thickness over radius, which is {ratio:.3g} here (over {CURVED:g}): stiffness is uncertain by about a third "
+                f"of its square, {100 * ratio**2 / 3:.2g} %; theory 'full' on a fine mesh integrates through the thickness"
             )
 
     def _heat(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
@@ -205,7 +154,7 @@ class CurvedSection:
 
     @cached_property
     def _flat(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Resultants (6, 2) and free strains (6, 2) per unit of temperature change and gradient, and twice the energy left."""
+        """Resultants and free strains, each (6, 2), per unit of temperature change and gradient; twice the energy left."""
         z, w, _, Q, alpha = self._points
         strain, free = _of_section(z), alpha[:, :, None] * np.stack([np.ones_like(z), z], axis=-1)[:, None]
         resultants = np.einsum("z,zik,zij,zjt->kt", w, strain, Q, free, optimize=True)
@@ -222,14 +171,15 @@ class CurvedSection:
         _, strains, _ = self._flat
         held = free - flat @ strains
         of_free, of_left = [], []
-        for unit, minus, shrinks in zip(sums(FRAMES), MINUS, TRACE, strict=True):
+        for unit, minus, shrinks in zip(sums(np.eye(3)), MINUS, TRACE, strict=True):
             change = np.concatenate([np.multiply.outer(z, unit), np.multiply.outer(z * z / 2, unit)], axis=-1)
             change = change + minus[:, None] * by_strain[:, None]
             moved = -minus[:, None] * by_heat[:, None]
             one = _integral(w, flat, Q, change)
             law = one + one.T - shrinks * _integral(w * z, flat, Q, flat)
             of_law.append(_odd(law, abd, self.own.thickness))
-            resultants = _integral(w, change, Q, free) + _integral(w, flat, Q, moved) - shrinks * _integral(w * z, flat, Q, free)
+            resultants = _integral(w, change, Q, free) + _integral(w, flat, Q, moved)
+            resultants = resultants - shrinks * _integral(w * z, flat, Q, free)
             of_free.append(np.linalg.solve(abd, resultants - law @ strains))
             more = _integral(w, held, Q, moved - change @ strains)
             of_left.append(more + more.T - shrinks * _integral(w * z, held, Q, held))

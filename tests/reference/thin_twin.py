@@ -98,7 +98,8 @@ class Element:
             r1, r2, r11, r22, r12 = self.reference[:, :, p]
             h = np.array([[r11 @ n[:, p], r12 @ n[:, p]], [r12 @ n[:, p], r22 @ n[:, p]]])
             b = c @ h @ c.T
-            law = both.T @ section.law(np.array([b[0, 0], b[1, 1], b[0, 1]])) @ both * np.linalg.norm(np.cross(r1, r2)) * self.weights[p]
+            abd = section.law(np.array([b[0, 0], b[1, 1], b[0, 1]]))
+            law = both.T @ abd @ both * np.linalg.norm(np.cross(r1, r2)) * self.weights[p]
             out[:6, p, :6, p] = law
             out[6:, p, 6:, p] = law[:3, :3]
         return out.reshape(144, 144)

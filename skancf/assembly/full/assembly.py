@@ -11,7 +11,8 @@ from skancf.assembly.full.sections import Sections, build_sections
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
 from skancf.materials import Section
-from skancf.theories.full import D1, D2, N_IN_PLANE, R1, R2, D, Full, covariant_to_local, jet_table
+from skancf.materials.parallel import TRACE, sums
+from skancf.theories.full import D1, D2, N_IN_PLANE, R1, R2, D, Full, covariant_to_local, jet_table, strain
 
 
 class FullAssembly(CompiledAssembly):
@@ -77,7 +78,17 @@ class FullAssembly(CompiledAssembly):
             free = np.zeros(6) if temperature is None else self.section.thermal_strain(depth, *temperature)
             stress.append((self.strains(q, points, depth, temperature) - free) @ self.section.stiffness[k])
         plane = np.stack(stress)[..., [0, 1, 5]]
+        plane = plane - z[:, None, None, None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
         return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
+
+    def _shorter(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """What lengths at a height take from a stress 11, 22, 12 per length of the reference surface: (m, n, 3, 3) (1/m)."""
+        geometry = self.geometry
+        jets = geometry.theory.jets(geometry.undeformed_local[slice(None) if elements is None else elements], points)
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), np.zeros(1))
+        doubled = -np.einsum("ikep,kep->epi", to_local[0][[0, 1, 5], :3], strain(jets)[3:6])
+        b = doubled / [1.0, 1.0, 2.0]
+        return (b @ TRACE)[..., None, None] * np.eye(3) - 0.5 * sums(b).swapaxes(-1, -2)
 
     def section_force_gradient(
         self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
@@ -87,6 +98,8 @@ class FullAssembly(CompiledAssembly):
         jets = theory.jets(geometry.undeformed_local[elements], points)
         to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), z)
         plane = np.stack([w[k] * (weights[:, :3] + z[k] * weights[:, 3:]) for k in range(len(z))])
+        shorter = self._shorter(points, elements)
+        plane = plane - z[:, None, None, None] * np.einsum("enij,zein->zejn", shorter, plane)
         laws = self.section.stiffness[layer][:, [0, 1, 5]]
         stresses = np.einsum("zvken,zcv,zecn->ekn", to_local, laws, plane, optimize=True)
         return geometry.nodal(theory.strain_forces(geometry.local(q, elements), points, stresses), elements)

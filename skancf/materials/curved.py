@@ -22,7 +22,7 @@ from skancf.materials.parallel import TRACE, area_at, curvature_at, determinant,
 from skancf.materials.section import IN_PLANE, ROUNDING, Section
 
 CURVED = 0.2
-"""Thickness over radius from which the law is uncertain: a ring of a stiff and a soft layer bends 0.7 % too far there, and one
+"""Thickness over radius from which the law is uncertain: a ring of a stiff and a soft layer bends 0.7 % too far there, one
 of fibres along it and across 1.4 % too little."""
 MINUS = np.array([[-1.0, 0, 0], [0, -1.0, 0], [0, 0, -2.0]])
 """Strain 11, 22, 12 (doubled) that a unit of movement along the normal makes, per unit of curvature 11, 22, 12."""
@@ -121,14 +121,14 @@ class CurvedSection:
         if (1 - heights[past] * principal).min(initial=1.0) <= 0:
             raise InputError(
                 f"material: layers at the height {heights[past]:.6g} m are past a centre of curvature of the surface, whose "
-                f"radii go down to {1 / np.abs(principal).max():.6g} m: take the surface nearer to them (a laminate's offset)"
+                f"radii go down to {1 / np.abs(principal).max():.6g} m: take the surface nearer to them (its offset)"
             )
         ratio = section.thickness * np.abs(principal / (1 - self.height * principal)).max(initial=0.0)
         if ratio > CURVED:
             warn(
                 "theory 'kirchhoff' has layers off the reference surface, or of unlike stiffness, right to first order in "
-                f"thickness over radius, which is {ratio:.3g} here (over {CURVED:g}): stiffness is uncertain by about a third "
-                f"of its square, {100 * ratio**2 / 3:.2g} %; theory 'full' on a fine mesh integrates through the thickness"
+                f"thickness over radius, which is {ratio:.3g} here (over {CURVED:g}): stiffness is uncertain by about a "
+                f"third of its square, {100 * ratio**2 / 3:.2g} %; theory 'full' on a fine mesh integrates through the thickness"
             )
 
     def _heat(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:

@@ -128,7 +128,7 @@ class CurvedSection:
             warn(
                 "theory 'kirchhoff' has layers off the reference surface, or of unlike stiffness, right to first order in "
                 f"thickness over radius, which is {ratio:.3g} here (over {CURVED:g}): stiffness is uncertain by about a "
-                f"third of its square, {100 * ratio**2 / 3:.2g} %; theory 'full' on a fine mesh integrates over the thickness"
+                f"third of its square, {100 * ratio**2 / 3:.2g} %; theory 'full' on a fine mesh integrates over it"
             )
 
     def _heat(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:

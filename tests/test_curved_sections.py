@@ -306,7 +306,7 @@ def test_where_it_does_not_hold():
 
     with pytest.raises(sk.InputError, match=r"height -1\.2.* past a centre of curvature.*radii go down to 0\.96"):
         on([half], -1.125)
-    with pytest.warns(sk.OutOfDepth, match=r"thickness over radius, which is 0\.3.*third of its square, 3 %"):
+    with pytest.warns(sk.OutOfDepth, match=r"thickness over radius, which is 0\.3.*third of its square, 3"):
         on([half, sk.Layer(SOFT, 0.15)])
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -50,13 +50,20 @@ class CurvedSection:
     @property
     def centred(self) -> bool:
         """Whether the law is that of lamination theory everywhere."""
-        return not (self.height or self.rates.law.any())
+        return not self.height and (self.uniform or not self.rates.law.any())
+
+    @property
+    def uniform(self) -> bool:
+        """Whether all layers have one stiffness, so that nothing is odd in the height."""
+        return bool((self.section.stiffness == self.section.stiffness[0]).all())
 
     def law(self, b: np.ndarray) -> np.ndarray:
         """Stiffness for strain and curvature change of the reference surface, per its area: (..., 6, 6)."""
         if self.centred:
             return np.broadcast_to(self.section.abd(), (*b.shape[:-1], 6, 6))
-        own = self.own.abd() + np.tensordot(curvature_at(b, self.height), self.rates.law, 1)
+        own = self.own.abd()
+        if not self.uniform:
+            own = own + np.tensordot(curvature_at(b, self.height), self.rates.law, 1)
         turn = strains_at(b, self.height)
         return np.asarray(turn.swapaxes(-1, -2) @ own @ turn * area_at(b, self.height)[..., None, None])
 
@@ -157,10 +164,10 @@ class CurvedSection:
         """Resultants and free strains, each (6, 2), per unit of temperature change and gradient; twice the energy left."""
         z, w, _, Q, alpha = self._points
         strain, free = _of_section(z), alpha[:, :, None] * np.stack([np.ones_like(z), z], axis=-1)[:, None]
-        resultants = np.einsum("z,zik,zij,zjt->kt", w, strain, Q, free, optimize=True)
+        resultants = _integral(w, strain, Q, free)
         strains = np.linalg.solve(self.own.abd(), resultants)
         held = free - strain @ strains
-        return resultants, strains, np.einsum("z,zis,zij,zjt->st", w, held, Q, held, optimize=True)
+        return resultants, strains, _integral(w, held, Q, held)
 
     @cached_property
     def rates(self) -> Rates:
@@ -192,7 +199,7 @@ def _of_section(z: np.ndarray) -> np.ndarray:
 
 
 def _integral(w: np.ndarray, a: np.ndarray, Q: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.asarray(np.einsum("z,zik,zij,zjl->kl", w, a, Q, b, optimize=True))
+    return np.asarray((a.swapaxes(1, 2) @ (w[:, None, None] * Q) @ b).sum(axis=0))
 
 
 def _from_zero(of_layers: np.ndarray, faces: np.ndarray, z: np.ndarray, layer: np.ndarray, power: int) -> np.ndarray:

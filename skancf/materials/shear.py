@@ -59,7 +59,8 @@ def equilibrium_stiffness(section: Section) -> np.ndarray:
     """
     modulus = section.stiffness[:, SHEAR][:, :, SHEAR] / SHEAR_CORRECTION
     s, w = shear_stresses(section, 3), gauss(3)[1]
-    compliance = np.einsum("lpik,lij,lpjm,l,p->km", s, np.linalg.inv(modulus), s, section.thicknesses, w, optimize=True)
+    weights = section.thicknesses[:, None, None, None] * w[:, None, None]
+    compliance = (s.swapaxes(2, 3) @ np.linalg.inv(modulus)[:, None] @ s * weights).sum(axis=(0, 1))
     return np.asarray(np.linalg.inv((compliance + compliance.T) / 2))
 
 

@@ -1,0 +1,50 @@
+"""The stiffness of the undeformed state applied to a change: forces of the stresses of its strains.
+
+An assembled entry is a sum over elements and points, and its rounding is a force without a counterpart: a plate of size L
+with elements of size h is moved by it by the part :math:`(L / h)^2` of a unit in the last place. The rounding of stresses is
+in equilibrium in each element, and moves it by that unit itself.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.protocols import Assembly
+
+LARGE = 100
+"""Changes are scaled to this power of two: the strains are linear in them, and against so large ones the rounding of those
+of the undeformed state is nothing."""
+
+
+class ByStrains:
+    """A :class:`skancf.linear.matrix.Form`.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    undeformed : (n_nodes, 4, 3) array
+    foundation : BlockMatrix or None
+        Springs.
+    """
+
+    def __init__(self, assembly: Assembly, undeformed: np.ndarray, foundation: Any) -> None:
+        self._assembly, self._undeformed, self._foundation = assembly, undeformed, foundation
+
+    def product(self, vector: np.ndarray) -> np.ndarray:
+        """Internal force of a small change, (n_dofs,)."""
+        large, power = self._large(vector)
+        _, stresses = self._assembly.stresses(self._undeformed, large, keep_strains=False)
+        force = np.ldexp(self._assembly.force_of(self._undeformed, stresses).ravel(), -power)
+        return force if self._foundation is None else force + self._foundation @ vector
+
+    def energy(self, vector: np.ndarray) -> float:
+        """Strain energy of a small change, half of the sum of stress times strain."""
+        large, power = self._large(vector)
+        strains, stresses = self._assembly.stresses(self._undeformed, large, keep_strains=True)
+        energy = 0.5 * float(np.ldexp(np.vdot(strains, stresses), -2 * power))
+        return energy if self._foundation is None else energy + self._foundation.energy(vector)
+
+    def _large(self, vector: np.ndarray) -> tuple[np.ndarray, int]:
+        size = float(np.abs(vector).max(initial=0.0))
+        power = LARGE - int(np.frexp(size)[1]) if np.isfinite(size) else 0
+        return np.ldexp(vector, power).reshape(self._undeformed.shape), power

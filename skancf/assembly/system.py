@@ -16,7 +16,7 @@ from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly, Loading, Prescription
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.thin.assembly import ThinAssembly
-from skancf.assembly.unstressed import ByStrains
+from skancf.assembly.unstressed import ByStrains, derivative
 from skancf.errors import InputError
 from skancf.history import check_cover
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
@@ -280,21 +280,9 @@ class System:
         return np.asarray(quantity(self.undeformed) + self.rate(quantity, change))
 
     def rate(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
-        r"""The derivative of a quantity of the nodal coordinates along a change from the undeformed state,
-
-        .. math:: \operatorname{Im} J(q_0 + i s u) / s
-
-        with a step s so small that its square is nothing: no difference is taken, and no digit lost. The quantity must be
-        one of complex coordinates too, an analytic one.
-
-        References
-        ----------
-        Squire and Trapp (1998), SIAM Review 40, 110-112.
-        """
-        size = float(np.abs(change).max(initial=0.0))
-        power = SMALL - int(np.frexp(size)[1])
-        ahead = quantity(self.undeformed + 1j * np.ldexp(change, power))
-        return np.asarray(np.ldexp(ahead.imag, -power))
+        """The derivative of a quantity of the nodal coordinates along a change from the undeformed state, by
+        :func:`skancf.assembly.unstressed.derivative`: the quantity must be one of complex coordinates too."""
+        return derivative(quantity, self.undeformed, change)
 
     def linear_change(self, backend: str = "auto") -> np.ndarray:
         """Small-deflection answer, (n_dofs,): one solve with the tangent of the undeformed state."""
@@ -395,10 +383,6 @@ class System:
         if np.size(q) != self.n_dofs:
             raise InputError(f"a vector of {np.size(q)} nodal coordinates; this system has {self.n_dofs}, 12 per node")
         return np.ascontiguousarray(q, dtype=complex if np.iscomplexobj(q) else float).reshape(-1, 4, 3)
-
-
-SMALL = -200
-"""Power of two of imaginary changes of the nodal coordinates."""
 
 
 def total(parts: Iterable[Any]) -> Any:

@@ -1,10 +1,13 @@
-"""The stiffness of the undeformed state applied to a change: forces of the stresses of its strains.
+"""First order about the undeformed state, without loss of digits.
+
+The stiffness is applied to a change by the forces of the stresses of its strains.
 
 An assembled entry is a sum over elements and points, and its rounding is a force without a counterpart: a plate of size L
 with elements of size h is moved by it by the part :math:`(L / h)^2` of a unit in the last place. The rounding of stresses is
 in equilibrium in each element, and moves it by that unit itself.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,6 +17,8 @@ from skancf.assembly.protocols import Assembly
 LARGE = 100
 """Changes are scaled to this power of two: the strains are linear in them, and against so large ones the rounding of those
 of the undeformed state is nothing."""
+SMALL = -200
+"""Imaginary changes are scaled to this power of two."""
 
 
 class ByStrains:
@@ -48,3 +53,18 @@ class ByStrains:
         size = float(np.abs(vector).max(initial=0.0))
         power = LARGE - int(np.frexp(size)[1]) if np.isfinite(size) else 0
         return np.ldexp(vector, power).reshape(self._undeformed.shape), power
+
+
+def derivative(quantity: Callable[[np.ndarray], np.ndarray], at: np.ndarray, change: np.ndarray) -> np.ndarray:
+    r"""The derivative of an analytic function along a change of its argument,
+
+    .. math:: \operatorname{Im} J(q + i s u) / s
+
+    with a step s so small that its square is nothing: no difference is taken, and no digit lost.
+
+    References
+    ----------
+    Squire and Trapp (1998), SIAM Review 40, 110-112.
+    """
+    power = SMALL - int(np.frexp(float(np.abs(change).max(initial=0.0)))[1])
+    return np.asarray(np.ldexp(quantity(at + 1j * np.ldexp(change, power)).imag, -power))

@@ -206,8 +206,9 @@ class Enriched(Refined):
         """K^-1 force on the free coordinates, after the step."""
         return self._solver.solve(force)
 
-    def rounding(self, weight: np.ndarray) -> float:
-        r"""Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces.
+    def rounding(self, weight: np.ndarray, gradient: np.ndarray) -> float:
+        r"""Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces, and what
+        the gradient of the quantity makes of the rounding of the coordinates themselves.
 
         The rest that Newton's method left has a direction, and cancels in parts as the residual does; rounding has none.
         That of products by strains is in equilibrium in each element, and does work on the strains of the weight only, no
@@ -219,7 +220,8 @@ class Enriched(Refined):
             noise = 2 * ROUNDING * np.sqrt(abs(stiffness.energy(change) * stiffness.energy(weight)))
         else:
             noise = ROUNDING * np.abs(weight) @ self.system.constraints.free_part(stiffness.sizes() @ np.abs(change))
-        return abs(float(weight @ left)) + float(noise)
+        stored = change if self.state.linear else self.start + self._step
+        return abs(float(weight @ left)) + float(noise + ROUNDING * np.abs(gradient) @ np.abs(stored))
 
     @property
     def corrected(self) -> Solution:

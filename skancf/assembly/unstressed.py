@@ -8,6 +8,7 @@ in equilibrium in each element, and moves it by that unit itself.
 """
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,8 @@ class ByStrains:
     def product(self, vector: np.ndarray) -> np.ndarray:
         """Internal force of a small change, (n_dofs,)."""
         large, power = self._large(vector)
-        _, stresses = self._assembly.stresses(self._undeformed, large, keep_strains=False)
+        stresses = self._assembly.stresses(self._undeformed, large, keep_strains=False)[1]
+        stresses -= self._stresses
         force = np.ldexp(self._assembly.force_of(self._undeformed, stresses).ravel(), -power)
         return force if self._foundation is None else force + self._foundation @ vector
 
@@ -46,8 +48,17 @@ class ByStrains:
         """Strain energy of a small change, half of the sum of stress times strain."""
         large, power = self._large(vector)
         strains, stresses = self._assembly.stresses(self._undeformed, large, keep_strains=True)
-        energy = 0.5 * float(np.ldexp(np.vdot(strains, stresses), -2 * power))
+        energy = 0.5 * float(np.ldexp(np.vdot(strains - self._strains, stresses - self._stresses), -2 * power))
         return energy if self._foundation is None else energy + self._foundation.energy(vector)
+
+    @cached_property
+    def _stresses(self) -> np.ndarray:
+        """Those of the undeformed state, rounding; without them what does not move would have some."""
+        return self._assembly.stresses(self._undeformed, None, keep_strains=False)[1]
+
+    @cached_property
+    def _strains(self) -> np.ndarray:
+        return self._assembly.stresses(self._undeformed, None, keep_strains=True)[0]
 
     def _large(self, vector: np.ndarray) -> tuple[np.ndarray, int]:
         size = float(np.abs(vector).max(initial=0.0))

@@ -8,6 +8,7 @@ import pytest
 import skancf as sk
 from skancf.linear import BlockMatrix
 from skancf.meshes import tensor
+from skancf.output.sampling import sample_surface
 
 STEEL = sk.Isotropic(210e9, 0.3, 7850.0)
 
@@ -132,6 +133,7 @@ def test_answers_to_tiny_loads_are_those_to_loads():
     at = (0.45, 0.8)
     for value in (
         lambda s: s.displacement(at), lambda s: s.displacement(at, z="top"), lambda s: s.rotation(at),
+        lambda s: s.displacements, lambda s: sample_surface(s, 2, "top").displacement,
         lambda s: s.section_forces(), lambda s: s.nodal_stresses("bottom"), lambda s: s.reactions("left"),
         lambda s: sk.SectionForce("N22", at=at).value(s), lambda s: s.shear_forces(),
     ):  # fmt: skip

@@ -65,7 +65,9 @@ class CurvedSection:
         if not self.uniform:
             own = own + np.tensordot(curvature_at(b, self.height), self.rates.law, 1)
         turn = strains_at(b, self.height)
-        return np.asarray(turn.swapaxes(-1, -2) @ own @ turn * area_at(b, self.height)[..., None, None])
+        law = turn.swapaxes(-1, -2) @ own @ turn * area_at(b, self.height)[..., None, None]
+        law[~b.any(axis=-1)] = self.section.abd()  # without the rounding of going there and back
+        return np.asarray(law)
 
     def free_strains(self, b: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         """Strain and curvature change that a temperature change T0 + z T1 makes without forces and moments: (..., 6).

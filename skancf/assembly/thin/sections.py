@@ -65,7 +65,8 @@ def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSecti
     turn, area = covariant_to_local(jets, geometry.tangents(points, representative), geometry.side[representative])
     areas = area * weights
     turns, curvature = turn.transpose(2, 3, 0, 1), local_curvature(jets, turn)
-    law = (turns.swapaxes(2, 3) @ section.law(curvature) @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
+    local = section.section.abd() if section.centred else section.law(curvature)
+    law = (turns.swapaxes(2, 3) @ local @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
     scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
     k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > 1e-13 * np.outer(scale, scale)))
     return ThinSections(

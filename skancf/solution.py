@@ -204,7 +204,9 @@ class Solution:
         r"""Membrane forces and moments per length in the local frame at points of every element: (n_elements, 6, n).
 
         :math:`N_{11}, N_{22}, N_{12}` (N/m) and :math:`M_{11}, M_{22}, M_{12}` (N), integrals of the stress and of z times
-        the stress over the thickness.
+        the stress over the thickness, per length of the reference surface, which balance the loads: of a curved surface with
+        the curvature b the stress counts with the lengths at its height, :math:`\sigma - z (\sigma \operatorname{tr} b -
+        \tfrac12 (b \sigma + \sigma b))`.
 
         Parameters
         ----------

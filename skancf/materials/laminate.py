@@ -73,9 +73,12 @@ class Laminate:
     5/6 scales its shear modulus by its ratio to 5/6, and equal layers are one layer. Transverse shear stresses S13 and S23
     are constant in a layer; those of all layers sum to the shear force.
 
+    On curved surfaces lengths and areas are those at the height of the layers: theory `kirchhoff` has them to first order in
+    thickness over radius, and warns where that is not small; theory `full` integrates.
+
     Weight acts at the centre of mass of the layers. In theory `kirchhoff` the mass is in the reference surface, whatever the
     offset: vibration and motion come with a warning where that is more than a hundredth of the thickness off. Surface and
-    edge loads act at the reference surface.
+    edge loads act at the reference surface, per its area and length.
 
     Examples
     --------

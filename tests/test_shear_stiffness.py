@@ -1,5 +1,7 @@
 """Transverse shear of laminates against elasticity: Pagano's cylindrical bending, and a sandwich plate."""
 
+import warnings
+
 import numpy as np
 import pytest
 from reference import cylindrical_bending, navier
@@ -7,7 +9,7 @@ from reference import cylindrical_bending, navier
 import skancf as sk
 from skancf.elements.quad_ancf import gauss
 from skancf.materials.section import SHEAR
-from skancf.materials.shear import shear_stresses
+from skancf.materials.shear import shear_stresses, warping_length
 
 PLY = sk.Orthotropic((25e6, 1e6, 1e6), (0.25, 0.25, 0.25), (5e5, 5e5, 2e5), 1.0)
 FOAM, METAL = sk.Isotropic(1e4, 0.3, 1.0), sk.Isotropic(1e6, 0.3, 1.0)
@@ -135,3 +137,22 @@ def test_shear_stresses_of_all_layers_are_the_shear_force():
     assert np.dot(stress, t) == pytest.approx(force, rel=1e-3)
     expected = force * (1 / (3 * section.abd()[3, 3]) + 1 / section.shear_stiffness()[0, 0])
     assert solution.displacement((1.0, 0.05))[2] == pytest.approx(expected, rel=3e-3)
+
+
+@pytest.mark.parametrize("ratio, a, error", [(1e2, 4.0, 0.0337), (1e3, 4.0, 0.296), (1e4, 10.0, 0.459), (1e4, 4.0, 2.93)])
+def test_layers_that_bend_one_by_one(ratio, a, error):
+    """Faces on a core that is too soft for one normal: by how much the theory is off, against elasticity, and said."""
+    core = sk.Isotropic(1e6 / ratio, 0.3, 1.0)
+    layers = [(METAL, 0.1, 0), (core, 0.8, 0), (METAL, 0.1, 0)]
+    off = sum(by_theory(layers, a)) / exact(layers, a)[0] - 1
+    assert off == pytest.approx(error, rel=0.01)
+    for offset in (0.0, 3.0):
+        length = warping_length(laminate(layers, offset).section())
+        assert (np.pi * length / a) ** 2 == pytest.approx(error, rel=0.15)
+    strip = sk.Rectangle(a, a / 8)
+    problem, mesh = sk.Problem(strip, material=laminate(layers)), sk.meshes.uniform(strip, 2, 1)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        problem.on(mesh, "full")
+        problem.on(mesh, "kirchhoff")
+    assert ["bend one by one" in str(w.message) for w in said] == [True] * (error > 0.05)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from skancf.errors import InputError, warn
-from skancf.materials.parallel import TRACE, area_at, curvature_at, determinant, strains_at, sums
+from skancf.materials.parallel import TRACE, area_at, curvature_at, principal_curvatures, strains_at, sums
 from skancf.materials.section import IN_PLANE, ROUNDING, Section
 
 CURVED = 0.2
@@ -123,15 +123,8 @@ class CurvedSection:
         """
         if self.centred:
             return
-        mean, deviation = (b @ TRACE) / 2, np.sqrt(np.maximum((b @ TRACE) ** 2 / 4 - determinant(b), 0.0))
-        principal, section = np.stack([mean - deviation, mean + deviation]), self.section
-        heights = np.array([*section.z[[0, -1]], self.height])
-        past = np.argmin([(1 - z * principal).min(initial=1.0) for z in heights])
-        if (1 - heights[past] * principal).min(initial=1.0) <= 0:
-            raise InputError(
-                f"material: layers at the height {heights[past]:.6g} m are past a centre of curvature of the surface, whose "
-                f"radii go down to {1 / np.abs(principal).max():.6g} m: take the surface nearer to them (its offset)"
-            )
+        section, principal = self.section, principal_curvatures(b)
+        require_one_side(principal, np.array([*section.z[[0, -1]], self.height]))
         ratio = section.thickness * np.abs(principal / (1 - self.height * principal)).max(initial=0.0)
         if ratio > CURVED:
             warn(
@@ -193,6 +186,17 @@ class CurvedSection:
             more = _integral(w, held, Q, moved - change @ strains)
             of_left.append(more + more.T - shrinks * _integral(w * z, held, Q, held))
         return Rates(np.array(of_law), np.array(of_free), np.array(of_left))
+
+
+def require_one_side(principal: np.ndarray, heights: np.ndarray) -> None:
+    """InputError where heights (n,) are past a centre of curvature of a surface with these principal curvatures."""
+    shrunk = [(1 - z * principal).min(initial=1.0) for z in heights]
+    past = int(np.argmin(shrunk))
+    if shrunk[past] <= 0:
+        raise InputError(
+            f"material: layers at the height {heights[past]:.6g} m are past a centre of curvature of the surface, whose "
+            f"radii go down to {1 / np.abs(principal).max():.6g} m: take the surface nearer to them (its offset)"
+        )
 
 
 def _of_section(z: np.ndarray) -> np.ndarray:

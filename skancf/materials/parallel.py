@@ -40,6 +40,13 @@ def determinant(b: np.ndarray) -> np.ndarray:
     return np.asarray(b[..., 0] * b[..., 1] - b[..., 2] ** 2)
 
 
+def principal_curvatures(b: np.ndarray) -> np.ndarray:
+    """The smaller and the larger one, (2, ...)."""
+    mean = (b @ TRACE) / 2
+    deviation = np.sqrt(np.maximum(mean**2 - determinant(b), 0.0))
+    return np.stack([mean - deviation, mean + deviation])
+
+
 def area_at(b: np.ndarray, z: float) -> np.ndarray:
     """Area at a height per area of the reference surface, det(1 - z b): (...)."""
     return np.asarray(1 - z * (b @ TRACE) + z * z * determinant(b))

@@ -25,9 +25,12 @@ from dataclasses import replace
 import numpy as np
 
 from skancf.elements.quad_ancf import gauss
+from skancf.errors import warn
 from skancf.materials.law import SHEAR_CORRECTION
 from skancf.materials.section import SHEAR, Section
 
+ALONE = 0.05
+"""Error of the deflection by shear from which it is said that layers bend one by one."""
 ALONG, ACROSS = [0, 2], [2, 1]
 """Rows of the stresses 11, 22, 12 whose growth along 1 and along 2 the shear stresses 13 and 23 balance."""
 
@@ -62,6 +65,53 @@ def equilibrium_stiffness(section: Section) -> np.ndarray:
     weights = section.thicknesses[:, None, None, None] * w[:, None, None]
     compliance = (s.swapaxes(2, 3) @ np.linalg.inv(modulus)[:, None] @ s * weights).sum(axis=(0, 1))
     return np.asarray(np.linalg.inv((compliance + compliance.T) / 2))
+
+
+def warping_length(section: Section) -> float:
+    r"""How short waves are for the layers to bend one by one: their error over the shear deflection is
+    :math:`(\pi \ell / a)^2` with the half wave a (m).
+
+    Shear strains :math:`G^{-1} s` shift the layers by u(z), per unit of the shear force. Normals that stay straight have the
+    part that is linear in z, and the rest strains the layers:
+
+    .. math:: \ell^2 = K \int u_\perp Q_{aa} u_\perp \, dz,
+
+    the larger one of both directions. Of a sandwich it is the root of the faces' own bending stiffness over K.
+    """
+    section, n = section.about(section.neutral), 4
+    z, w, layer = section.points(n)
+    Q, t, K = section.in_plane()[layer], section.thicknesses, section.shear_stiffness()
+    modulus = section.stiffness[:, SHEAR][:, :, SHEAR] / SHEAR_CORRECTION
+    # The laws of a laminate are scaled by their ratio.
+    scaled = np.diag(equilibrium_stiffness(section)) / np.diag(K)
+    strain = np.linalg.solve(modulus[:, None], shear_stresses(section, n)) * scaled
+    # Antiderivatives at the points of the polynomial through them, and over the whole layer.
+    s, weights = gauss(n)
+    powers, degree = s[:, None] ** np.arange(n), np.arange(1, n + 1)
+    inside = np.linalg.solve(powers.T, (s[:, None] ** degree / degree).T).T
+    whole = np.einsum("p,lpij->lij", weights, strain) * t[:, None, None]
+    below = np.cumsum(whole, axis=0) - whole
+    shift = below[:, None] + np.einsum("qp,lpij->lqij", inside, strain) * t[:, None, None, None]
+    squares = []
+    for a in (0, 1):
+        u, stiff = shift[..., a, a].ravel(), w * Q[:, a, a]
+        line = np.stack([np.ones_like(z), z])
+        rest = u - np.linalg.solve(line * stiff @ line.T, line * stiff @ u) @ line
+        squares.append(K[a, a] * (stiff * rest**2).sum())
+    return float(np.sqrt(max(squares)))
+
+
+def warn_if_layers_bend_alone(section: Section, reach: float) -> None:
+    """A warning where layers bend one by one, which no straight normal can, in waves as long as the body (m)."""
+    if (section.stiffness == section.stiffness[0]).all():
+        return
+    share = (np.pi * warping_length(section) / reach) ** 2
+    if share > ALONE:
+        warn(
+            "theory 'full' keeps normals straight, but layers as unlike as those of this section bend one by one: its "
+            f"deflection by shear is too large by about {100 * share:.2g} % of itself (over {100 * ALONE:g} %) in waves as "
+            f"long as the body, {reach:.3g} m, and by more in shorter ones. That is for a solid model, or a stiffer core"
+        )
 
 
 def with_shear_of_equilibrium(section: Section) -> Section:

@@ -11,7 +11,9 @@ from skancf.assembly.full.sections import Sections, build_sections
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.schedule import Schedule
 from skancf.materials import Section
-from skancf.materials.parallel import TRACE, sums
+from skancf.materials.curved import require_one_side
+from skancf.materials.parallel import TRACE, principal_curvatures, sums
+from skancf.materials.section import ROUNDING
 from skancf.theories.full import D1, D2, N_IN_PLANE, R1, R2, D, Full, covariant_to_local, jet_table, strain
 
 
@@ -24,6 +26,8 @@ class FullAssembly(CompiledAssembly):
         super().__init__(geometry, section, schedule)
         self.theory = cast(Full, geometry.theory)
         self.sections = build_sections(geometry, section)
+        if abs(section.z[0] + section.z[-1]) > ROUNDING * section.thickness:
+            require_one_side(principal_curvatures(self._curvature(self.theory.quadrature[0])), section.z[[0, -1]])
         self._rule = _rule(self.theory, self.sections)
         parts = self.sections
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
@@ -83,12 +87,16 @@ class FullAssembly(CompiledAssembly):
 
     def _shorter(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
         """What lengths at a height take from a stress 11, 22, 12 per length of the reference surface: (m, n, 3, 3) (1/m)."""
+        b = self._curvature(points, elements)
+        return (b @ TRACE)[..., None, None] * np.eye(3) - 0.5 * sums(b).swapaxes(-1, -2)
+
+    def _curvature(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """Undeformed curvatures 11, 22, 12 in the local frame at points (2, n) of elements: (m, n, 3) (1/m)."""
         geometry = self.geometry
         jets = geometry.theory.jets(geometry.undeformed_local[slice(None) if elements is None else elements], points)
         to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), np.zeros(1))
-        doubled = -np.einsum("ikep,kep->epi", to_local[0][[0, 1, 5], :3], strain(jets)[3:6])
-        b = doubled / [1.0, 1.0, 2.0]
-        return (b @ TRACE)[..., None, None] * np.eye(3) - 0.5 * sums(b).swapaxes(-1, -2)
+        doubled = np.einsum("ikep,kep->epi", to_local[0][[0, 1, 5], :3], strain(jets)[3:6])
+        return np.asarray(-doubled / [1.0, 1.0, 2.0])
 
     def section_force_gradient(
         self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray

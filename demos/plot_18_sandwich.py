@@ -6,12 +6,12 @@ A sandwich bends by shear
 
 Two thin, stiff faces on a thick, soft core: a sandwich is stiff and light, because the faces are far apart. What holds them
 together is the core, in shear, and that is where such plates yield. The square plate of NAFEMS' benchmark R0031/3
-(*Composites Benchmarks*) has a side of 10 in, hinged edges, and 100 psi on it. The middle sinks by 0.123 in, of which bending
-is less than two thirds; the stress in the middle of a face is 34 449 psi along its stiff direction.
+(*Composites Benchmarks*) has a side of 10 in, hinged edges, and 100 psi on it. The middle sinks by 0.123 in, of which
+bending is less than two thirds; the stress in the middle of a face is 34 449 psi along its stiff direction.
 
 A shear strain that is constant through the thickness would give the stiff faces most of the shear stress, and the sandwich
-several times its shear stiffness. Equilibrium says otherwise: stress along x grows with the moment, and the shear stress at a
-height holds what is below it,
+several times its shear stiffness. Equilibrium says otherwise: stress along x grows with the moment, and the shear stress at
+a height holds what is below it,
 
 .. math:: \tau(z) = -\int_{bottom}^z \frac{\partial \sigma_{11}}{\partial x} \, dz, \qquad
     \frac{Q^2}{2 K} = \int \frac{\tau^2}{2 G} \, dz .
@@ -119,8 +119,8 @@ def draw_stress(axes: plt.Axes) -> None:
 # The run
 # -------
 # The numbers to hit: the deflection is that of Navier's series to 0.5 % and that of the source to 1 %, the stress in the
-# middle of a face that of the source to 1 %, and the shear stress written out here has the energy of the section's stiffness.
-# The thin theory has less than two thirds of the deflection, and ``"auto"`` takes the other one.
+# middle of a face that of the source to 1 %, and the shear stress written out here has the energy of the section's
+# stiffness. The thin theory has less than two thirds of the deflection, and ``"auto"`` takes the other one.
 
 
 def main(size: str = "full", out: str = "out") -> dict[str, float]:

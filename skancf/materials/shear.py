@@ -35,14 +35,15 @@ ALONG, ACROSS = [0, 2], [2, 1]
 """Rows of the stresses 11, 22, 12 whose growth along 1 and along 2 the shear stresses 13 and 23 balance."""
 
 
-def shear_stresses(section: Section, n: int) -> np.ndarray:
-    """Shear stresses 13 and 23 per unit of shear forces Q1 and Q2 at n Gauss points of each layer: (n_layers, n, 2, 2)
-    (1/m)."""
+def shear_stresses(section: Section, s: np.ndarray) -> np.ndarray:
+    """Shear stresses 13 and 23 per unit of shear forces Q1 and Q2 at parts s (n,) of the height of each layer.
+
+    From 0 to 1, at its bottom and at its top: (n_layers, n, 2, 2) (1/m).
+    """
     section = section.about(section.neutral)  # of a section far off, bending is a small difference
     grown = np.linalg.inv(section.abd())[:, [3, 4]]
     strain, curvature = grown[:3], grown[3:]
-    low, t, s = section.z[:-1], section.thicknesses, gauss(n)[0]
-    lengths = np.concatenate([s, [1.0]]) * t[:, None]
+    low, lengths = section.z[:-1], np.append(s, 1.0) * section.thicknesses[:, None]
     # Integrals of 1 and z from the bottom of the layer to its points, and at last to its top.
     first = low[:, None] * lengths + lengths**2 / 2
     Q, shear = section.in_plane(), []
@@ -54,6 +55,27 @@ def shear_stresses(section: Section, n: int) -> np.ndarray:
     return np.stack(shear, axis=-1)
 
 
+def shear_stress_at(section: Section, z: float) -> np.ndarray:
+    """Shear stresses 13 and 23 at a height per unit of the shear forces Q1 and Q2, in equilibrium: (2, 2) (1/m).
+
+    With the shear forces of :meth:`skancf.Solution.shear_forces`, theory `kirchhoff`, it gives the interlaminar shear stress
+    at an interface and the shear stress in a layer. The product is right where M11 grows along 1 and M22 along 2; what the
+    twisting moment and the other two derivatives add is left out.
+
+    Raises
+    ------
+    InputError
+        For a height outside the faces.
+
+    Examples
+    --------
+    >>> tau = shear_stress_at(laminate.section(), 0.25e-3) @ solution.shear_forces()[0, :, 0]
+    """
+    layer = int(section.layer_at(z))
+    part = np.clip((z - section.z[layer]) / section.thicknesses[layer], 0.0, 1.0)
+    return np.asarray(shear_stresses(section, np.array([part]))[layer, 0])
+
+
 def equilibrium_stiffness(section: Section) -> np.ndarray:
     """Transverse shear stiffness for 13 and 23 whose energy is that of :func:`shear_stresses`, (2, 2) (N/m).
 
@@ -61,7 +83,8 @@ def equilibrium_stiffness(section: Section) -> np.ndarray:
     G is :math:`k G / \\tfrac56`.
     """
     modulus = section.stiffness[:, SHEAR][:, :, SHEAR] / SHEAR_CORRECTION
-    s, w = shear_stresses(section, 3), gauss(3)[1]
+    points, w = gauss(3)
+    s = shear_stresses(section, points)
     weights = section.thicknesses[:, None, None, None] * w[:, None, None]
     compliance = (s.swapaxes(2, 3) @ np.linalg.inv(modulus)[:, None] @ s * weights).sum(axis=(0, 1))
     return np.asarray(np.linalg.inv((compliance + compliance.T) / 2))
@@ -79,14 +102,14 @@ def warping_length(section: Section) -> float:
     the larger one of both directions. Of a sandwich it is the root of the faces' own bending stiffness over K.
     """
     section, n = section.about(section.neutral), 4
+    s, weights = gauss(n)
     z, w, layer = section.points(n)
     Q, t, K = section.in_plane()[layer], section.thicknesses, section.shear_stiffness()
     modulus = section.stiffness[:, SHEAR][:, :, SHEAR] / SHEAR_CORRECTION
     # The laws of a laminate are scaled by their ratio.
     scaled = np.diag(equilibrium_stiffness(section)) / np.diag(K)
-    strain = np.linalg.solve(modulus[:, None], shear_stresses(section, n)) * scaled
+    strain = np.linalg.solve(modulus[:, None], shear_stresses(section, s)) * scaled
     # Antiderivatives at the points of the polynomial through them, and over the whole layer.
-    s, weights = gauss(n)
     powers, degree = s[:, None] ** np.arange(n), np.arange(1, n + 1)
     inside = np.linalg.solve(powers.T, (s[:, None] ** degree / degree).T).T
     whole = np.einsum("p,lpij->lij", weights, strain) * t[:, None, None]

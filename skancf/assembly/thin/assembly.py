@@ -121,15 +121,17 @@ class ThinAssembly(CompiledAssembly):
                 energy += (0.5 if k == l else 1.0) * float(np.vdot(counted[:, k], law * counted[:, l]))
         return energy
 
-    def section_strains(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """Membrane strains and curvature changes in the local frame at points (2, n): (n_elements, 6, n)."""
+    def section_strains(self, q: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """At points (2, n): membrane strains and curvature changes in the local frame (n_elements, n, 6), and undeformed
+        curvatures (n_elements, n, 3)."""
         geometry, theory = self.geometry, self.geometry.theory
         change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
         plain = self._plain(np.arange(geometry.n_elements))
         if theory.assumed and len(plain):
             now, before = geometry.local(q, plain), geometry.undeformed_local[plain]
             change[plain] = PLAIN.strains(now, points) - PLAIN.strains(before, points)
-        return np.asarray(np.einsum("ikep,ekp->eip", self._frame(points)[0], change))
+        turn, b = self._frame(points)
+        return np.asarray(np.einsum("ikep,ekp->epi", turn, change)), b
 
     def _frame(self, points: np.ndarray, elements: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """At points (2, n) of elements: from covariant strains to local ones (6, 6, m, n), and curvatures (m, n, 3)."""
@@ -140,7 +142,7 @@ class ThinAssembly(CompiledAssembly):
         return turn, local_curvature(jets, turn)
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
-        strains, b = self.section_strains(q, points).swapaxes(1, 2), self._frame(points)[1]
+        strains, b = self.section_strains(q, points)
         if temperature is not None:
             strains = strains - self.curved.free_strains(b, *temperature)
         forces = self.curved.forces(b, (self.curved.law(b) @ strains[..., None])[..., 0])
@@ -164,7 +166,7 @@ class ThinAssembly(CompiledAssembly):
         return np.flatnonzero(self.sections.assumed[self.sections.shape[elements]] == 0)
 
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
-        parts, b = self.section_strains(q, points).swapaxes(1, 2), self._frame(points)[1]
+        parts, b = self.section_strains(q, points)
         free = np.zeros(6) if temperature is None else self.section.thermal_strain(z, *temperature)
         out = free + np.zeros((*b.shape[:-1], 6), parts.dtype)
         elastic = self.curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]

@@ -26,6 +26,8 @@ offsets = pytest.mark.parametrize("offset", [0.0, 0.5, -0.5, 2.0])
 QUARTER = np.pi / 2
 ORDER = 0.5
 """Largest part of (h/R)^2 that is left, as found; 0.36 of it in the bending of a cross-ply."""
+CRUSHED = {"one": 0.2, "stiff inside": 1.5, "stiff outside": 1.1, "cross-ply": 8.0, "sandwich": 0.3}
+"""The same of pressure, whose radial stress crushes layers, and soft ones most; as found."""
 
 
 def laminate(wall, offset=0.0):
@@ -58,10 +60,8 @@ def ring(section, R, law=None, ez=0.0, turn=0.0, pressed=0.0):
 def errors(wall, offset, ratio, flat=False):
     """Of the movement under pressure, of the stiffness in bending, and of the force of an axial strain, relative."""
     section, R = laminate(wall, offset).section(), 1 / ratio
-    radii, neutral = R + section.z, R + section.neutral
-    own = section.abd() if flat else None
-    layer = int(section.layer_at(section.neutral))
-    pressed = layered_tube.evenly(radii, laws(wall), R, neutral).displacement(layer, neutral)
+    radii, own = R + section.z, section.abd() if flat else None
+    pressed = layered_tube.pressed(radii, laws(wall), R).at_surface(R)
     bent = layered_tube.tube(radii, laws(wall), turn=1.0).integral(1, 1)
     pulled = layered_tube.tube(radii, laws(wall), ez=1.0).integral(2, 1)
     found = ring(section, R, own, pressed=1.0)[0], ring(section, R, own, turn=1.0)[1], ring(section, R, own, ez=1.0)[2]
@@ -72,12 +72,13 @@ def errors(wall, offset, ratio, flat=False):
 @offsets
 def test_tubes_to_second_order(wall, offset):
     """Under pressure, bent and pulled; the law of a plate is wrong in first order where layers are off the surface."""
+    most = np.array([CRUSHED[wall], ORDER, ORDER])
     for ratio in (0.01, 0.02, 0.05, 0.1):
-        assert np.abs(errors(wall, offset, ratio)).max() < ORDER * ratio**2 + 1e-7
+        assert (np.abs(errors(wall, offset, ratio)) < most * ratio**2 + 1e-7).all()
     if offset:
         assert np.abs(errors(wall, offset, 0.02, flat=True)).max() > 0.01
-        # At a face: three times h / 2R of the stiffness against pressure, of one layer.
-        assert wall != "one" or offset != 0.5 or abs(errors(wall, offset, 0.05, flat=True)[0] + 0.07) < 0.005
+        # At a face: three times h / 2R of the stiffness of one layer against pressure, and nu h / R.
+        assert wall != "one" or offset != 0.5 or abs(errors(wall, offset, 0.05, flat=True)[0] + 0.09) < 0.005
     elif wall in ("one", "sandwich"):
         assert np.allclose(errors(wall, 0.0, 0.05), errors(wall, 0.0, 0.05, flat=True), rtol=0, atol=1e-13)
 
@@ -184,14 +185,13 @@ PLANE = [sk.Symmetry("left"), sk.Symmetry("right")]
 
 @pytest.mark.parametrize("wall, offset", [("one", 0.5), ("one", -0.5), ("stiff inside", 0.0), ("cross-ply", 0.5)])
 def test_a_pressed_tube(wall, offset):
+    """From the face on which the pressure acts too, by Poisson's ratio and all."""
     R, p = 50.0, 1e-9
     section = laminate(wall, offset).section()
     system = tube(laminate(wall, offset), R, [sk.Symmetry("end"), *PLANE], [sk.FollowerPressure(p)])
-    neutral = R + section.neutral
-    exact = layered_tube.evenly(R + section.z, laws(wall), R, neutral)
+    exact = layered_tube.pressed(R + section.z, laws(wall), R)
     solution = sk.solve_linear(system)
-    right = exact.displacement(int(section.layer_at(section.neutral)), neutral)
-    assert outwards(solution, R / 8) / p == pytest.approx(right, rel=1e-4)  # and (h / R)^2 = 4e-4
+    assert outwards(solution, R / 8) / p == pytest.approx(exact.at_surface(R), rel=CRUSHED[wall] / R**2)
     # What holds the pressure is p R per length of the reference surface, wherever the wall is.
     points = np.array([[0.5], [0.5]])
     assert np.allclose(solution.section_forces(points)[:, 1], p * R, rtol=1e-3)
@@ -202,10 +202,12 @@ def test_a_pressed_tube(wall, offset):
 
 def test_a_pressed_tube_in_full():
     """Integrated through the thickness, it is right with its wall at a face, as far as the mesh is fine."""
+    law = sk.Isotropic(1.0, 0.0, 1.0)
+    wall = sk.Laminate([sk.Layer(law, 1.0)], 0.5)
     with pytest.warns(sk.OutOfDepth, match="too stiff on coarse meshes"):
-        system = tube(laminate("one", 0.5), 50.0, [sk.Symmetry("end"), *PLANE], [sk.FollowerPressure(1e-9)], 24, "full")
-    exact = layered_tube.evenly(50 + laminate("one", 0.5).section().z, laws("one"), 50.0, 50.5).displacement(0, 50.5)
-    assert outwards(sk.solve_linear(system), 6.0) / 1e-9 == pytest.approx(exact, rel=2e-3)
+        system = tube(wall, 50.0, [sk.Symmetry("end"), *PLANE], [sk.FollowerPressure(1e-9)], 24, "full")
+    exact = layered_tube.pressed(50 + wall.section().z, [law.stiffness()], 50.0)
+    assert outwards(sk.solve_linear(system), 6.0) / 1e-9 == pytest.approx(exact.at_surface(50.0), rel=2e-3)
 
 
 @pytest.mark.parametrize("wall, offset", [("one", 0.5), ("stiff inside", 0.0), ("cross-ply", 0.5)])
@@ -229,11 +231,10 @@ def test_a_pressed_sphere(offset):
     problem = sk.Problem(ball, material=laminate("one", offset), supports=planes, loads=[sk.FollowerPressure(p)])
     solution = sk.solve_linear(problem.on(sk.meshes.uniform(ball, 8, 8), "kirchhoff"))
     found = np.linalg.norm(solution.displacement((QUARTER / 2, QUARTER / 2))) / p
-    a, b = R + offset - 0.5, R + offset + 0.5  # half of the pressure on each face, so that thinning does no work
-    pushed, difference = 0.0, 0.5 * R**2 / a**2 + 0.5 * R**2 / b**2
-    r, cubes = R + offset, b**3 - a**3
-    pushed = (1 - 2 * nu) * R**2 / 2 * (a + b) * r + (1 + nu) / 2 * difference * (a * b) ** 3 / r**2
-    assert found == pytest.approx(pushed / cubes, rel=4e-4)
+    a, b = R + offset - 0.5, R + offset + 0.5
+    inside, outside = R**2 / a**2 * (b - R), -(R**2) / b**2 * (R - a)  # so that thinning does the work it does at R
+    exact = (1 - 2 * nu) * (inside * a**3 - outside * b**3) * R + (1 + nu) / 2 * (inside - outside) * (a * b) ** 3 / R**2
+    assert found == pytest.approx(exact / (b**3 - a**3), rel=4e-4 + 2 * ORDER / R**2 * abs(offset))
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.5, 2.0])
@@ -246,12 +247,13 @@ def test_a_ring_expands_freely(offset, theory):
         warnings.simplefilter("ignore", sk.OutOfDepth)  # full off its surface
         system = tube(laminate("one", offset), R, supports, [sk.Temperature(change)], 8, theory)
     solution = sk.solve_linear(system)
-    at_the_wall = solution.displacement((R / 8, QUARTER / 2), z=offset)
-    assert np.linalg.norm(at_the_wall[1:]) == pytest.approx(change * (R + offset), rel=1e-5)
+    # The thin theory's normals keep their length between a surface and layers that are somewhere else.
+    grown = R + (max(offset - 0.5, 0.0) if theory == "kirchhoff" else 0.0)
+    assert outwards(solution, R / 8) == pytest.approx(change * grown, rel=3e-5 if theory == "kirchhoff" else 1e-3)
     for z in (offset - 0.5, offset, offset + 0.5):
         # Of E alpha T; what is left is of second order in the height over the radius.
-        assert np.abs(solution.stresses(points, z)[..., [0, 1, 5]]).max() < 5e-4 * change
-    assert np.abs(solution.section_forces(points)).max() < 5e-4 * change
+        assert np.abs(solution.stresses(points, z)[..., [0, 1, 5]]).max() < 1e-3 * change
+    assert np.abs(solution.section_forces(points)).max() < 1e-3 * change
     assert abs(solution.strain_energy) < 1e-5 * system.thermal_energy()
 
 
@@ -311,10 +313,10 @@ def test_where_it_does_not_hold():
               warnings.catch_warnings()):  # fmt: skip
             warnings.simplefilter("ignore", sk.OutOfDepth)
             on([half], -1.125, theory=theory)
-    with pytest.warns(sk.OutOfDepth, match=r"thickness over radius, which is 0\.3.*third of its square, 3"):
+    with pytest.warns(sk.OutOfDepth, match=r"thickness over radius, which is 0\.3.*half of its square, 5"):
         on([half, sk.Layer(SOFT, 0.15)])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         on([half], 1.0)
         on([half, half])
-        on([sk.Layer(STIFF, 0.05), sk.Layer(SOFT, 0.05)])
+        on([sk.Layer(STIFF, 0.04), sk.Layer(SOFT, 0.04)])

@@ -53,15 +53,14 @@ def tube_errors(wall: Wall, offset: float, ratio: float, kind: str = "curved") -
     w, turn = np.array([0, 1 / R, 0, 0, 1 / R**2, 0]), np.array([0, 1.0, 0, 0, 2 / R, 0])
     out = R / (w @ law @ w) / R
     bent = (turn @ law @ turn - (w @ law @ turn) ** 2 / (w @ law @ w)) * R
-    neutral, layer = R + section.neutral, int(section.layer_at(section.neutral))
-    pressed = layered_tube.evenly(R + section.z, solid(wall), R, neutral).displacement(layer, neutral)
+    pressed = layered_tube.pressed(R + section.z, solid(wall), R).at_surface(R)
     return [out / pressed - 1, bent / layered_tube.tube(R + section.z, solid(wall), turn=1.0).integral(1, 1) - 1]
 
 
 def tubes() -> None:
     rows = []
     for name, wall in WALLS.items():
-        for offset in (0.0, 0.5, 2.0):
+        for offset in (0.0, 0.5, -0.5):
             for k, load in enumerate(("pressure", "bending")):
                 kinds = ("plate", "curved") if offset else ("plate", "curved", "curved, rigid thickness")
                 for kind in kinds:

@@ -52,13 +52,13 @@ class Tube:
         """Radial, hoop and axial."""
         return self._stress(k, r) @ self._own(k)
 
-    def thinned(self, r, neutral):
-        """Movement at r against that at a neutral radius, per unit of hoop strain, by Poisson's ratio."""
+    def thinned(self, r, reference):
+        """Movement at r against that of a reference surface, per unit of hoop strain, by Poisson's ratio."""
         def up_to(r):
             return sum(-C[HOOP, RADIAL] / C[RADIAL, RADIAL] * (np.clip(r, low, high) - low)
                        for C, low, high in zip(self.laws, self.radii, self.radii[1:], strict=False))  # fmt: skip
 
-        return up_to(r) - up_to(neutral)
+        return up_to(r) - up_to(reference)
 
     def integral(self, which, power=0):
         """Of a stress (0 radial, 1 hoop, 2 axial) times r^power over the wall."""
@@ -68,6 +68,12 @@ class Tube:
             r = (low + high) / 2 + (high - low) / 2 * s
             out += (high - low) / 2 * sum(wi * self.stress(k, ri)[which] * ri**power for ri, wi in zip(r, w, strict=True))
         return out
+
+
+    def at_surface(self, reference):
+        """Movement of a reference surface, or of the face next to it: what is between them is rigid."""
+        r = np.clip(reference, self.radii[0], self.radii[-1])
+        return self.displacement(int(np.searchsorted(self.radii[1:-1], r)), r)
 
 
 def tube(radii, laws, inside=0.0, outside=0.0, ez=0.0, turn=0.0):
@@ -92,11 +98,11 @@ def tube(radii, laws, inside=0.0, outside=0.0, ez=0.0, turn=0.0):
     return made
 
 
-def evenly(radii, laws, reference, neutral, ez=0.0):
-    """Pressed at both faces as much as a pressure 1 on a surface of a radius, so that the change of thickness, which in
-    theories of shells moves no load, does no work."""
+def pressed(radii, laws, reference, ez=0.0):
+    """As much as a pressure 1 on a surface of a radius, on both faces so that the change of thickness does as much work as
+    there, none: on one face if that is the surface."""
     one = tube(radii, laws)
-    levers = [one.thinned(r, neutral) * r for r in (radii[0], radii[-1])]
+    levers = [one.thinned(r, reference) * r for r in (radii[0], radii[-1])]
     faces = [[levers[0], -levers[1]], [radii[0], -radii[-1]]]
     inside, outside = np.linalg.lstsq(faces, [0.0, reference])[0]  # without Poisson's ratio any two faces do
     return tube(radii, laws, inside, outside, ez)

@@ -1,8 +1,8 @@
 r"""A section on a curved surface: what layers off the reference surface, or of unlike stiffness, add to lamination theory.
 
-Strain at a height, and the area there, are those of :mod:`skancf.materials.parallel`. The movement of the reference surface is
-that of the layers there: by Poisson's ratio and by heat they grow thicker or thinner from there on, or from the face next to
-it where they lie somewhere else. So a pressure on a face is right to first order where that is the reference surface.
+Strain at a height, and the area there, are those of :mod:`skancf.materials.parallel`. The movement of the reference surface
+is that of the layers there: by Poisson's ratio and by heat they grow thicker or thinner from there on, or from the face next
+to it where they lie somewhere else. So a pressure on a face is right to first order where that is the reference surface.
 
 The energy is taken about the neutral surface of the layers, at :math:`z_0`: that of lamination theory with the strains there
 and the area :math:`\det \mu(z_0)`, and what is odd in the height above it to first order in the curvature. What is even,

@@ -34,11 +34,13 @@ MINUS = np.array([[-1.0, 0, 0], [0, -1.0, 0], [0, 0, -2.0]])
 class Rates(NamedTuple):
     """Derivatives by the curvatures 11, 22, 12 of what is integrated through the thickness.
 
-    ``law`` (3, 6, 6), the odd part; ``free`` (3, 6, 2), free strains per unit of temperature change and its gradient;
+    ``law`` (3, 6, 6), the odd part; ``stretch`` (3, 3, 3), strain per unit of curvature change that balances what of the law
+    is left out; ``free`` (3, 6, 2), free strains per unit of temperature change and its gradient;
     ``left`` (3, 2, 2), twice the energy per area of layers that hold each other.
     """
 
     law: np.ndarray
+    stretch: np.ndarray
     free: np.ndarray
     left: np.ndarray
 
@@ -75,9 +77,13 @@ class CurvedSection:
 
         A size that grows changes the curvature too.
         """
-        heat, own = self._heat(middle, gradient), curvature_at(b, self.height)
-        free = heat @ self._flat[1].T + np.einsum("...i,ikt,...t->...k", own, self.rates.free, heat)
+        own = curvature_at(b, self.height)
+        free = self._own_free(own, self._heat(middle, gradient))
         return np.asarray((strains_at(own, -self.height) @ free[..., None])[..., 0])
+
+    def _own_free(self, own: np.ndarray, heat: np.ndarray) -> np.ndarray:
+        """The same of the neutral surface and its curvatures, for :meth:`_heat`: (..., 6)."""
+        return np.asarray(heat @ self._flat[1].T + np.einsum("...i,ikt,...t->...k", own, self.rates.free, heat))
 
     def energy_left(self, b: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         """Energy per area of the reference surface of layers that hold each other at those strains, (...) (J/m2)."""
@@ -93,17 +99,23 @@ class CurvedSection:
         return np.stack([mass, off * mass])
 
     def strain_at(self, b: np.ndarray, z: float, strains: np.ndarray, heat: np.ndarray | None) -> np.ndarray:
-        """Strain 11, 22, 12 at a height, of strains (..., 6) of the reference surface and T0, T1 (2, ...): (..., 3).
+        r"""Strain 11, 22, 12 at a height, of strains (..., 6) of the reference surface and T0, T1 (2, ...): (..., 3).
 
-        With what the change of the thickness between that surface and the height adds.
+        With what the change of the thickness between that surface and the height adds, and with the stretch that balances
+        bending: a bent ring carries no force where its middle is stretched by :math:`\kappa h^2 / 12 R`, of which the law
+        knows nothing, and which is of first order in the stress at its faces.
         """
-        at = (strains_at(b, z)[..., :3, :] @ strains[..., None])[..., 0]
+        own_b = curvature_at(b, self.height)
         own = (strains_at(b, self.height) @ strains[..., None])[..., 0]
         by_strain, by_heat = (part[0] for part in self._levers(np.array([z - self.height]), self.section.layer_at([z])))
-        moved = own @ by_strain
+        moved, bent = own @ by_strain, own[..., 3:]
         if heat is not None:
-            moved = moved + self._heat(*heat) @ by_heat
-        return np.asarray(at + moved[..., None] * (curvature_at(b, z) @ MINUS))
+            change = self._heat(*heat)
+            moved, bent = moved + change @ by_heat, bent - self._own_free(own_b, change)[..., 3:]
+        stretched = own[..., :3] + np.einsum("...i,ijk,...k->...j", own_b, self.rates.stretch, bent)
+        own = np.concatenate([stretched, own[..., 3:]], axis=-1)
+        there = (strains_at(own_b, z - self.height)[..., :3, :] @ own[..., None])[..., 0]
+        return np.asarray(there + moved[..., None] * (curvature_at(b, z) @ MINUS))
 
     def forces(self, b: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         r"""Membrane forces and moments per length of the reference surface from what does work on its strains: (..., 6).
@@ -176,20 +188,22 @@ class CurvedSection:
         free = alpha[:, :, None] * np.stack([np.ones_like(z), z], axis=-1)[:, None]
         _, strains, _ = self._flat
         held = free - flat @ strains
-        of_free, of_left = [], []
+        of_free, of_left, of_stretch = [], [], []
         for unit, minus, shrinks in zip(sums(np.eye(3)), MINUS, TRACE, strict=True):
             change = np.concatenate([np.multiply.outer(z, unit), np.multiply.outer(z * z / 2, unit)], axis=-1)
             change = change + minus[:, None] * by_strain[:, None]
             moved = -minus[:, None] * by_heat[:, None]
             one = _integral(w, flat, Q, change)
             law = one + one.T - shrinks * _integral(w * z, flat, Q, flat)
-            of_law.append(_odd(law, abd, self.own.thickness))
+            kept = _odd(law, abd, self.own.thickness)
+            of_law.append(kept)
+            of_stretch.append(np.linalg.solve(abd[:3, :3], (kept - law)[:3, 3:]))
             resultants = _integral(w, change, Q, free) + _integral(w, flat, Q, moved)
             resultants = resultants - shrinks * _integral(w * z, flat, Q, free)
             of_free.append(np.linalg.solve(abd, resultants - law @ strains))
             more = _integral(w, held, Q, moved - change @ strains)
             of_left.append(more + more.T - shrinks * _integral(w * z, held, Q, held))
-        return Rates(np.array(of_law), np.array(of_free), np.array(of_left))
+        return Rates(*map(np.array, (of_law, of_stretch, of_free, of_left)))
 
 
 def require_one_side(principal: np.ndarray, heights: np.ndarray) -> None:

@@ -12,11 +12,10 @@ from skancf.adaptive.quantities import StrainEnergy
 from skancf.arguments import flag, whole
 from skancf.assembly.system import System
 from skancf.errors import InputError
-from skancf.linear import BlockMatrix, DirectSolver
+from skancf.linear import BlockMatrix, DirectSolver, factor_shifted
 from skancf.solution import Solution
 from skancf.statics.eigen_checks import require_checks
 from skancf.statics.modes import Modes, modes, moved_along
-from skancf.statics.soft import factor_shifted
 from skancf.statics.tangents import state_tangent
 
 

@@ -1,0 +1,156 @@
+r"""What leaving shear out changes, from thin fields alone.
+
+With the shear forces Q that balance the moments M of a thin state u, and those of the weight z of a number J, the answer to
+:math:`\partial J / \partial q` with the tangent of the state,
+
+.. math::
+    F(u, z) = \int_A Q(u) \cdot S^{-1} Q(z) \, dA + \int_\Gamma c\, M_{nt}(u) M_{nt}(z)
+        - \gamma_t(u) M_{nt}(z) - M_{nt}(u) \gamma_t(z) \; ds, \qquad c = \frac{1}{\sqrt{S_{tt} D_{66}}}
+
+is J of the plate that yields to shear less J of the thin one, to first order. S is the transverse shear stiffness
+:math:`k G t` and :math:`\gamma = S^{-1} Q`. :math:`\Gamma` is the part of the boundary where directors tilt along it: free
+edges and soft supports (outward normal n, tangent t). The twisting moment of the thin theory is zero there in a plate with
+shear; it dies away in a layer of the width :math:`\sqrt{D_{66} / S_{tt}}`, with the twisting stiffness in the frame of the
+edge, that of :math:`D - B A^{-1} B`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.functions import values_at
+from skancf.history import amplitude
+from skancf.loads import EdgeMoment
+from skancf.theories.kirchhoff import local_frame
+from skancf.thinness.forces import BILINEAR, balancing, coupled
+from skancf.thinness.moments import Moments
+from skancf.thinness.rim import rim_of
+from skancf.vectors import cross
+
+REACH = 1.0
+"""Thicknesses about a singular point within which fields of the thin theory are not counted."""
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Of a state or a weight: shear forces Q (n_elements, 2, 4) at the points :data:`BILINEAR`, and along the edges the
+    twisting moment M_nt and the shear strain g_t, (n_facets, n)."""
+
+    Q: np.ndarray
+    twisting: np.ndarray
+    sliding: np.ndarray
+
+
+class ShearForm:
+    """The form F on a system of theory `kirchhoff`."""
+
+    def __init__(self, system: System, time: float | None = None):
+        self.system, self.geometry, self.time = system, system.geometry, time
+        rim = rim_of(system)
+        self._facets, self._strong = rim.tilting, rim.strong(time)
+        section = system.problem.section
+        self._compliance = np.linalg.inv(section.shear_stiffness())
+        points, weights = BILINEAR
+        jets = self.geometry.theory.jets(self.geometry.undeformed_local, points)
+        self._areas = np.linalg.norm(cross(jets[0], jets[1]), axis=0) * weights * self._counts(self.geometry.parameters(points))
+        self._elements, self._points, lengths = self.geometry.edge_quadrature(self._facets)
+        self._lengths = lengths * self._counts(self.geometry.parameters(self._points, self._elements))
+
+    def _counts(self, at: np.ndarray) -> np.ndarray:
+        """Which places (2, ...) of the parameter plane are farther than a thickness from all singular points."""
+        places, reach = np.asarray(self.geometry.surface.position(*at)), REACH * self.system.problem.section.thickness
+        out = np.ones(at.shape[1:], dtype=bool)
+        for point in self._strong.T:
+            out &= ((places - point[:, None, None]) ** 2).sum(axis=0) > reach**2
+        return out
+
+    @cached_property
+    def _frame(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tangents and outward normals (2, m, n) of the edges in the local frame, and that frame, (3, 3, m, n)."""
+        _, tangents, _ = self.geometry.edge_points(self._facets)
+        e, along = np.empty((3, 3, *self._lengths.shape)), np.empty((3, *self._lengths.shape))
+        for pick, points in self._sides:
+            elements = self._elements[pick]
+            side, jets = self.geometry.side[elements], self.geometry.theory.jets(self.geometry.undeformed_local[elements], points)
+            e[:, :, pick] = local_frame(jets, self.geometry.tangents(points, elements), side)
+            along[:, pick] = np.einsum("mg,gimn->imn", tangents[pick], jets[:2]) * side[:, None]
+        t = np.einsum("aimn,imn->amn", e[:2], along)
+        t = t / np.linalg.norm(t, axis=0)
+        return t, np.stack([t[1], -t[0]]), e
+
+    @property
+    def _sides(self) -> Any:
+        """For each side of the reference square: which facets lie there, and their points (2, n)."""
+        keys = np.round(self._points.mean(axis=2) * 2).astype(int) @ [3, 1] if len(self._facets) else np.empty(0, int)
+        for key in np.unique(keys):
+            pick = np.flatnonzero(keys == key)
+            yield pick, self.geometry.inside(self._points[pick[0]])
+
+    def _at_edges(self, quantity: Callable[[np.ndarray, np.ndarray], np.ndarray], n: int) -> np.ndarray:
+        """A quantity (m, n, p) of points and elements, at the points of all edges."""
+        out = np.zeros((len(self._facets), n, self._lengths.shape[1]))
+        for pick, points in self._sides:
+            out[pick] = quantity(points, self._elements[pick])
+        return out
+
+    def fields(self, moments: Moments) -> Fields:
+        """Of moments that balance without forces between the edges."""
+        inside = self.geometry.inside(BILINEAR[0])
+        M = moments(BILINEAR[0], None)
+        Q = balancing(self.geometry, M, inside)
+        t, n, _ = self._frame
+        at_edges = self._at_edges(moments, 3).swapaxes(0, 1)
+        twisting = n[0] * t[0] * at_edges[0] + n[1] * t[1] * at_edges[1] + (n[0] * t[1] + n[1] * t[0]) * at_edges[2]
+        forces = self._at_edges(lambda points, elements: balancing(self.geometry, M[elements], points, elements), 2)
+        return Fields(Q, twisting, self._sliding(forces))
+
+    def of_state(self, moments: Moments, q: np.ndarray, factor: float) -> Fields:
+        """Of a state under its loads: eccentric weight takes part in the balance, and moments on edges twist them."""
+        out, couple = self.fields(moments), self.system.couple(self.time)
+        Q, sliding = out.Q, out.sliding
+        if couple is not None:
+            Q = Q + factor * coupled(self.geometry, q, self.geometry.inside(BILINEAR[0]), couple)
+            forces = self._at_edges(lambda points, elements: coupled(self.geometry, q, points, couple, elements), 2)
+            sliding = sliding + factor * self._sliding(forces)
+        return Fields(Q, out.twisting - factor * self._applied, sliding)
+
+    def _sliding(self, forces: np.ndarray) -> np.ndarray:
+        """Shear strain along the edges (m, n) of shear forces there, (m, 2, n)."""
+        return np.asarray(np.einsum("amn,ab,mbn->mn", self._frame[0], self._compliance, forces))
+
+    @property
+    def _applied(self) -> np.ndarray:
+        """Twisting moments that loads apply along the edges, (n_facets, n): t . (m x e3) of a moment m."""
+        out, (t, _, e) = np.zeros(self._lengths.shape), self._frame
+        along = np.einsum("amn,aimn->imn", t, e[:2])
+        for load in (load for load in self.system.problem.loads if isinstance(load, EdgeMoment)):
+            here = np.isin(self._facets, self.geometry.facets_on(load.where))
+            at = self.geometry.parameters(self._points[here], self._elements[here])
+            m = amplitude(load.history, self.time) * values_at("moment", load.moment, at, 3)
+            out[here] += (along[:, here] * cross(m, e[2][:, here])).sum(axis=0)
+        return out
+
+    def product(self, one: Fields, two: Fields) -> float:
+        """F of two."""
+        return float(self.shares(one, two).sum())
+
+    def shares(self, one: Fields, two: Fields) -> np.ndarray:
+        """What each element has in F, (n_elements,)."""
+        inside = np.einsum("eip,ij,ejp,ep->e", one.Q, self._compliance, two.Q, self._areas)
+        along = self._layer * one.twisting * two.twisting - one.sliding * two.twisting - one.twisting * two.sliding
+        return inside + np.bincount(self._elements, (along * self._lengths).sum(axis=1), minlength=len(inside))
+
+    @cached_property
+    def _layer(self) -> np.ndarray:
+        """c, (n_facets, n)."""
+        section = self.system.problem.section
+        abd, (t, n, _) = section.abd(), self._frame
+        D = abd[3:, 3:] - abd[3:, :3] @ np.linalg.solve(abd[:3, :3], abd[:3, 3:])
+        twist = np.stack([n[0] * t[0], n[1] * t[1], n[0] * t[1] + n[1] * t[0]])
+        stiffness = np.einsum("amn,ab,bmn->mn", twist, D, twist)
+        shear = np.einsum("amn,ab,bmn->mn", t, np.linalg.inv(self._compliance), t)
+        return np.asarray(1 / np.sqrt(stiffness * shear))

@@ -14,7 +14,7 @@ from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.materials import Section
-from skancf.thinness import BILINEAR, FREE, Fields, ShearForm, moments_of, moments_of_small, share_of, shear_forces
+from skancf.thinness import BILINEAR, FREE, Fields, ShearForm, share_of, shear_forces
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 Depth = float | str
@@ -224,8 +224,8 @@ class Solution:
 
     @property
     def shear_share(self) -> float:
-        """How much theory `kirchhoff` leaves out: by which part transverse shear would change the strain energy, to first
-        order, edge layers included (:mod:`skancf.thinness.form`); zero in `full`."""
+        """By which part transverse shear, which theory `kirchhoff` leaves out, would change the strain energy, edge layers
+        included: see :mod:`skancf.thinness.form`. Zero in `full`."""
         return self.shear_share_of(None)
 
     def shear_share_of(self, elements: np.ndarray | None) -> float:
@@ -243,9 +243,8 @@ class Solution:
 
     def shear_fields(self) -> tuple[ShearForm, Fields]:
         """The form that says what leaving shear out changes, and this state's fields in it; for theory `kirchhoff`."""
-        system, form = self.system, ShearForm(self.system, self.time)
-        of, at = (moments_of_small, self.change) if self.linear else (moments_of, self.q)
-        return form, form.of_state(of(system, at, self.load_factor, self.time), self.q, self.load_factor)
+        form = ShearForm(self.system, self.time)
+        return form, form.of_state(self.q, self.change if self.linear else None, self.load_factor)
 
     @property
     def rest_share(self) -> float:

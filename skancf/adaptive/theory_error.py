@@ -44,6 +44,11 @@ class TheoryError:
 NOTHING = TheoryError(0.0, 0.0)
 
 
+def unknown(why: str) -> TheoryError:
+    """That it cannot be told."""
+    return TheoryError(float("nan"), float("nan"), False, why)
+
+
 def theory_error(solution: Solution, quantity: Quantity | None = None, *, backend: str = "auto") -> TheoryError:
     r"""By how much transverse shear, which theory `kirchhoff` leaves out, would change a number.
 
@@ -81,12 +86,12 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     if not solution.system.geometry.theory.twist:
         return NOTHING
     if solution.velocity is not None or solution.time is not None:
-        raise InputError("the error of the theory is that of an equilibrium, and this is a state of a motion; give an answer of "
+        raise InputError("the error of the theory is that of an equilibrium, and this is a state of a motion; give one of "
                          "solve or solve_linear")  # fmt: skip
     if isinstance(quantity, SectionForce) and quantity.at is not None:
-        raise InputError(f"SectionForce({quantity.component!r}, at={quantity.at}): what the theory leaves out of a section force "
-                         "at a point cannot be told by its dual weight, which is too singular there; give a mean over two "
-                         "elements or more each way, SectionForce(..., within=((x0, x1), (y0, y1)))")  # fmt: skip
+        raise InputError(f"SectionForce({quantity.component!r}, at={quantity.at}): what the theory leaves out of a section "
+                         "force at a point cannot be told by its dual weight, which is too singular there; give a mean over "
+                         "two elements or more each way, SectionForce(..., within=((x0, x1), (y0, y1)))")  # fmt: skip
     form, fields = solution.shear_fields()
     change = form.product(fields, _dual(form, solution, quantity, backend))
     if isinstance(quantity, StrainEnergy):
@@ -94,11 +99,25 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     return judged(change, value_of(quantity, solution), _coarse(quantity, solution))
 
 
+def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
+    """:func:`theory_error`, or the reason why there is none."""
+    try:
+        return theory_error(solution, quantity, backend=backend)
+    except Exception as none:  # a user's quantity may fail in many ways, and the rest of a result is there
+        return unknown(str(none))
+
+
+def of_eigenvalue(value: float, share: float) -> TheoryError:
+    """That of a frequency or buckling load, of which a part changes."""
+    return judged(value * share, value) if np.isfinite(share) else unknown("the motion has no stiffness, or is not stable")
+
+
 def judged(change: float, value: float, note: str = "") -> TheoryError:
     """A change of a number as its error, said to be of an order of magnitude only where it is large."""
     share = change / value if value else float("nan")
     if not abs(change) < SOUND * abs(value):
-        note = "; ".join(filter(None, (note, f"of an order of magnitude only, as it is no less than {SOUND:g} of the number")))
+        large = f"of an order of magnitude only, as it is no less than {SOUND:g} of the number"
+        note = f"{note}; {large}" if note else large
     return TheoryError(change, share, not note, note)
 
 
@@ -136,5 +155,7 @@ def _coarse(quantity: Any, state: Solution) -> str:
         return ""
     geometry, (elements, _, _) = state.system.geometry, quantity.weights(state.system)
     corners = geometry.mesh.p[:, geometry.mesh.t[:, elements]]
-    fewest = min(len(np.unique(np.round(side / np.ptp(geometry.mesh.p[k]), 9))) for k, side in enumerate(corners.min(axis=1)))
-    return "" if fewest >= 2 else "of an order of magnitude only, as the mean is over one element across"
+    starts = corners.min(axis=1) / np.ptp(geometry.mesh.p, axis=1)[:, None]
+    if min(len(np.unique(np.round(start, 9))) for start in starts) >= 2:
+        return ""
+    return "of an order of magnitude only, as the mean is over one element across"

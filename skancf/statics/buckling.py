@@ -78,7 +78,9 @@ class BucklingResult:
 
     @cached_property
     def theory_errors(self) -> np.ndarray:
-        r"""By which part of itself transverse shear, which theory `kirchhoff` leaves out, would change each load factor, (n,).
+        r"""By which part of itself transverse shear, which theory `kirchhoff` leaves out, would change each load factor.
+
+        Shape (n,).
 
         .. math:: \frac{\lambda_{\text{with}}}{\lambda} - 1 \approx \frac{1}{1 + F(\phi, \phi)} - 1
 

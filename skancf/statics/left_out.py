@@ -43,13 +43,13 @@ def buckling_changes(linear: Solution, shapes: np.ndarray) -> np.ndarray:
 
 
 def warn_of_changes(what: str, changes: np.ndarray) -> None:
-    """A warning where theory `kirchhoff` leaves out much of a ``"frequency"`` or ``"buckling load"``, (n,) of their parts."""
+    """A warning where theory `kirchhoff` leaves much out of a ``"frequency"`` or ``"buckling load"``, (n,) of them."""
     much = MUCH / 2 if what == "frequency" else MUCH
     if not (np.abs(changes) > much).any():
         return
     worst = int(np.nanargmax(np.abs(changes)))
+    left_out = "transverse shear" + " and rotary inertia" * (what == "frequency")
     warn(
-        f"theory 'kirchhoff' leaves out transverse shear{' and rotary inertia' * (what == 'frequency')}, which would lower the "
-        f"{what} number {worst} by about {-100 * changes[worst]:.2g} % (over {100 * much:g} %): take theory 'full', or let "
-        "theory='auto' choose"
+        f"theory 'kirchhoff' leaves out {left_out}, which would lower the {what} number {worst} by about "
+        f"{-100 * changes[worst]:.2g} % (over {100 * much:g} %): take theory 'full', or let theory='auto' choose"
     )

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from skancf.assembly.system import System
 from skancf.errors import InputError, SingularMatrix
 from skancf.thinness.form import ShearForm
-from skancf.thinness.moments import moments_of_small
 from skancf.thinness.vibration import first_share
 
 
@@ -38,8 +37,9 @@ def share_of(product: float, energy: float, heat: float) -> float:
 
 
 def choose(system: System, tolerance: float) -> Choice:
-    """The cheapest theory whose modelling error is below a tolerance, from the small-deflection answer of the thin one; without
-    loads from its first vibration.
+    """The cheapest theory whose modelling error is below a tolerance.
+
+    From the small-deflection answer of the thin one, without loads from its first vibration.
 
     Raises
     ------
@@ -47,8 +47,8 @@ def choose(system: System, tolerance: float) -> Choice:
         Where there is neither: a motion is free under the loads, or nothing strains the surface.
     """
     if not _loaded(system):
-        return _chosen(first_share(system), "without loads: leaving transverse shear and rotary inertia out changes the square of "
-                       "the first frequency", tolerance)  # fmt: skip
+        what = "without loads: leaving transverse shear and rotary inertia out changes the square of the first frequency"
+        return _chosen(first_share(system), what, tolerance)
     way_out = "name the theory, 'kirchhoff' or 'full'"
     try:
         change = system.linear_change()
@@ -58,7 +58,7 @@ def choose(system: System, tolerance: float) -> Choice:
     if not (energy > 0 or heat > 0):
         raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")
     form = ShearForm(system)
-    fields = form.of_state(moments_of_small(system, change), system.undeformed + change, 1.0)
+    fields = form.of_state(system.undeformed + change, change, 1.0)
     share = share_of(form.product(fields, fields), energy, heat)
     return _chosen(share, "leaving transverse shear out changes the strain energy", tolerance)
 

@@ -5,13 +5,15 @@ With the shear forces Q that balance the moments M of a thin state u, and those 
 
 .. math::
     F(u, z) = \int_A Q(u) \cdot S^{-1} Q(z) \, dA + \int_\Gamma c\, M_{nt}(u) M_{nt}(z)
-        - \gamma_t(u) M_{nt}(z) - M_{nt}(u) \gamma_t(z) \; ds, \qquad c = \frac{1}{\sqrt{S_{tt} D_{66}}}
+        - \gamma_t(u) M_{nt}(z) - M_{nt}(u) \gamma_t(z) \; ds,
+        \qquad c^2 = \frac{(S^{-1})_{tt}}{D_{66} - D_{16}^2 / D_{11}}
 
 is J of the plate that yields to shear less J of the thin one, to first order. S is the transverse shear stiffness
 :math:`k G t` and :math:`\gamma = S^{-1} Q`. :math:`\Gamma` is the part of the boundary where directors tilt along it: free
 edges and soft supports (outward normal n, tangent t). The twisting moment of the thin theory is zero there in a plate with
-shear; it dies away in a layer of the width :math:`\sqrt{D_{66} / S_{tt}}`, with the twisting stiffness in the frame of the
-edge, that of :math:`D - B A^{-1} B`.
+shear; it dies away in a layer of the width :math:`\sqrt{D_{66} / S_{tt}}`, a third of the thickness of one material. The
+bending stiffness is that of :math:`D - B A^{-1} B` in the frame n, t of the edge; in the layer neither :math:`M_{nn}` nor
+:math:`Q_n` changes, so that a part of what resists twisting and sliding gives way.
 """
 
 from collections.abc import Callable
@@ -27,12 +29,13 @@ from skancf.history import amplitude
 from skancf.loads import EdgeMoment
 from skancf.theories.kirchhoff import local_frame
 from skancf.thinness.forces import BILINEAR, balancing, coupled
-from skancf.thinness.moments import Moments
+from skancf.thinness.moments import Moments, moments_of, moments_of_small
 from skancf.thinness.rim import rim_of
 from skancf.vectors import cross
 
-REACH = 1.0
-"""Thicknesses about a singular point within which fields of the thin theory are not counted."""
+REACH = 0.8
+"""Widths of an edge layer, about a quarter of the thickness, within which of a singular point the fields of the thin theory
+are not counted: by measurement, docs/measure/theory_error.py."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +59,14 @@ class ShearForm:
         self._compliance = np.linalg.inv(section.shear_stiffness())
         points, weights = BILINEAR
         jets = self.geometry.theory.jets(self.geometry.undeformed_local, points)
-        self._areas = np.linalg.norm(cross(jets[0], jets[1]), axis=0) * weights * self._counts(self.geometry.parameters(points))
+        areas = np.linalg.norm(cross(jets[0], jets[1]), axis=0) * weights
+        self._areas = areas * self._counts(self.geometry.parameters(points))
         self._elements, self._points, lengths = self.geometry.edge_quadrature(self._facets)
         self._lengths = lengths * self._counts(self.geometry.parameters(self._points, self._elements))
 
     def _counts(self, at: np.ndarray) -> np.ndarray:
-        """Which places (2, ...) of the parameter plane are farther than a thickness from all singular points."""
-        places, reach = np.asarray(self.geometry.surface.position(*at)), REACH * self.system.problem.section.thickness
+        """Which places (2, ...) of the parameter plane are so far from singular points that thin fields mean something."""
+        places, reach = np.asarray(self.geometry.surface.position(*at)), REACH * self._width
         out = np.ones(at.shape[1:], dtype=bool)
         for point in self._strong.T:
             out &= ((places - point[:, None, None]) ** 2).sum(axis=0) > reach**2
@@ -74,8 +78,8 @@ class ShearForm:
         _, tangents, _ = self.geometry.edge_points(self._facets)
         e, along = np.empty((3, 3, *self._lengths.shape)), np.empty((3, *self._lengths.shape))
         for pick, points in self._sides:
-            elements = self._elements[pick]
-            side, jets = self.geometry.side[elements], self.geometry.theory.jets(self.geometry.undeformed_local[elements], points)
+            elements, side = self._elements[pick], self.geometry.side[self._elements[pick]]
+            jets = self.geometry.theory.jets(self.geometry.undeformed_local[elements], points)
             e[:, :, pick] = local_frame(jets, self.geometry.tangents(points, elements), side)
             along[:, pick] = np.einsum("mg,gimn->imn", tangents[pick], jets[:2]) * side[:, None]
         t = np.einsum("aimn,imn->amn", e[:2], along)
@@ -108,9 +112,13 @@ class ShearForm:
         forces = self._at_edges(lambda points, elements: balancing(self.geometry, M[elements], points, elements), 2)
         return Fields(Q, twisting, self._sliding(forces))
 
-    def of_state(self, moments: Moments, q: np.ndarray, factor: float) -> Fields:
-        """Of a state under its loads: eccentric weight takes part in the balance, and moments on edges twist them."""
-        out, couple = self.fields(moments), self.system.couple(self.time)
+    def of_state(self, q: np.ndarray, change: np.ndarray | None, factor: float) -> Fields:
+        """Of a state under its loads, with a ``change`` of a small-deflection answer.
+
+        Eccentric weight takes part in the balance, and moments on edges twist them.
+        """
+        of, at = (moments_of, q) if change is None else (moments_of_small, change)
+        out, couple = self.fields(of(self.system, at, factor, self.time)), self.system.couple(self.time)
         Q, sliding = out.Q, out.sliding
         if couple is not None:
             Q = Q + factor * coupled(self.geometry, q, self.geometry.inside(BILINEAR[0]), couple)
@@ -144,13 +152,23 @@ class ShearForm:
         along = self._layer * one.twisting * two.twisting - one.sliding * two.twisting - one.twisting * two.sliding
         return inside + np.bincount(self._elements, (along * self._lengths).sum(axis=1), minlength=len(inside))
 
+    @property
+    def _bending(self) -> np.ndarray:
+        """D - B A^-1 B, (3, 3)."""
+        abd = self.system.problem.section.abd()
+        return np.asarray(abd[3:, 3:] - abd[3:, :3] @ np.linalg.solve(abd[:3, :3], abd[:3, 3:]))
+
+    @property
+    def _width(self) -> float:
+        """Of an edge layer, in the mean over both directions (m)."""
+        return float(np.sqrt(self._bending[2, 2] * np.trace(self._compliance) / 2))
+
     @cached_property
     def _layer(self) -> np.ndarray:
         """c, (n_facets, n)."""
-        section = self.system.problem.section
-        abd, (t, n, _) = section.abd(), self._frame
-        D = abd[3:, 3:] - abd[3:, :3] @ np.linalg.solve(abd[:3, :3], abd[:3, 3:])
+        t, n, _ = self._frame
         twist = np.stack([n[0] * t[0], n[1] * t[1], n[0] * t[1] + n[1] * t[0]])
-        stiffness = np.einsum("amn,ab,bmn->mn", twist, D, twist)
-        shear = np.einsum("amn,ab,bmn->mn", t, np.linalg.inv(self._compliance), t)
-        return np.asarray(1 / np.sqrt(stiffness * shear))
+        bend = np.stack([n[0] ** 2, n[1] ** 2, 2 * n[0] * n[1]])
+        D66, D16, D11 = (np.einsum("amn,ab,bmn->mn", one, self._bending, two)
+                         for one, two in ((twist, twist), (twist, bend), (bend, bend)))  # fmt: skip
+        return np.asarray(np.sqrt(np.einsum("amn,ab,bmn->mn", t, self._compliance, t) / (D66 - D16**2 / D11)))

@@ -14,6 +14,8 @@ FREE, MIRROR, SUPPORTED, CLAMPED = range(4)
 """Kinds of edges: one for a rotation about the edge that is held, and two for a deflection that is."""
 HELD = 1 - 1e-6
 """Part of a unit vector that is prescribed."""
+COUPLED = 0.05
+"""D16 over the root of D11 D66 from which on it counts."""
 MORE = np.radians(2.0)
 """By how much the angle of a corner has to be larger than one without a singularity."""
 
@@ -51,8 +53,10 @@ class Rim:
         return np.asarray(self.facets[out])
 
     def strong(self, time: float | None) -> np.ndarray:
-        """Positions (3, k) of points about which the energy of the shear forces of the thin theory has no limit: corners, and
-        forces, moments and supports at single points."""
+        """Positions (3, k) of points about which the energy of the thin theory's shear forces has no limit.
+
+        Those are corners, and forces, moments and supports at single points.
+        """
         geometry = self.system.geometry
         loads = [at for at in (load.places(time) for load in self.system.loads) if at.shape[1] == 1]
         return np.asarray(geometry.surface.position(*np.hstack([geometry.points[:, self._corners | self._single], *loads])))
@@ -77,19 +81,26 @@ class Rim:
         """Nodes of the boundary where it is singular, (n_nodes,).
 
         By the largest angle that is not (Williams 1952): 180 degrees between edges of one kind, 90 where one is supported
-        and not all, or all and the boundary turns, none between a clamped and a free edge. A mirror doubles the angle.
+        and not all, or all and the boundary turns, none between a clamped and a free edge. A mirror doubles the angle. Where
+        bending along an edge twists the plate, right angles between supports are what larger ones are without that.
         """
         n = self.system.geometry.n_nodes
         ends = self.system.geometry.ends(self.facets)
         counts = np.stack([np.bincount(ends[:, self.kinds == kind].ravel(), minlength=n) for kind in range(4)])
-        free, mirror, supported, clamped = counts > 0
+        free, _, supported, clamped = counts > 0
         angles = self._angles * np.where(counts[MIRROR] == 1, 2, 1)
         turns = np.abs(angles - np.pi) > MORE
         mixed = free.astype(int) + supported + clamped > 1
         out = turns & (angles > np.pi + MORE)
-        out |= supported & (mixed | turns) & (angles > np.pi / 2 + MORE)
+        out |= supported & (mixed | turns) & (angles > (0 if self._couples else np.pi / 2 + MORE))
         out |= clamped & free
         return out & (counts.sum(axis=0) > 0) & (counts[MIRROR] < 2)
+
+    @property
+    def _couples(self) -> bool:
+        """Does the section couple bending and twisting along its axes?"""
+        D = self.system.problem.section.abd()[3:, 3:]
+        return bool((D[:2, 2] ** 2 > COUPLED**2 * D[2, 2] * D.diagonal()[:2]).any())
 
     @property
     def _single(self) -> np.ndarray:

@@ -1,7 +1,7 @@
 r"""What shear and the rotary inertia of the normal do to eigenvalues of the thin theory.
 
-With the energy E of a shape :math:`\phi` without the stresses of the state, the compliance of shear is in series with that of
-bending: E falls to :math:`E / (1 + F(\phi, \phi) / E)`. The mass grows by the rotary inertia of the normals.
+With the energy E of a shape :math:`\phi` without the stresses of the state, the compliance of shear is in series with that
+of bending: E falls to :math:`E / (1 + F(\phi, \phi) / E)`. The mass grows by the rotary inertia of the normals.
 """
 
 from typing import Any

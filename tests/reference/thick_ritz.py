@@ -1,7 +1,7 @@
 r"""Ritz's method for square plates of side 1 by Legendre polynomials, with shear (Mindlin 1951) and without; D = 1.
 
-Energies :math:`\tfrac12 \int \kappa \cdot D \kappa + k G h |\nabla w - \theta|^2` with the curvature of :math:`\theta`, and the
-same with :math:`\theta = \nabla w`. Of all fields the class that is symmetric about both middle lines. Global polynomials see
+Energies :math:`\tfrac12 \int \kappa \cdot D \kappa + k G h |\nabla w - \theta|^2` with the curvature of :math:`\theta`, and
+the same with :math:`\theta = \nabla w`. Only fields that are symmetric about both middle lines. Global polynomials see
 an edge layer of the width l from the degree :math:`\sqrt{1 / l}` on.
 """
 
@@ -85,7 +85,8 @@ def _matrices(edges: str, h: float, n: int, poisson: float) -> tuple:
     K = sum(law[i, j] * (curvature[i] * area) @ curvature[j].T for i in range(3) for j in range(3) if law[i, j])
     stiffness = 5 / 6 * 6 * (1 - poisson) / h**2  # k G h / D
     K = K + stiffness * sum((s * area) @ s.T for s in (np.vstack((w_x, -p, zero)), np.vstack((w_y, zero, -r))))
-    on_w, along, turned = np.vstack((w, zero, zero)), np.vstack((w_x, zero, zero)), (np.vstack((zero, p, zero)), np.vstack((zero, zero, r)))
+    on_w, along = np.vstack((w, zero, zero)), np.vstack((w_x, zero, zero))
+    turned = (np.vstack((zero, p, zero)), np.vstack((zero, zero, r)))
     mass = (on_w * area) @ on_w.T + h**2 / 12 * sum((v * area) @ v.T for v in turned)
     return fields, K, on_w @ area, mass, (along * area) @ along.T
 

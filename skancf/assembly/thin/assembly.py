@@ -129,7 +129,8 @@ class ThinAssembly(CompiledAssembly):
         plain = self._plain(elements)
         if theory.assumed and len(plain):
             change[plain] = PLAIN.strains(now[plain], points) - PLAIN.strains(before[plain], points)
-        turn, _ = covariant_to_local(theory.jets(before, points), geometry.tangents(points, elements), geometry.side[elements])
+        jets = theory.jets(before, points)
+        turn, _ = covariant_to_local(jets, geometry.tangents(points, elements), geometry.side[elements])
         return np.asarray(np.einsum("ikep,ekp->eip", turn, change))
 
     def section_forces(

@@ -19,7 +19,6 @@ bending stiffness is that of :math:`D - B A^{-1} B` in the frame n, t of the edg
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -36,6 +35,8 @@ from skancf.vectors import cross
 REACH = 0.8
 """Widths of an edge layer, about a quarter of the thickness, within which of a singular point the fields of the thin theory
 are not counted: by measurement, docs/measure/theory_error.py."""
+N_EDGE = 3
+"""Gauss points on each edge."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class ShearForm:
         jets = self.geometry.theory.jets(self.geometry.undeformed_local, points)
         areas = np.linalg.norm(cross(jets[0], jets[1]), axis=0) * weights
         self._areas = areas * self._counts(self.geometry.parameters(points))
-        self._elements, self._points, lengths = self.geometry.edge_quadrature(self._facets)
+        self._elements, self._points, lengths = self.geometry.edge_quadrature(self._facets, N_EDGE)
         self._lengths = lengths * self._counts(self.geometry.parameters(self._points, self._elements))
 
     def _counts(self, at: np.ndarray) -> np.ndarray:
@@ -75,31 +76,39 @@ class ShearForm:
     @cached_property
     def _frame(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tangents and outward normals (2, m, n) of the edges in the local frame, and that frame, (3, 3, m, n)."""
-        _, tangents, _ = self.geometry.edge_points(self._facets)
-        e, along = np.empty((3, 3, *self._lengths.shape)), np.empty((3, *self._lengths.shape))
-        for pick, points in self._sides:
-            elements, side = self._elements[pick], self.geometry.side[self._elements[pick]]
-            jets = self.geometry.theory.jets(self.geometry.undeformed_local[elements], points)
-            e[:, :, pick] = local_frame(jets, self.geometry.tangents(points, elements), side)
-            along[:, pick] = np.einsum("mg,gimn->imn", tangents[pick], jets[:2]) * side[:, None]
-        t = np.einsum("aimn,imn->amn", e[:2], along)
+        geometry, elements = self.geometry, self._inner[0]
+        if not len(elements):
+            return np.zeros((2, 0, N_EDGE)), np.zeros((2, 0, N_EDGE)), np.zeros((3, 3, 0, N_EDGE))
+        points, side = self._inner[1], geometry.side[elements]
+        jets = geometry.theory.jets(geometry.undeformed_local[elements], points)
+        frame = local_frame(jets, geometry.tangents(points, elements), side)
+        e, slopes = (np.stack([np.stack([self._picked(c) for c in v]) for v in vectors]) for vectors in (frame, jets[:2]))
+        tangents = geometry.edge_points(self._facets, N_EDGE)[1] * geometry.side[self._elements][:, None]
+        t = np.einsum("aimn,mg,gimn->amn", e[:2], tangents, slopes)
         t = t / np.linalg.norm(t, axis=0)
         return t, np.stack([t[1], -t[0]]), e
 
-    @property
-    def _sides(self) -> Any:
-        """For each side of the reference square: which facets lie there, and their points (2, n)."""
-        keys = np.round(self._points.mean(axis=2) * 2).astype(int) @ [3, 1] if len(self._facets) else np.empty(0, int)
-        for key in np.unique(keys):
-            pick = np.flatnonzero(keys == key)
-            yield pick, self.geometry.inside(self._points[pick[0]])
+    @cached_property
+    def _inner(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Elements (k,) at the edges, points (2, p) of all their sides, and for each facet its element among them, (m,), and
+        its points among those, (m, n): values at all of them are found at once."""
+        elements, row = np.unique(self._elements, return_inverse=True)
+        middle = np.round(2 * self._points.mean(axis=2)).astype(int) @ [3, 1]
+        _, first, side = np.unique(middle, return_index=True, return_inverse=True)
+        points = self.geometry.inside(np.hstack([np.empty((2, 0)), *self._points[first]]))
+        return elements, points, row, N_EDGE * side[:, None] + np.arange(N_EDGE)
+
+    def _picked(self, values: np.ndarray) -> np.ndarray:
+        """Values (m, n) of the edges from those (k, p) of their elements."""
+        _, _, row, column = self._inner
+        return np.asarray(values[row[:, None], column])
 
     def _at_edges(self, quantity: Callable[[np.ndarray, np.ndarray], np.ndarray], n: int) -> np.ndarray:
-        """A quantity (m, n, p) of points and elements, at the points of all edges."""
-        out = np.zeros((len(self._facets), n, self._lengths.shape[1]))
-        for pick, points in self._sides:
-            out[pick] = quantity(points, self._elements[pick])
-        return out
+        """A quantity (k, n, p) of points and elements, at the points of all edges: (n, m, points)."""
+        elements, points, _, _ = self._inner
+        if not len(elements):
+            return np.zeros((n, 0, N_EDGE))
+        return np.stack([self._picked(one) for one in quantity(points, elements).swapaxes(0, 1)])
 
     def fields(self, moments: Moments) -> Fields:
         """Of moments that balance without forces between the edges."""
@@ -107,7 +116,7 @@ class ShearForm:
         M = moments(BILINEAR[0], None)
         Q = balancing(self.geometry, M, inside)
         t, n, _ = self._frame
-        at_edges = self._at_edges(moments, 3).swapaxes(0, 1)
+        at_edges = self._at_edges(moments, 3)
         twisting = n[0] * t[0] * at_edges[0] + n[1] * t[1] * at_edges[1] + (n[0] * t[1] + n[1] * t[0]) * at_edges[2]
         forces = self._at_edges(lambda points, elements: balancing(self.geometry, M[elements], points, elements), 2)
         return Fields(Q, twisting, self._sliding(forces))
@@ -127,8 +136,8 @@ class ShearForm:
         return Fields(Q, out.twisting - factor * self._applied, sliding)
 
     def _sliding(self, forces: np.ndarray) -> np.ndarray:
-        """Shear strain along the edges (m, n) of shear forces there, (m, 2, n)."""
-        return np.asarray(np.einsum("amn,ab,mbn->mn", self._frame[0], self._compliance, forces))
+        """Shear strain along the edges (m, n) of shear forces there, (2, m, n)."""
+        return np.asarray(np.einsum("amn,ab,bmn->mn", self._frame[0], self._compliance, forces))
 
     @property
     def _applied(self) -> np.ndarray:

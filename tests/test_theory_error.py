@@ -1,4 +1,4 @@
-"""What leaving shear out changes: against plates with shear by Ritz's method, Saint-Venant's torsion, and what must be zero."""
+"""What leaving shear out changes: against Ritz's method with shear, Saint-Venant's torsion, and what must be zero."""
 
 import warnings
 from math import pi
@@ -125,7 +125,7 @@ def test_torsion_of_a_strip(width, least):
 
 
 def test_moments_that_twist_an_edge_are_no_layer():
-    """A plate of constant twist: by moments along its edges it has no layer, by forces at its corners it has c M^2 on all."""
+    """A plate of constant twist: with moments along its edges it has no layer, with forces at its corners c M^2 on all."""
     h, m, surface = 0.1, 1e-6, sk.Rectangle(1.0, 0.8)
     held = [sk.Pin([(0.0, 0.0)]), sk.Roller([(1.0, 0.0), (0.0, 0.8)]), sk.Roller([(1.0, 0.0)], (0.0, 1.0, 0.0))]
     moments = [sk.EdgeMoment(side, axis) for side, axis in
@@ -232,7 +232,7 @@ def test_no_false_alarm_at_a_corner_and_none_missed():
     tree, found = sk.meshes.quadtree(mesh), []
     for _ in range(5):
         solution = quiet(sk.solve_linear, problem.on(tree, "kirchhoff"))
-        form, fields = solution.shear_fields()
+        form, _ = solution.shear_fields()
         found.append(solution.shear_share)
         tree = tree.refined(np.flatnonzero(np.hypot(*tree.p[:, tree.t].mean(axis=1)) < 0.36 * 0.6 ** len(found) + 0.02))
     assert form._strong.shape[1] == 1
@@ -298,7 +298,8 @@ def test_auto_judges_a_problem_without_loads_by_its_first_frequency(edges, h, th
 
 def test_auto_judges_a_free_plate():
     surface = sk.Rectangle(1.0, 0.7)
-    mesh, plates = sk.meshes.uniform(surface, 6, 4), [sk.Problem(surface, h, sk.Isotropic(1e6, 0.3, 1.0)) for h in (0.005, 0.1)]
+    mesh, law = sk.meshes.uniform(surface, 6, 4), sk.Isotropic(1e6, 0.3, 1.0)
+    plates = [sk.Problem(surface, h, law) for h in (0.005, 0.1)]
     choices = [plate.on(mesh, "auto").choice for plate in plates]
     assert [choice.theory for choice in choices] == ["kirchhoff", "full"]
     found = quiet(sk.modes, plates[1].on(mesh, "kirchhoff"), 7)

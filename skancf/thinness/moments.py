@@ -6,13 +6,12 @@ from typing import Any
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.assembly.unstressed import derivative
 from skancf.theories.kirchhoff import covariant_to_local
 from skancf.theories.kirchhoff_point import DOUBLED, FIRST, SECOND, dot, dual, unit_normal
 
 Moments = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
 """Moments (m, 3, n) at local points (2, n) of elements (m,), None for all of them."""
-SMALL = 1e-5
-"""Relative change of the nodal coordinates over which moments are differenced: its cubic term is below rounding."""
 
 
 def moments_of(system: System, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> Moments:
@@ -45,8 +44,8 @@ def moments_of_small(system: System, change: np.ndarray, factor: float = 1.0, ti
 def moment_rates(system: System, q: np.ndarray, change: np.ndarray) -> Moments:
     """Their derivative along a change of the nodal coordinates q."""
     abd = system.problem.section.abd()
-    if abd[:3, 3:].any():
-        return _differences(system, q, change)
+    if abd[:3, 3:].any():  # with the assumed membrane strains that bending is coupled to
+        return lambda points, elements: derivative(lambda v: moments_of(system, v)(points, elements), q, change)
     geometry, theory = system.geometry, system.geometry.theory
 
     def local(v: np.ndarray, elements: np.ndarray) -> np.ndarray:
@@ -70,13 +69,3 @@ def _curvature_rates(jet: np.ndarray, moved: np.ndarray) -> np.ndarray:
         -c * (dot(n, moved[ab]) - sum(dot(jet[ab], duals[g]) * tilts[g] for g in FIRST))
         for ab, c in zip(SECOND, DOUBLED, strict=True)
     ])  # fmt: skip
-
-
-def _differences(system: System, q: np.ndarray, change: np.ndarray) -> Moments:
-    """The same by a central difference, with the assumed membrane strains that bending is coupled to."""
-    sizes = [np.abs(v.reshape(-1, 4, 3)[:, :3]).max(axis=(0, 2)) for v in (change, system.undeformed)]
-    size = float((sizes[0] / sizes[1]).max())
-    step = SMALL / size if size > 0 else 1.0
-    ahead, behind = (moments_of(system, q + sign * step * change) for sign in (1, -1))
-
-    return lambda points, elements: (ahead(points, elements) - behind(points, elements)) / (2 * step)

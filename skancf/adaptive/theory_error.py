@@ -1,6 +1,6 @@
 """The error of a number that leaving shear out makes, from thin fields alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -114,6 +114,8 @@ def of_eigenvalue(value: float, share: float) -> TheoryError:
 
 def judged(change: float, value: float, note: str = "") -> TheoryError:
     """A change of a number as its error, said to be of an order of magnitude only where it is large."""
+    if change == 0:
+        return replace(NOTHING, sound=not note, note=note)
     share = change / value if value else float("nan")
     if not abs(change) < SOUND * abs(value):
         large = f"of an order of magnitude only, as it is no less than {SOUND:g} of the number"

@@ -1,11 +1,14 @@
 """Where on its rim a plate lets its directors tilt, and near which points the thin theory means nothing."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.errors import InputError
 from skancf.supports import Dashpot
 from skancf.supports.conditions import R_X, R_Y, R
 from skancf.surfaces import normal
@@ -46,11 +49,21 @@ class Rim:
 
         The thin nodes do not know it of a support; one with the attribute ``kind`` of value ``"hard"`` keeps the tilt.
         """
-        out, geometry = (self.kinds == FREE) | (self.kinds == SUPPORTED), self.system.geometry
-        for support in self.system.problem.supports:
+        out = (self.kinds == FREE) | (self.kinds == SUPPORTED)
+        for support, _, facets in self._placed:
             if getattr(support, "kind", None) == "hard":
-                out &= ~np.isin(self.facets, geometry.points_and_facets(support.where)[1])
+                out &= ~np.isin(self.facets, facets)
         return np.asarray(self.facets[out])
+
+    @cached_property
+    def _placed(self) -> list[tuple[Any, np.ndarray, np.ndarray]]:
+        """Supports with a place, its nodes and facets; not those of the user's own whose ``where`` means something else."""
+        out = []
+        for support in self.system.problem.supports:
+            with suppress(InputError):
+                if hasattr(support, "where"):
+                    out.append((support, *self.system.geometry.points_and_facets(support.where)))
+        return out
 
     def strong(self, time: float | None) -> np.ndarray:
         """Positions (3, k) of points about which the energy of the thin theory's shear forces has no limit.
@@ -108,10 +121,9 @@ class Rim:
         the thin theory carries the force by its twisting moment."""
         geometry = self.system.geometry
         out, (one, two) = np.zeros(geometry.n_nodes, dtype=bool), geometry.ends(np.arange(geometry.mesh.facets.shape[1]))
-        for support in self.system.problem.supports:
-            if not hasattr(support, "where") or isinstance(support, Dashpot):
+        for support, nodes, facets in self._placed:
+            if isinstance(support, Dashpot):
                 continue
-            nodes, facets = geometry.points_and_facets(support.where)
             alone = np.isin(np.arange(geometry.n_nodes), np.setdiff1d(nodes, geometry.ends(facets)))
             pairs = alone[one] & alone[two] & (one != two)
             alone[np.concatenate([one[pairs], two[pairs]])] = False

@@ -145,7 +145,7 @@ class ShearForm:
         out, (t, _, e) = np.zeros(self._lengths.shape), self._frame
         along = np.einsum("amn,aimn->imn", t, e[:2])
         for load in (load for load in self.system.problem.loads if isinstance(load, EdgeMoment)):
-            here = np.isin(self._facets, self.geometry.facets_on(load.where))
+            here = np.isin(self._facets, self.geometry.points_and_facets(load.where)[1])
             at = self.geometry.parameters(self._points[here], self._elements[here])
             m = amplitude(load.history, self.time) * values_at("moment", load.moment, at, 3)
             out[here] += (along[:, here] * cross(m, e[2][:, here])).sum(axis=0)

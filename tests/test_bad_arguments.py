@@ -42,6 +42,7 @@ def test_valid_calls_succeed(scene, capsys):
 ELSEWHERE = {
     # Results, which the library makes.
     "AdaptiveResult", "BucklingResult", "Carried", "Change", "Check", "Ledger", "Modes", "Motion", "PathResult", "Spectrum",
+    "TheoryError",
     "StaticResult", "Samples", "MeshQuadTree",
     # Without arguments.
     "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",

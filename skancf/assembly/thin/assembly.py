@@ -121,28 +121,33 @@ class ThinAssembly(CompiledAssembly):
                 energy += (0.5 if k == l else 1.0) * float(np.vdot(counted[:, k], law * counted[:, l]))
         return energy
 
-    def section_strains(self, q: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """At points (2, n): membrane strains and curvature changes in the local frame (n_elements, n, 6), and undeformed
-        curvatures (n_elements, n, 3)."""
+    def section_strains(
+        self, q: np.ndarray, points: np.ndarray, elements: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """At points (2, n) of all elements or of some, (m,): membrane strains and curvature changes in the local frame
+        (m, n, 6), and undeformed curvatures (m, n, 3)."""
         geometry, theory = self.geometry, self.geometry.theory
-        change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
-        plain = self._plain(np.arange(geometry.n_elements))
+        elements = np.arange(geometry.n_elements) if elements is None else elements
+        now, before = geometry.local(q, elements), geometry.undeformed_local[elements]
+        change = theory.strains(now, points) - theory.strains(before, points)
+        plain = self._plain(elements)
         if theory.assumed and len(plain):
-            now, before = geometry.local(q, plain), geometry.undeformed_local[plain]
-            change[plain] = PLAIN.strains(now, points) - PLAIN.strains(before, points)
-        turn, b = self._frame(points)
+            change[plain] = PLAIN.strains(now[plain], points) - PLAIN.strains(before[plain], points)
+        turn, b = self._frame(points, elements)
         return np.asarray(np.einsum("ikep,ekp->epi", turn, change)), b
 
-    def _frame(self, points: np.ndarray, elements: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    def _frame(self, points: np.ndarray, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """At points (2, n) of elements: from covariant strains to local ones (6, 6, m, n), and curvatures (m, n, 3)."""
         geometry = self.geometry
-        chosen = slice(None) if elements is None else elements
-        jets = geometry.theory.jets(geometry.undeformed_local[chosen], points)
-        turn, _ = covariant_to_local(jets, geometry.tangents(points, elements), geometry.side[chosen])
+        jets = geometry.theory.jets(geometry.undeformed_local[elements], points)
+        turn, _ = covariant_to_local(jets, geometry.tangents(points, elements), geometry.side[elements])
         return turn, local_curvature(jets, turn)
 
-    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
-        strains, b = self.section_strains(q, points)
+    def section_forces(
+        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None
+    ) -> np.ndarray:
+        """As the protocol has it, of all elements or of some, (m,)."""
+        strains, b = self.section_strains(q, points, elements)
         if temperature is not None:
             strains = strains - self.curved.free_strains(b, *temperature)
         forces = self.curved.forces(b, (self.curved.law(b) @ strains[..., None])[..., 0])

@@ -9,11 +9,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.arguments import STATE, flag, instance, plain, system_like, text
-from skancf.assembly.geometry import Geometry
+from skancf.assembly.patches import averaging_nodes
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.materials import Section
+from skancf.recovered import bending_excess, section_forces
 from skancf.thinness import BILINEAR, FREE, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
@@ -200,6 +201,23 @@ class Solution:
         inside = self._inside(CORNERS.T if points is None else points)
         return self._of_state(lambda q: self.system.section_forces(q, inside, self.load_factor, self.time))
 
+    def recovered_section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
+        """Section forces as :meth:`section_forces`, in theory `full` better than an element says them: (n_elements, 6, n).
+
+        The slopes of its bilinear directors are good in the middles of elements, and off by the order of the element size
+        at edges and corners. What they make of the section forces is taken from polynomials through the middles of the
+        elements around; of one row of elements they can tell no more across it than the row does.
+        """
+        inside = self._inside(CORNERS.T if points is None else points)
+        return self._of_state(lambda q: section_forces(self.system, q, inside, self.load_factor, self.time))
+
+    def recovered_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
+        """Stress as :meth:`stresses`, in theory `full` with moments recovered as :meth:`recovered_section_forces` says."""
+        section, depth, inside = self.system.problem.section, self._chosen(z, points), self._inside(points)
+        law = section.stiffness[section.layer_at(depth)]
+        more = self._of_state(lambda q: bending_excess(self.system, q, inside, depth))
+        return np.asarray(self.stresses(points, depth) + more @ law)
+
     def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
         if not self.linear:
@@ -256,11 +274,12 @@ class Solution:
         return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
-        """Section forces at the nodes of the mesh, averaged over the elements that meet there: (n_mesh_nodes, 6).
+        """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).
 
-        At a pole each node of the mesh has the frame of its own direction.
+        In theory `full` they are those of :meth:`recovered_section_forces`. At a pole each node of the mesh has the frame of
+        its own direction.
         """
-        return self._at_nodes(self.section_forces().swapaxes(1, 2))
+        return self._at_nodes(self.recovered_section_forces().swapaxes(1, 2))
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
         """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners; halfway between the ends of its edge at a
@@ -285,7 +304,7 @@ class Solution:
         InputError
             Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
         """
-        return self._at_nodes(self.stresses(CORNERS.T, z))
+        return self._at_nodes(self.recovered_stresses(CORNERS.T, z))
 
     @property
     def strain_energy(self) -> float:
@@ -354,17 +373,6 @@ def depth_of(section: Section, z: Depth) -> float:
     if number("z", z):
         section.layer_at(z)
     return float(z)
-
-
-def averaging_nodes(geometry: Geometry) -> np.ndarray:
-    """For each node of the mesh the one that gathers the values of the elements around it, (n_mesh_nodes,)."""
-    ties = geometry.ties
-    own = ties.representative[ties.node_of]
-    own[geometry.hanging.nodes] = geometry.hanging.nodes
-    # At a pole the frames turn from one element to the next: those of one node of the mesh only.
-    at_pole = np.isin(ties.node_of, list(ties.poles))
-    own[at_pole] = np.flatnonzero(at_pole)
-    return np.asarray(own)
 
 
 def require_same_mesh(system: System, start: Solution, name: str = "start") -> None:

@@ -1,0 +1,142 @@
+"""Polynomials through what elements around each element say where it is most accurate: in their middles."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from skancf.assembly.geometry import Geometry
+
+STENCIL = np.array([[0.5, 0.0, 1.0, 0.5, 0.5], [0.5, 0.5, 0.5, 0.0, 1.0]])
+"""Points (2, 5) of every element at which a field is asked for: its middle, and those of its edges."""
+SLOPES = 1e-3
+"""Weight of the slopes of a field against its values: they decide only what the values leave open."""
+SINGULAR = 1e-11
+"""Of the largest eigenvalue of a fit: below it no value and no slope tells that part of the polynomial."""
+
+
+@dataclass(frozen=True)
+class Patches:
+    r"""Quadratic polynomials in the parameters about elements, of least squares,
+
+    .. math::
+        \sum_{k} (P(x_k) - f_k)^2 + \epsilon^2 \sum_{k, a} (\Delta_a P - \Delta_a f)_k^2 \to \min,
+
+    with the values :math:`f_k` in the middles of the elements up to two edges away and the differences :math:`\Delta_a`
+    from edge to edge of each of them. The slopes rule only what the values leave open, as across a single row of elements.
+
+    Attributes
+    ----------
+    geometry : Geometry
+    elements : (m,) int array
+        Those with a polynomial.
+    members, starts : (n_pairs,) and (m,) int arrays
+        The elements of each patch, one patch after the other, and where each begins.
+    weights : (n_pairs, 6, 3) array
+        Coefficients per value and slopes of a member.
+    scale : (2, m) array
+        Reach of a patch along x and y, in which the coefficients count.
+    """
+
+    geometry: Geometry
+    elements: np.ndarray
+    members: np.ndarray
+    starts: np.ndarray
+    weights: np.ndarray
+    scale: np.ndarray
+
+    @classmethod
+    def about(cls, geometry: Geometry, cut: np.ndarray, elements: np.ndarray | None = None) -> "Patches":
+        """Those of some elements, by default of all; none reaches across the facets ``cut`` of the mesh."""
+        elements = np.arange(geometry.n_elements) if elements is None else np.asarray(elements)
+        near = neighbours(geometry, cut)
+        around = (near[elements] @ near).tocsr()
+        around.sort_indices()
+        members, starts = around.indices, around.indptr[:-1]
+        patch = np.repeat(np.arange(len(elements)), np.diff(around.indptr))
+        at = geometry.parameters(STENCIL)
+        away = at[:, members] - at[:, elements[patch], :1]
+        for axis, (low, high) in geometry.closed_bounds().items():
+            away[axis] -= (high - low) * np.round(away[axis, :, :1] / (high - low))
+        scale = np.maximum.reduceat(np.abs(away).max(axis=2), starts, axis=1)
+        rows = _functionals(_powers(away / scale[:, patch, None])) * np.array([1.0, SLOPES, SLOPES])
+        weighted = rows * around.data[:, None, None]
+        inverse = np.linalg.pinv(np.add.reduceat(weighted @ rows.swapaxes(1, 2), starts), rcond=SINGULAR, hermitian=True)
+        return cls(geometry, elements, members, starts, inverse[patch] @ weighted, scale)
+
+    def coefficients(self, field: np.ndarray) -> np.ndarray:
+        """Of the polynomials (m, k, 6) of a field (n_elements, k, 5) at the stencil of every element."""
+        said = _functionals(field) * np.array([1.0, SLOPES, SLOPES])
+        return np.asarray(np.add.reduceat(said[self.members] @ self.weights.swapaxes(1, 2), self.starts))
+
+    def values(self, field: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Polynomials of a field (n_elements, k, 5) at local points (2, n): (m, k, n)."""
+        return self.coefficients(field) @ self._at(points)
+
+    def transposed(self, points: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What weights (m, k, n) of the values make of a field at the stencil: elements (l,), weights there (l, k, 5)."""
+        of_coefficients = weights @ self._at(points).swapaxes(1, 2)
+        patch = np.repeat(np.arange(len(self.starts)), np.diff([*self.starts, len(self.members)]))
+        said = of_coefficients[patch] @ self.weights * np.array([1.0, SLOPES, SLOPES])
+        out = np.stack([said[..., 0], -said[..., 1], said[..., 1], -said[..., 2], said[..., 2]], axis=-1)
+        members, place = np.unique(self.members, return_inverse=True)
+        gathered = np.zeros((len(members), *out.shape[1:]))
+        np.add.at(gathered, place, out)
+        return members, gathered
+
+    def _at(self, points: np.ndarray) -> np.ndarray:
+        """Powers at local points (2, n) of the elements: (m, 6, n)."""
+        middle = self.geometry.parameters(STENCIL[:, :1], self.elements)
+        away = self.geometry.parameters(points, self.elements) - middle
+        return _powers(away / self.scale[:, :, None])
+
+
+def neighbours(geometry: Geometry, cut: np.ndarray) -> sp.csr_matrix:
+    """Ones for elements with themselves and with those across an edge, divided ones and those of a seam too, that is not
+    one of the facets ``cut``: (n_elements, n_elements)."""
+    mesh, n = geometry.mesh, geometry.n_elements
+    edge = edge_numbers(geometry)
+    used = np.ones(edge.max() + 1, dtype=bool)
+    used[edge[cut]] = False
+    facets, elements = mesh.t2f.ravel(), np.tile(np.arange(n), 4)
+    share = used[edge[facets]]
+    borders = sp.csr_matrix((np.ones(share.sum()), (elements[share], edge[facets[share]])), shape=(n, len(used)))
+    return sp.csr_matrix(borders @ borders.T + sp.identity(n))
+
+
+def edge_numbers(geometry: Geometry) -> np.ndarray:
+    """A number for each facet of the mesh, (n_facets,): equal at both ends of a seam, and of the two parts of an edge and
+    the whole. At a pole edges are those of the mesh."""
+    mesh, hanging, own = geometry.mesh, geometry.hanging, averaging_nodes(geometry)
+    n = len(own)
+    ends = own[mesh.facets]
+    whole = np.full((2, n), -1)
+    whole[:, hanging.nodes] = own[hanging.ends]
+    for one in (0, 1):
+        parts = whole[0, ends[one]] >= 0
+        ends[:, parts] = whole[:, ends[one, parts]]
+    ends.sort(axis=0)
+    return np.asarray(np.unique(ends[0] * np.int64(n) + ends[1], return_inverse=True)[1])
+
+
+def averaging_nodes(geometry: Geometry) -> np.ndarray:
+    """For each node of the mesh the one that gathers the values of the elements around it, (n_mesh_nodes,)."""
+    ties = geometry.ties
+    own = ties.representative[ties.node_of]
+    own[geometry.hanging.nodes] = geometry.hanging.nodes
+    # At a pole the frames turn from one element to the next: those of one node of the mesh only.
+    at_pole = np.isin(ties.node_of, list(ties.poles))
+    own[at_pole] = np.flatnonzero(at_pole)
+    return np.asarray(own)
+
+
+def _functionals(at_stencil: np.ndarray) -> np.ndarray:
+    """Value in the middle and differences from edge to edge, (..., 3), of what is at the stencil, (..., 5)."""
+    middle, left, right, low, high = np.moveaxis(at_stencil, -1, 0)
+    return np.stack([middle, right - left, high - low], axis=-1)
+
+
+def _powers(offsets: np.ndarray) -> np.ndarray:
+    """1, x, y, xx, xy, yy of offsets (2, m, n): (m, 6, n)."""
+    x, y = offsets
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)

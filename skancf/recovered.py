@@ -102,9 +102,9 @@ def _along_support(geometry: Geometry, where: Any) -> np.ndarray:
     # A hanging node is held where the ends of its edge are.
     held = np.isin(node_of, nodes)
     held[geometry.hanging.nodes] = held[geometry.hanging.ends].all(axis=0)
-    whole = held[mesh.t].all(axis=0)
-    second = np.where(mesh.f2t[1] < 0, mesh.f2t[0], mesh.f2t[1])
-    along = held[mesh.facets].all(axis=0) & ~(whole[mesh.f2t[0]] & whole[second])
+    whole, beside_free = held[mesh.t].all(axis=0), np.zeros(mesh.facets.shape[1], dtype=bool)
+    beside_free[mesh.t2f[:, ~whole]] = True
+    along = held[mesh.facets].all(axis=0) & beside_free
     ends = node_of[mesh.facets[:, facets]] if len(facets) else np.empty((2, 0), dtype=int)
     once = np.flatnonzero(np.bincount(ends[ends >= 0].ravel(), minlength=geometry.n_nodes) == 1)
     alone = np.setdiff1d(nodes, ends) if not whole.any() and not along.any() else NONE

@@ -6,10 +6,10 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from skancf.arguments import STATE, flag, instance, plain, system_like, text
 from skancf.assembly.patches import averaging_nodes
+from skancf.assembly.probe import places_of, probe
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
@@ -154,8 +154,11 @@ class Solution:
         The law is that of the layer at z, of the lower one at an interface. Points, z and errors are those of
         :meth:`strains`.
         """
+        return self._stresses_of(self.strains, points, z)
+
+    def _stresses_of(self, strains: Callable[..., np.ndarray], points: np.ndarray, z: Depth | None) -> np.ndarray:
         section, depth = self.system.problem.section, self._chosen(z, points)
-        elastic = self.strains(points, depth) - self._free_strains(self._inside(points), depth)
+        elastic = strains(points, depth) - self._free_strains(self._inside(points), depth)
         return np.asarray(elastic @ section.stiffness[section.layer_at(depth)])
 
     def _chosen(self, z: Depth | None, points: np.ndarray) -> float:
@@ -211,12 +214,15 @@ class Solution:
         inside = self._inside(CORNERS.T if points is None else points)
         return self._of_state(lambda q: section_forces(self.system, q, inside, self.load_factor, self.time))
 
-    def recovered_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
-        """Stress as :meth:`stresses`, in theory `full` with moments recovered as :meth:`recovered_section_forces` says."""
-        section, depth, inside = self.system.problem.section, self._chosen(z, points), self._inside(points)
-        law = section.stiffness[section.layer_at(depth)]
+    def recovered_strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
+        """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
+        depth, inside = self._chosen(z, points), self._inside(points)
         more = self._of_state(lambda q: bending_excess(self.system, q, inside, depth))
-        return np.asarray(self.stresses(points, depth) + more @ law)
+        return np.asarray(self.strains(points, depth) + more)
+
+    def recovered_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
+        """Stress as :meth:`stresses`, of :meth:`recovered_strains`."""
+        return self._stresses_of(self.recovered_strains, points, z)
 
     def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
@@ -383,22 +389,3 @@ def require_same_mesh(system: System, start: Solution, name: str = "start") -> N
     if start.system.geometry.theory.name != system.geometry.theory.name:
         raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
                          f"than those of {system.geometry.theory.name!r}")
-
-
-def places_of(at: Any) -> np.ndarray:
-    """Points of the parameter plane (n, 2), of one (2,) or a list of them."""
-    places = finite("at", at)
-    if places.ndim not in (1, 2) or places.shape[-1] != 2:
-        raise InputError(f"at of shape {places.shape}: give a point (x, y) of the parameter plane, or a list of them")
-    return places.reshape(-1, 2)
-
-
-def probe(system: System, at: Any) -> sp.csr_matrix:
-    """Weights (n, 4 n_nodes) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
-    vectors."""
-    geometry = system.geometry
-    elements, local = geometry.locate_all(places_of(at).T)
-    table = geometry.theory.position_table(local.T)[0]
-    point, row, column, value = geometry.local_entries(elements)
-    shape = (len(elements), 4 * geometry.n_nodes)
-    return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
 
 from skancf.assembly.geometry import Geometry
 
@@ -11,6 +12,7 @@ STENCIL = np.array([[0.5, 0.0, 1.0, 0.5, 0.5], [0.5, 0.5, 0.5, 0.0, 1.0]])
 """Points (2, 5) of every element at which a field is asked for: its middle, and those of its edges."""
 SLOPES = 1e-3
 """Weight of the slopes of a field against its values: they decide only what the values leave open."""
+FACTORS = np.array([1.0, SLOPES, SLOPES])
 SINGULAR = 1e-11
 """Of the largest eigenvalue of a fit: below it no value and no slope tells that part of the polynomial."""
 
@@ -20,10 +22,12 @@ class Patches:
     r"""Quadratic polynomials in the parameters about elements, of least squares,
 
     .. math::
-        \sum_{k} (P(x_k) - f_k)^2 + \epsilon^2 \sum_{k, a} (\Delta_a P - \Delta_a f)_k^2 \to \min,
+        \sum_{k} w_k \left[ (P(x_k) - f_k)^2 + \epsilon^2 \sum_{a} (\Delta_a P - \Delta_a f)_k^2 \right] \to \min,
 
-    with the values :math:`f_k` in the middles of the elements up to two edges away and the differences :math:`\Delta_a`
-    from edge to edge of each of them. The slopes rule only what the values leave open, as across a single row of elements.
+    with the values :math:`f_k` in the middles of the elements up to two edges away, weighted by the number of ways that lead
+    there, and the differences :math:`\Delta_a` from edge to edge of each of them. These rule only what the values leave
+    open, as across a single row of elements. Along a divided edge directors are linear from end to end, so that only the mean of
+    the two elements there is good: they count by their mean, and there patches reach one edge further.
 
     Attributes
     ----------
@@ -36,6 +40,8 @@ class Patches:
         Coefficients per value and slopes of a member.
     scale : (2, m) array
         Reach of a patch along x and y, in which the coefficients count.
+    means : (n_elements, n_elements) sparse array
+        Means over those that share hanging nodes.
     """
 
     geometry: Geometry
@@ -44,29 +50,28 @@ class Patches:
     starts: np.ndarray
     weights: np.ndarray
     scale: np.ndarray
+    means: sp.csr_matrix
 
     @classmethod
     def about(cls, geometry: Geometry, cut: np.ndarray, elements: np.ndarray | None = None) -> "Patches":
         """Those of some elements, by default of all; none reaches across the facets ``cut`` of the mesh."""
         elements = np.arange(geometry.n_elements) if elements is None else np.asarray(elements)
-        near = neighbours(geometry, cut)
-        around = (near[elements] @ near).tocsr()
-        around.sort_indices()
+        near, means = neighbours(geometry, cut), means_beside_hanging_nodes(geometry)
+        around = sp.csr_matrix(near[elements] @ near)
+        wider = (around @ (np.diff(means.indptr) > 1) > 0).astype(float)
+        around = sp.csr_matrix(sp.diags(1 - wider) @ around + sp.diags(wider) @ around @ near)
+        around.eliminate_zeros()
         members, starts = around.indices, around.indptr[:-1]
         patch = np.repeat(np.arange(len(elements)), np.diff(around.indptr))
-        at = geometry.parameters(STENCIL)
-        away = at[:, members] - at[:, elements[patch], :1]
-        for axis, (low, high) in geometry.closed_bounds().items():
-            away[axis] -= (high - low) * np.round(away[axis, :, :1] / (high - low))
-        scale = np.maximum.reduceat(np.abs(away).max(axis=2), starts, axis=1)
-        rows = _functionals(_powers(away / scale[:, patch, None])) * np.array([1.0, SLOPES, SLOPES])
+        rows, scale = _rows(geometry, means, elements, members, patch, starts)
         weighted = rows * around.data[:, None, None]
         inverse = np.linalg.pinv(np.add.reduceat(weighted @ rows.swapaxes(1, 2), starts), rcond=SINGULAR, hermitian=True)
-        return cls(geometry, elements, members, starts, inverse[patch] @ weighted, scale)
+        return cls(geometry, elements, members, starts, inverse[patch] @ weighted, scale, means)
 
     def coefficients(self, field: np.ndarray) -> np.ndarray:
         """Of the polynomials (m, k, 6) of a field (n_elements, k, 5) at the stencil of every element."""
-        said = _functionals(field) * np.array([1.0, SLOPES, SLOPES])
+        said = _functionals(field) * FACTORS
+        said = (self.means @ said.reshape(len(said), -1)).reshape(said.shape)
         return np.asarray(np.add.reduceat(said[self.members] @ self.weights.swapaxes(1, 2), self.starts))
 
     def values(self, field: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -77,18 +82,48 @@ class Patches:
         """What weights (m, k, n) of the values make of a field at the stencil: elements (l,), weights there (l, k, 5)."""
         of_coefficients = weights @ self._at(points).swapaxes(1, 2)
         patch = np.repeat(np.arange(len(self.starts)), np.diff([*self.starts, len(self.members)]))
-        said = of_coefficients[patch] @ self.weights * np.array([1.0, SLOPES, SLOPES])
+        said = of_coefficients[patch] @ self.weights * FACTORS
         out = np.stack([said[..., 0], -said[..., 1], said[..., 1], -said[..., 2], said[..., 2]], axis=-1)
-        members, place = np.unique(self.members, return_inverse=True)
-        gathered = np.zeros((len(members), *out.shape[1:]))
-        np.add.at(gathered, place, out)
-        return members, gathered
+        to = sp.csr_matrix(self.means[self.members].T)
+        members = np.flatnonzero(np.diff(to.indptr))
+        return members, np.asarray(to[members] @ out.reshape(len(out), -1)).reshape(len(members), *out.shape[1:])
 
     def _at(self, points: np.ndarray) -> np.ndarray:
         """Powers at local points (2, n) of the elements: (m, 6, n)."""
         middle = self.geometry.parameters(STENCIL[:, :1], self.elements)
         away = self.geometry.parameters(points, self.elements) - middle
         return _powers(away / self.scale[:, :, None])
+
+
+def _rows(
+    geometry: Geometry, means: sp.csr_matrix, elements: np.ndarray, members: np.ndarray, patch: np.ndarray,
+    starts: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """What is asked of the powers about an element for each member of its patch, (n_pairs, 6, 3), and their scale (2, m)."""
+    at, middle = geometry.parameters(STENCIL), geometry.parameters(STENCIL[:, :1], elements)
+    # Each pair as often as its member has elements in its mean.
+    sizes = np.diff(means.indptr)[members]
+    pair = np.repeat(np.arange(len(members)), sizes)
+    entry = means.indptr[members][pair] + np.arange(len(pair)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    away = at[:, means.indices[entry]] - middle[:, patch[pair]]
+    for axis, (low, high) in geometry.closed_bounds().items():
+        away[axis] -= (high - low) * np.round(away[axis, :, :1] / (high - low))
+    first = np.cumsum(sizes) - sizes
+    scale = np.maximum.reduceat(np.abs(away).max(axis=2), first[starts], axis=1)
+    asked = _functionals(_powers(away / scale[:, patch[pair], None])) * FACTORS
+    return np.add.reduceat(asked * means.data[entry][:, None, None], first), scale
+
+
+def means_beside_hanging_nodes(geometry: Geometry) -> sp.csr_matrix:
+    """Weights (n_elements, n_elements) of means over the elements that share hanging nodes, some quarters of one element;
+    all others stand for themselves."""
+    mesh, n = geometry.mesh, geometry.n_elements
+    corner, element = np.nonzero(np.isin(mesh.t, geometry.hanging.nodes))
+    node = mesh.t[corner, element]
+    touch = sp.csr_matrix((np.ones(len(node)), (element, node)), shape=(n, mesh.p.shape[1]))
+    group = connected_components(touch @ touch.T, directed=False)[1]
+    member = sp.csr_matrix((np.ones(n), (np.arange(n), group)), shape=(n, group.max() + 1))
+    return sp.csr_matrix(member @ sp.diags(1.0 / np.bincount(group)) @ member.T)
 
 
 def neighbours(geometry: Geometry, cut: np.ndarray) -> sp.csr_matrix:

@@ -16,6 +16,7 @@ from skancf.adaptive.estimate import Estimate, check_quantity
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
 from skancf.adaptive.judge import judge
 from skancf.adaptive.marking import Below, Marking, check_indicators
+from skancf.adaptive.nested import Nested
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
 from skancf.adaptive.singular import singular_points
@@ -162,7 +163,7 @@ class _Run:
         self.indicator, self.asked, self.bar = indicator, asked, bar
         self.levels: list[Level] = []
         self.best: _Found | None = None
-        self.finer_starts = 0
+        self.finer_starts, self.nested = 0, Nested(quantity)
         self.begun = time.perf_counter()
 
     def go(self, system: System) -> AdaptiveResult:
@@ -225,7 +226,7 @@ class _Run:
             # Of coarse meshes; the last one is judged.
             warnings.simplefilter("ignore", OutOfDepth)
             answer = clock.take("solve", self.analysis.solve, system, start)
-            estimate = clock.take("estimate", self.analysis.estimate, answer)
+            estimate = clock.take("estimate", lambda: self.nested.error(answer) or self.analysis.estimate(answer))
             indicators = estimate.indicators
             if self.indicator is not None:
                 indicators = check_indicators(clock.take("mark", called, "indicator", self.indicator, answer.state))
@@ -237,8 +238,9 @@ class _Run:
                                  "must be a finite number")  # fmt: skip
         level = Level(
             system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
-            merged, clock.seconds, note=answer.note,
+            merged, clock.seconds, note=answer.note, nested=estimate.nested,
         )  # fmt: skip
+        self.nested.add(system.mesh, estimate)
         return _Found(level, answer, estimate)
 
     def _keep(self, found: _Found) -> None:

@@ -1,28 +1,30 @@
-r"""Section forces and stresses of theory `full` where its elements do not say them well: at their corners and edges.
+r"""Moments and stresses of theory `full` where its elements do not say them well: at their corners and edges.
 
-The director d is bilinear, so that its slopes are of first order there, and of second order in the middles of elements. What
-they make of a section force or a stress is taken from polynomials through the middles (:class:`Patches`),
+The director d is bilinear, so that curvatures are of first order there, and of second order in the middles of elements. What
+its slopes make of moments is taken from polynomials through the middles (:class:`Patches`). Where the section couples
+stretch and bending, membrane strains follow the curvatures of their element, so that its membrane forces are kept:
 
-.. math:: s^*(x) = s(x) + P[s_d](x) - s_d(x), \qquad s_d: \text{the part of } e^1, e^2,
+.. math:: \Delta s = P[s_d] - s_d, \qquad N^* = N, \quad M^* = M + \Delta M - B A^{-1} \Delta N,
 
-the rest, of membrane strain, thickness strain and temperature, as the element has it. No polynomial reaches across a line or
-about a point where moments may jump or have no limit: supports and loads inside the surface, re-entrant corners, ends of
-supported edges.
+with the part :math:`s_d = (N_d, M_d)` of the section forces that slopes of the director make. No polynomial reaches across a
+line or about a point where moments may jump or have no limit: supports and loads inside the surface, re-entrant corners,
+ends of supported edges.
 """
 
-from collections.abc import Iterator
-from typing import Any
+from typing import Any, cast
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from skancf.assembly.full.assembly import BENDING, FullAssembly
 from skancf.assembly.geometry import Geometry
-from skancf.assembly.patches import STENCIL, Patches
+from skancf.assembly.patches import STENCIL, Cuts, Patches
 from skancf.assembly.places import NONE
 from skancf.assembly.system import System
 from skancf.errors import InputError, finite
+from skancf.materials import Section
 
+IN_PLANE = [0, 1, 5]
 ON = 1e-8
 """Of the extent of the mesh: nodes this near to a line or a point are on it."""
 TURNS_IN = np.radians(210)
@@ -41,64 +43,81 @@ def section_forces(
     system: System, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
 ) -> np.ndarray:
     """N and M (n_elements, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
-    raw, assembly = system.section_forces(q, points, factor, time), system.assembly
-    if not isinstance(assembly, FullAssembly):
-        return raw
-    nodal = q.reshape(-1, 4, 3)
-    said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
-    return np.asarray(raw + patches_of(system).values(said, points) - assembly.bending_forces(nodal, points))
+    raw = system.section_forces(q, points, factor, time)
+    if isinstance(system.assembly, FullAssembly):
+        forces, moments = np.split(_excess(system, q, points), 2, axis=1)
+        raw[:, 3:] += moments - np.einsum("ji,eip->ejp", _coupled(system.problem.section)[1], forces)
+    return raw
 
 
-def bending_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
+def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
     """What recovery adds to the strains at a depth, (n_elements, n, 6); zero in theory `kirchhoff`."""
     assembly = system.assembly
     if not isinstance(assembly, FullAssembly):
         return np.zeros((system.geometry.n_elements, points.shape[1], 6))
     nodal = q.reshape(-1, 4, 3)
     said = assembly.bending_strains(nodal, system.geometry.inside(STENCIL), z).swapaxes(1, 2)
-    return np.asarray(patches_of(system).values(said, points).swapaxes(1, 2) - assembly.bending_strains(nodal, points, z))
+    out = patches_of(system).values(said, points).swapaxes(1, 2) - assembly.bending_strains(nodal, points, z)
+    forces = _excess(system, q, points)[:, :3]
+    out[..., IN_PLANE] -= np.einsum("ij,ejp->epi", _coupled(system.problem.section)[0], forces)
+    return np.asarray(out)
 
 
-def gradient(
-    system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray
-) -> np.ndarray:  # fmt: skip
-    """Derivative (n_dofs,) of weights (6,) times the section forces at a local point (2, 1) of an element."""
-    assembly, nodal, here, ones = system.assembly, q.reshape(-1, 4, 3), np.array([element]), weights.reshape(1, 6, 1)
-    out = assembly.section_force_gradient(nodal, here, point, ones)
+def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Derivative (n_dofs,) of weights (6,) times the recovered section forces at a local point (2, 1) of an element."""
+    assembly, nodal, here = system.assembly, q.reshape(-1, 4, 3), np.array([element])
+    out = assembly.section_force_gradient(nodal, here, point, weights.reshape(1, 6, 1))
     if isinstance(assembly, FullAssembly):
-        patch = Patches.about(system.geometry, cuts(system), here)
-        members, said = patch.transposed(point, ones)
-        inside = system.geometry.inside(STENCIL)
-        out = out + assembly.section_force_gradient(nodal, members, inside, said, BENDING)
-        out = out - assembly.section_force_gradient(nodal, here, point, ones, BENDING)
+        coupled = _coupled(system.problem.section)[1]
+        changed = np.concatenate([-coupled.T @ weights[3:], weights[3:]]).reshape(1, 6, 1)
+        members, said = Patches.about(system.geometry, cuts(system), here).transposed(point, changed)
+        stencil = system.geometry.inside(STENCIL)
+        out = out + assembly.section_force_gradient(nodal, members, stencil, said, BENDING)
+        out = out - assembly.section_force_gradient(nodal, here, point, changed, BENDING)
     return np.asarray(out).ravel()
 
 
-def cuts(system: System) -> np.ndarray:
-    """Facets of the mesh across which moments may jump or have a kink, or which end where they may have no limit."""
-    geometry = system.geometry
-    mesh = geometry.mesh
-    broken = np.zeros(mesh.facets.shape[1], dtype=bool)
+def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Polynomials of what slopes of the director make of the section forces, less that itself: (n_elements, 6, n)."""
+    assembly, nodal = cast(FullAssembly, system.assembly), q.reshape(-1, 4, 3)
+    said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
+    return np.asarray(patches_of(system).values(said, points) - assembly.bending_forces(nodal, points))
+
+
+def _coupled(section: Section) -> tuple[np.ndarray, np.ndarray]:
+    """The inverse of A, and B A^-1, of the laws as the elements have them, (3, 3) each."""
+    z, w, layer = section.points(2)
+    laws = section.stiffness[layer][:, IN_PLANE][:, :, IN_PLANE]
+    inverse = np.linalg.inv(np.einsum("z,zij->ij", w, laws))
+    return inverse, np.einsum("z,zij->ij", w * z, laws) @ inverse
+
+
+def cuts(system: System) -> Cuts:
+    """Lines of the mesh across which moments may jump or have a kink, and points where they may have no limit."""
+    geometry, mesh = system.geometry, system.mesh
+    broken, node_of = np.zeros(mesh.facets.shape[1], dtype=bool), geometry.ties.node_of
+    ends = np.isin(node_of, list(reentrant_corners(geometry)))
     for support in system.problem.supports:
         if hasattr(support, "where"):
-            broken |= _along_support(geometry, support.where)
-    points = [mesh.p[:, np.isin(geometry.ties.node_of, list(reentrant_corners(geometry)))]]
+            lines, points = _of_support(geometry, support.where)
+            broken |= lines
+            ends |= points
     for load in system.problem.loads:
         if hasattr(load, "start") and not callable(load.start):
             broken |= _along(geometry, finite("start", load.start), finite("end", load.end))
-        points += [place[:, None] for place in _points(load)]
-    for point in np.hstack(points).T:
-        broken |= _near(geometry, point - mesh.p.T).T[mesh.facets].any(axis=0)
-    return np.flatnonzero(broken)
+        if hasattr(load, "at") and not callable(load.at) and not hasattr(load, "radius"):
+            ends |= _near(geometry, finite("at", load.at) - mesh.p.T)
+    return Cuts(np.flatnonzero(broken | ends[mesh.facets].any(axis=0)), np.flatnonzero(ends))
 
 
-def _along_support(geometry: Geometry, where: Any) -> np.ndarray:
-    """Facets between held nodes inside the surface, unless all about them is held, and those at ends of held edges."""
+def _of_support(geometry: Geometry, where: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Facets (n_facets,) between held nodes, unless all about them is held, and nodes (n_mesh_nodes,) that are held alone or
+    at an end of held edges."""
     mesh, node_of = geometry.mesh, geometry.ties.node_of
     try:
         nodes, facets = geometry.points_and_facets(where)
     except InputError:
-        return np.zeros(mesh.facets.shape[1], dtype=bool)
+        return np.zeros(mesh.facets.shape[1], dtype=bool), np.zeros(len(node_of), dtype=bool)
     # A hanging node is held where the ends of its edge are.
     held = np.isin(node_of, nodes)
     held[geometry.hanging.nodes] = held[geometry.hanging.ends].all(axis=0)
@@ -107,8 +126,8 @@ def _along_support(geometry: Geometry, where: Any) -> np.ndarray:
     along = held[mesh.facets].all(axis=0) & beside_free
     ends = node_of[mesh.facets[:, facets]] if len(facets) else np.empty((2, 0), dtype=int)
     once = np.flatnonzero(np.bincount(ends[ends >= 0].ravel(), minlength=geometry.n_nodes) == 1)
-    alone = np.setdiff1d(nodes, ends) if not whole.any() and not along.any() else NONE
-    return along | np.isin(node_of[mesh.facets], np.concatenate([once, alone])).any(axis=0)
+    alone = NONE if whole.any() or along.any() else np.setdiff1d(nodes, ends)
+    return along, np.isin(node_of, np.concatenate([once, alone]))
 
 
 def _along(geometry: Geometry, start: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -124,12 +143,6 @@ def _near(geometry: Geometry, apart: np.ndarray) -> np.ndarray:
     for axis, (low, high) in geometry.closed_bounds().items():
         apart[:, axis] -= (high - low) * np.round(apart[:, axis] / (high - low))
     return np.asarray(np.abs(apart / extent).max(axis=1) < ON)
-
-
-def _points(load: Any) -> Iterator[np.ndarray]:
-    """Where a load acts at single points."""
-    if hasattr(load, "at") and not callable(load.at) and not hasattr(load, "radius"):
-        yield finite("at", load.at)
 
 
 def reentrant_corners(geometry: Geometry) -> dict[int, float]:

@@ -14,7 +14,7 @@ from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.materials import Section
-from skancf.recovered import bending_excess, section_forces
+from skancf.recovered import section_forces, strain_excess
 from skancf.thinness import BILINEAR, FREE, shear_forces, shear_share
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
@@ -205,11 +205,11 @@ class Solution:
         return self._of_state(lambda q: self.system.section_forces(q, inside, self.load_factor, self.time))
 
     def recovered_section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
-        """Section forces as :meth:`section_forces`, in theory `full` better than an element says them: (n_elements, 6, n).
+        """Section forces as :meth:`section_forces`, in theory `full` with better moments: (n_elements, 6, n).
 
         The slopes of its bilinear directors are good in the middles of elements, and off by the order of the element size
-        at edges and corners. What they make of the section forces is taken from polynomials through the middles of the
-        elements around; of one row of elements they can tell no more across it than the row does.
+        at edges and corners. What they make of moments is taken from polynomials through the middles of the elements
+        around; of one row of elements they can tell no more across it than the row does.
         """
         inside = self._inside(CORNERS.T if points is None else points)
         return self._of_state(lambda q: section_forces(self.system, q, inside, self.load_factor, self.time))
@@ -217,7 +217,7 @@ class Solution:
     def recovered_strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
         depth, inside = self._chosen(z, points), self._inside(points)
-        more = self._of_state(lambda q: bending_excess(self.system, q, inside, depth))
+        more = self._of_state(lambda q: strain_excess(self.system, q, inside, depth))
         return np.asarray(self.strains(points, depth) + more)
 
     def recovered_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:

@@ -17,6 +17,9 @@ SLOWER, FASTER = 0.85, 1.5
 AGREES = 0.2
 """Part of the last estimate by which the new value may have missed what it foretold."""
 
+MARGIN = 0.1
+"""Part of an error that is added to its bar: three meshes say less than a dual weight."""
+
 
 @dataclass
 class Nested:
@@ -54,14 +57,16 @@ class Nested:
         if before is None or len(self.values) < 2 or not self._quartered(system.mesh):
             return None
         left = LEFT[system.geometry.theory.twist]
-        last, error = answer.value - self.values[-1], extrapolated(*self.values[-2:], answer.value, 1 / left)
+        last, error = answer.value - self.values[-1], extrapolated(self.values[-2], self.values[-1], answer.value, 1 / left)
         if error is None or not abs(last + error - before.error) <= AGREES * abs(before.error):
             return None
         foretold = before.error - last
         if not before.nested and foretold * error > 0 and abs(foretold) > abs(error):
             error = foretold
         shares = self._shares(answer, before.indicators, left)
-        return Estimate(answer.value, error, shares, answer.state, left, before.rounding / left, nested=True)
+        rest = max(left * before.left * float(before.indicators.sum()), (1 + MARGIN) * abs(error))
+        part = rest / max(float(shares.sum()), 1e-300)
+        return Estimate(answer.value, error, shares, answer.state, part, before.rounding / left, nested=True)
 
     def _shares(self, answer: Answer, indicators: np.ndarray, left: float) -> np.ndarray:
         """What is left of the indicators of the mesh before, at singular points all in one of the quarters."""

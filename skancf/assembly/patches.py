@@ -1,6 +1,7 @@
 """Polynomials through what elements around each element say where it is most accurate: in their middles."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,17 +18,32 @@ SINGULAR = 1e-11
 """Of the largest eigenvalue of a fit: below it no value and no slope tells that part of the polynomial."""
 
 
+class Cuts(NamedTuple):
+    """Where polynomials end.
+
+    Attributes
+    ----------
+    facets : (m,) int array
+        Of the mesh, which none reaches across.
+    nodes : (n,) int array
+        Of the mesh: no two elements there are in one patch.
+    """
+
+    facets: np.ndarray
+    nodes: np.ndarray
+
+
 @dataclass(frozen=True)
 class Patches:
-    r"""Quadratic polynomials in the parameters about elements, of least squares,
+    r"""Polynomials in the parameters about elements, quadratic ones with :math:`x^2 y` and :math:`x y^2`, of least squares,
 
     .. math::
         \sum_{k} w_k \left[ (P(x_k) - f_k)^2 + \epsilon^2 \sum_{a} (\Delta_a P - \Delta_a f)_k^2 \right] \to \min,
 
-    with the values :math:`f_k` in the middles of the elements up to two edges away, weighted by the number of ways that lead
-    there, and the differences :math:`\Delta_a` from edge to edge of each of them. These rule only what the values leave
-    open, as across a single row of elements. Along a divided edge directors are linear from end to end, so that only the mean of
-    the two elements there is good: they count by their mean, and there patches reach one edge further.
+    with the values :math:`f_k` in the middles of the elements up to three edges away, weighted by the number of ways that
+    lead there, and the differences :math:`\Delta_a` from edge to edge of each of them. These rule only what the values leave
+    open, as across a single row of elements. Along a divided edge directors are linear from end to end, so that only the
+    mean of the two elements there is good: they count by their mean, and patches with such reach one edge further.
 
     Attributes
     ----------
@@ -36,7 +52,7 @@ class Patches:
         Those with a polynomial.
     members, starts : (n_pairs,) and (m,) int arrays
         The elements of each patch, one patch after the other, and where each begins.
-    weights : (n_pairs, 6, 3) array
+    weights : (n_pairs, 8, 3) array
         Coefficients per value and slopes of a member.
     scale : (2, m) array
         Reach of a patch along x and y, in which the coefficients count.
@@ -53,13 +69,14 @@ class Patches:
     means: sp.csr_matrix
 
     @classmethod
-    def about(cls, geometry: Geometry, cut: np.ndarray, elements: np.ndarray | None = None) -> "Patches":
-        """Those of some elements, by default of all; none reaches across the facets ``cut`` of the mesh."""
+    def about(cls, geometry: Geometry, cuts: Cuts, elements: np.ndarray | None = None) -> "Patches":
+        """Those of some elements, by default of all, which end at cuts."""
         elements = np.arange(geometry.n_elements) if elements is None else np.asarray(elements)
-        near, means = neighbours(geometry, cut), means_beside_hanging_nodes(geometry)
-        around = sp.csr_matrix(near[elements] @ near)
+        near, means = neighbours(geometry, cuts.facets), means_beside_hanging_nodes(geometry)
+        around = sp.csr_matrix(near[elements] @ near @ near)
         wider = (around @ (np.diff(means.indptr) > 1) > 0).astype(float)
         around = sp.csr_matrix(sp.diags(1 - wider) @ around + sp.diags(wider) @ around @ near)
+        around = _not_about(geometry, cuts.nodes, around, elements)
         around.eliminate_zeros()
         members, starts = around.indices, around.indptr[:-1]
         patch = np.repeat(np.arange(len(elements)), np.diff(around.indptr))
@@ -69,7 +86,7 @@ class Patches:
         return cls(geometry, elements, members, starts, inverse[patch] @ weighted, scale, means)
 
     def coefficients(self, field: np.ndarray) -> np.ndarray:
-        """Of the polynomials (m, k, 6) of a field (n_elements, k, 5) at the stencil of every element."""
+        """Of the polynomials (m, k, 8) of a field (n_elements, k, 5) at the stencil of every element."""
         said = _functionals(field) * FACTORS
         said = (self.means @ said.reshape(len(said), -1)).reshape(said.shape)
         return np.asarray(np.add.reduceat(said[self.members] @ self.weights.swapaxes(1, 2), self.starts))
@@ -89,7 +106,7 @@ class Patches:
         return members, np.asarray(to[members] @ out.reshape(len(out), -1)).reshape(len(members), *out.shape[1:])
 
     def _at(self, points: np.ndarray) -> np.ndarray:
-        """Powers at local points (2, n) of the elements: (m, 6, n)."""
+        """Powers at local points (2, n) of the elements: (m, 8, n)."""
         middle = self.geometry.parameters(STENCIL[:, :1], self.elements)
         away = self.geometry.parameters(points, self.elements) - middle
         return _powers(away / self.scale[:, :, None])
@@ -99,7 +116,7 @@ def _rows(
     geometry: Geometry, means: sp.csr_matrix, elements: np.ndarray, members: np.ndarray, patch: np.ndarray,
     starts: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """What is asked of the powers about an element for each member of its patch, (n_pairs, 6, 3), and their scale (2, m)."""
+    """What is asked of the powers about an element for each member of its patch, (n_pairs, 8, 3), and their scale (2, m)."""
     at, middle = geometry.parameters(STENCIL), geometry.parameters(STENCIL[:, :1], elements)
     # Each pair as often as its member has elements in its mean.
     sizes = np.diff(means.indptr)[members]
@@ -112,6 +129,18 @@ def _rows(
     scale = np.maximum.reduceat(np.abs(away).max(axis=2), first[starts], axis=1)
     asked = _functionals(_powers(away / scale[:, patch[pair], None])) * FACTORS
     return np.add.reduceat(asked * means.data[entry][:, None, None], first), scale
+
+
+def _not_about(geometry: Geometry, nodes: np.ndarray, around: sp.csr_matrix, elements: np.ndarray) -> sp.csr_matrix:
+    """Patches (m, n_elements) without the elements that share one of the nodes with the element they are about."""
+    own = averaging_nodes(geometry)
+    corner, element = np.nonzero(np.isin(own[geometry.mesh.t], own[nodes]))
+    there = own[geometry.mesh.t[corner, element]]
+    touch = sp.csr_matrix((np.ones(len(there)), (element, there)), shape=(geometry.n_elements, len(own)))
+    pairs = sp.csr_matrix(touch[elements] @ touch.T).tocoo()
+    other = pairs.col != elements[pairs.row]
+    shared = sp.csr_matrix((np.ones(other.sum()), (pairs.row[other], pairs.col[other])), shape=around.shape)
+    return sp.csr_matrix(around - around.multiply(shared > 0))
 
 
 def means_beside_hanging_nodes(geometry: Geometry) -> sp.csr_matrix:
@@ -172,6 +201,6 @@ def _functionals(at_stencil: np.ndarray) -> np.ndarray:
 
 
 def _powers(offsets: np.ndarray) -> np.ndarray:
-    """1, x, y, xx, xy, yy of offsets (2, m, n): (m, 6, n)."""
+    """1, x, y, xx, xy, yy, xxy, xyy of offsets (2, m, n): (m, 8, n)."""
     x, y = offsets
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y, x * x * y, x * y * y], axis=1)

@@ -11,8 +11,10 @@ from skancf.assembly.geometry import Geometry
 
 STENCIL = np.array([[0.5, 0.0, 1.0, 0.5, 0.5], [0.5, 0.5, 0.5, 0.0, 1.0]])
 """Points (2, 5) of every element at which a field is asked for: its middle, and those of its edges."""
-SLOPES = 1e-3
+SLOPES = 1e-2
 """Weight of the slopes of a field against its values: they decide only what the values leave open."""
+STAYS = 5.0
+"""How much more a step counts that stays in an element than one across an edge: what is near tells most."""
 FACTORS = np.array([1.0, SLOPES, SLOPES])
 SINGULAR = 1e-11
 """Of the largest eigenvalue of a fit: below it no value and no slope tells that part of the polynomial."""
@@ -38,7 +40,7 @@ class Patches:
     r"""Polynomials in the parameters about elements, quadratic ones with :math:`x^2 y` and :math:`x y^2`, of least squares,
 
     .. math::
-        \sum_{k} w_k \left[ (P(x_k) - f_k)^2 + \epsilon^2 \sum_{a} (\Delta_a P - \Delta_a f)_k^2 \right] \to \min,
+        \sum_{k} w_k (P(x_k) - f_k)^2 + \epsilon^2 \sum_{k, a} (\Delta_a P - \Delta_a f)_k^2 \to \min,
 
     with the values :math:`f_k` in the middles of the elements up to three edges away, weighted by the number of ways that
     lead there, and the differences :math:`\Delta_a` from edge to edge of each of them. These rule only what the values leave
@@ -81,7 +83,7 @@ class Patches:
         members, starts = around.indices, around.indptr[:-1]
         patch = np.repeat(np.arange(len(elements)), np.diff(around.indptr))
         rows, scale = _rows(geometry, means, elements, members, patch, starts)
-        weighted = rows * around.data[:, None, None]
+        weighted = rows * np.stack([around.data, *np.ones((2, around.nnz))], axis=1)[:, None]
         inverse = np.linalg.pinv(np.add.reduceat(weighted @ rows.swapaxes(1, 2), starts), rcond=SINGULAR, hermitian=True)
         return cls(geometry, elements, members, starts, inverse[patch] @ weighted, scale, means)
 
@@ -156,8 +158,8 @@ def means_beside_hanging_nodes(geometry: Geometry) -> sp.csr_matrix:
 
 
 def neighbours(geometry: Geometry, cut: np.ndarray) -> sp.csr_matrix:
-    """Ones for elements with themselves and with those across an edge, divided ones and those of a seam too, that is not
-    one of the facets ``cut``: (n_elements, n_elements)."""
+    """Ones for elements and those across an edge, divided ones and those of a seam too, that is not one of the facets
+    ``cut``; :data:`STAYS` for an element itself: (n_elements, n_elements)."""
     mesh, n = geometry.mesh, geometry.n_elements
     edge = edge_numbers(geometry)
     used = np.ones(edge.max() + 1, dtype=bool)
@@ -165,7 +167,9 @@ def neighbours(geometry: Geometry, cut: np.ndarray) -> sp.csr_matrix:
     facets, elements = mesh.t2f.ravel(), np.tile(np.arange(n), 4)
     share = used[edge[facets]]
     borders = sp.csr_matrix((np.ones(share.sum()), (elements[share], edge[facets[share]])), shape=(n, len(used)))
-    return sp.csr_matrix(borders @ borders.T + sp.identity(n))
+    out = sp.csr_matrix(borders @ borders.T)
+    out.setdiag(STAYS)
+    return out
 
 
 def edge_numbers(geometry: Geometry) -> np.ndarray:

@@ -64,8 +64,8 @@ class Nested:
         if not before.nested and foretold * error > 0 and abs(foretold) > abs(error):
             error = foretold
         shares = self._shares(answer, before.indicators, left)
-        rest = max(left * before.left * float(before.indicators.sum()), (1 + MARGIN) * abs(error))
-        part = rest / max(float(shares.sum()), 1e-300)
+        # Parts of both signs that cancel now and not later would show in the ratio: the sum of their sizes does not count.
+        part = (1 + MARGIN) * abs(error) / max(float(shares.sum()), 1e-300)
         return Estimate(answer.value, error, shares, answer.state, part, before.rounding / left, nested=True)
 
     def _shares(self, answer: Answer, indicators: np.ndarray, left: float) -> np.ndarray:

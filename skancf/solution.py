@@ -6,14 +6,15 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from skancf.arguments import STATE, flag, instance, plain, system_like, text
-from skancf.assembly.geometry import Geometry
+from skancf.assembly.patches import averaging_nodes
+from skancf.assembly.probe import places_of, probe
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.materials import Section
+from skancf.recovered import section_forces, strain_excess
 from skancf.thinness import BILINEAR, FREE, Fields, ShearForm, share_of, shear_forces
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
@@ -164,8 +165,11 @@ class Solution:
         The law is that of the layer at z, of the lower one at an interface. Points, z and errors are those of
         :meth:`strains`.
         """
+        return self._stresses_of(self.strains, points, z)
+
+    def _stresses_of(self, strains: Callable[..., np.ndarray], points: np.ndarray, z: Depth | None) -> np.ndarray:
         section, depth = self.system.problem.section, self._chosen(z, points)
-        elastic = self.strains(points, depth) - self._free_strains(self._inside(points), depth)
+        elastic = strains(points, depth) - self._free_strains(self._inside(points), depth)
         return np.asarray(elastic @ section.stiffness[section.layer_at(depth)])
 
     def _chosen(self, z: Depth | None, points: np.ndarray) -> float:
@@ -215,6 +219,26 @@ class Solution:
         """
         inside = self._inside(CORNERS.T if points is None else points)
         return self._of_state(lambda q: self.system.section_forces(q, inside, self.load_factor, self.time))
+
+    def recovered_section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
+        """Section forces as :meth:`section_forces`, in theory `full` with better moments: (n_elements, 6, n).
+
+        The slopes of its bilinear directors are good in the middles of elements, and off by the order of the element size
+        at edges and corners. What they make of moments is taken from polynomials through the middles of the elements
+        around; of one row of elements they can tell no more across it than the row does.
+        """
+        inside = self._inside(CORNERS.T if points is None else points)
+        return self._of_state(lambda q: section_forces(self.system, q, inside, self.load_factor, self.time))
+
+    def recovered_strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
+        """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
+        depth, inside = self._chosen(z, points), self._inside(points)
+        more = self._of_state(lambda q: strain_excess(self.system, q, inside, depth))
+        return np.asarray(self.strains(points, depth) + more)
+
+    def recovered_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
+        """Stress as :meth:`stresses`, of :meth:`recovered_strains`."""
+        return self._stresses_of(self.recovered_strains, points, z)
 
     def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
@@ -278,11 +302,12 @@ class Solution:
         return 0.0 if energy <= FREE * heat else float(thin.rest_energy(membrane) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
-        """Section forces at the nodes of the mesh, averaged over the elements that meet there: (n_mesh_nodes, 6).
+        """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).
 
-        At a pole each node of the mesh has the frame of its own direction.
+        In theory `full` they are those of :meth:`recovered_section_forces`. At a pole each node of the mesh has the frame of
+        its own direction.
         """
-        return self._at_nodes(self.section_forces().swapaxes(1, 2))
+        return self._at_nodes(self.recovered_section_forces().swapaxes(1, 2))
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
         """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners; halfway between the ends of its edge at a
@@ -307,7 +332,7 @@ class Solution:
         InputError
             Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
         """
-        return self._at_nodes(self.stresses(CORNERS.T, z))
+        return self._at_nodes(self.recovered_stresses(CORNERS.T, z))
 
     @property
     def strain_energy(self) -> float:
@@ -378,17 +403,6 @@ def depth_of(section: Section, z: Depth) -> float:
     return float(z)
 
 
-def averaging_nodes(geometry: Geometry) -> np.ndarray:
-    """For each node of the mesh the one that gathers the values of the elements around it, (n_mesh_nodes,)."""
-    ties = geometry.ties
-    own = ties.representative[ties.node_of]
-    own[geometry.hanging.nodes] = geometry.hanging.nodes
-    # At a pole the frames turn from one element to the next: those of one node of the mesh only.
-    at_pole = np.isin(ties.node_of, list(ties.poles))
-    own[at_pole] = np.flatnonzero(at_pole)
-    return np.asarray(own)
-
-
 def require_same_mesh(system: System, start: Solution, name: str = "start") -> None:
     """InputError for a state that was computed on another mesh or with another theory, and for what is no state."""
     instance(name, start, Solution, STATE)
@@ -397,22 +411,3 @@ def require_same_mesh(system: System, start: Solution, name: str = "start") -> N
     if start.system.geometry.theory.name != system.geometry.theory.name:
         raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
                          f"than those of {system.geometry.theory.name!r}")
-
-
-def places_of(at: Any) -> np.ndarray:
-    """Points of the parameter plane (n, 2), of one (2,) or a list of them."""
-    places = finite("at", at)
-    if places.ndim not in (1, 2) or places.shape[-1] != 2:
-        raise InputError(f"at of shape {places.shape}: give a point (x, y) of the parameter plane, or a list of them")
-    return places.reshape(-1, 2)
-
-
-def probe(system: System, at: Any) -> sp.csr_matrix:
-    """Weights (n, 4 n_nodes) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
-    vectors."""
-    geometry = system.geometry
-    elements, local = geometry.locate_all(places_of(at).T)
-    table = geometry.theory.position_table(local.T)[0]
-    point, row, column, value = geometry.local_entries(elements)
-    shape = (len(elements), 4 * geometry.n_nodes)
-    return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)

@@ -458,7 +458,8 @@ def add_adaptive(add: Any, s: Scene) -> None:
     grid = np.stack(np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4)), axis=-1).reshape(-1, 2).T
     add("find_regions", sk.find_regions, points=grid, sigma=np.arange(16.0), spacing=0.3, positions=None, cell=0.3,
         radius=2.0, size=1.0, cap=2.0, takes="positions:none", kinds={"cell": "optional"})  # fmt: skip
-    markings = {"share": [sk.Doerfler], "factor": [sk.Maximum, sk.Below], "fraction": [sk.FixedFraction]}
+    markings = {"share": [sk.Doerfler, sk.Even], "even": [sk.Even], "factor": [sk.Maximum, sk.Below],
+                "fraction": [sk.FixedFraction]}  # fmt: skip
     for marking, part in ((marking, part) for part, kinds in markings.items() for marking in kinds):
         add(marking.__name__, marking, **{part: 0.5})
         add(f"{marking.__name__}.marked", marking().marked, indicators=np.arange(5.0))

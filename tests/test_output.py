@@ -84,8 +84,8 @@ def test_samples_are_the_solution_at_the_same_points(rested, z):
     # Points on element edges belong to several elements; positions agree there.
     np.testing.assert_allclose(samples.points, state.position(at, z), rtol=0, atol=1e-12)
     np.testing.assert_allclose(samples.displacement, state.displacement(at, z), rtol=0, atol=1e-12)
-    np.testing.assert_array_equal(samples.stress, state.stresses(local, z).reshape(-1, 6))
-    np.testing.assert_array_equal(samples.strain, state.strains(local, z).reshape(-1, 6))
+    np.testing.assert_array_equal(samples.stress, state.recovered_stresses(local, z).reshape(-1, 6))
+    np.testing.assert_array_equal(samples.strain, state.recovered_strains(local, z).reshape(-1, 6))
     assert samples.cells.shape == (rested.geometry.n_elements * 4, 4)
 
 
@@ -211,7 +211,7 @@ def test_vtk_reads_the_same(rested, tmp_path):
     assert set(mesh.celltypes) == {pyvista.CellType.QUAD}
     names = {"displacement", "velocity", "stress_there", "strain_there", "mises_there", "membrane_force", "moment"}
     assert set(mesh.point_data) == names
-    forces = state.section_forces(sk.output.sampling.grid(4).points).swapaxes(1, 2).reshape(-1, 6)
+    forces = state.recovered_section_forces(sk.output.sampling.grid(4).points).swapaxes(1, 2).reshape(-1, 6)
     np.testing.assert_array_equal(mesh.point_data["moment"], forces[:, 3:])
     # VTK calls the fourth component of six XY.
     shear = output.sample(state, z=0.02).stress[:, sk.solution.STRESSES.index("S12")]

@@ -159,7 +159,7 @@ def test_values_are_those_of_the_solution(theory, linear):
     assert StrainEnergy().value(solution) == solution.strain_energy
     element, local = geometry.locate(at)
     points, areas = geometry.theory.quadrature[0], solution.system.assembly.areas
-    there, everywhere = solution.section_forces(local[:, None])[element, :, 0], solution.section_forces(points)
+    there, everywhere = solution.recovered_section_forces(local[:, None])[element, :, 0], solution.section_forces(points)
     means = np.einsum("ekp,ep->k", everywhere, areas) / areas.sum()
     for k, name in enumerate(COMPONENTS):
         # Solution takes differences for a linear answer.

@@ -5,7 +5,7 @@ from skancf.adaptive.estimate import Estimate, goal_estimate, residual
 from skancf.adaptive.follow import Follow
 from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.loop import adapt
-from skancf.adaptive.marking import AllElements, Below, Doerfler, FixedFraction, Marking, Maximum, Never
+from skancf.adaptive.marking import AllElements, Below, Doerfler, Even, FixedFraction, Marking, Maximum, Never
 from skancf.adaptive.quantities import Displacement, Quantity, Reaction, Rotation, SectionForce, StrainEnergy
 from skancf.adaptive.recovery import recovery
 from skancf.adaptive.regions import find_regions
@@ -18,7 +18,7 @@ from skancf.adaptive.vibration import Eigenfrequency
 
 __all__ = [
     "AdaptiveResult", "AllElements", "Below", "BucklingLoad", "Carried", "Change", "Displacement", "Doerfler",
-    "Eigenfrequency", "Estimate", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never", "Outcome",
+    "Eigenfrequency", "Estimate", "Even", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never", "Outcome",
     "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy", "TheoryError", "adapt", "carried", "drift",
     "find_regions", "goal_estimate", "no_limit", "nodal_measure", "recovery", "residual", "stress_indicator",
     "stress_regions", "theory_error", "transfer",

@@ -41,6 +41,8 @@ def check(
     if not (number("rtol", rtol) > 0 or (rtol == 0 and atol > 0)):
         raise InputError(f"rtol = {rtol}: give a relative accuracy greater than zero, such as 1e-3")
     for name, policy in zip(("marking", "coarsening"), policies, strict=True):
+        if policy is None and name == "marking":
+            continue
         having(name, policy, ("marked",), "a policy such as Doerfler(0.9), Maximum(0.5) or Never()")
     if isinstance(indicator, type) or (
         not callable(indicator) and not (isinstance(indicator, str) and indicator in INDICATORS)

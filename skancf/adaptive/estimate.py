@@ -29,11 +29,13 @@ class Estimate:
     indicators : (n_elements,) array
         Sizes of the contributions of the elements to it; contributions of both signs may cancel in it.
     better : Solution
-        The state one refinement further, where the estimate comes from.
+        The state one refinement further, where the estimate comes from; that of the mesh where it comes from coarser ones.
     left : float
         Part of the contributions that refinement does not see; where they cancel, they may be what is left.
     rounding : float
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
+    nested : bool
+        The error is from values on this and two coarser meshes.
     """
 
     value: float
@@ -42,6 +44,7 @@ class Estimate:
     better: Solution
     left: float
     rounding: float = 0.0
+    nested: bool = False
 
     @property
     def bar(self) -> float:

@@ -15,13 +15,15 @@ from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.estimate import Estimate, check_quantity
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
 from skancf.adaptive.judge import judge
-from skancf.adaptive.marking import Below, Marking, check_indicators
+from skancf.adaptive.marking import Below, Even, Marking, check_indicators
+from skancf.adaptive.nested import Nested
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
 from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
 from skancf.adaptive.unbounded import why_without_limit
 from skancf.arguments import MESH, instance
+from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, number
 from skancf.functions import called
@@ -32,6 +34,8 @@ from skancf.solution import Solution
 from skancf.theories import Theory
 
 BELOW = Below(0.01)
+EVEN = Even(0.65)
+"""By default in theory `full`, whose error is of order two."""
 FINER_STARTS = 2
 """How often the first mesh is quartered where it has no answer."""
 COST = 1.3
@@ -50,7 +54,7 @@ def adapt(
     linear: bool = False,
     load_factor: float = 1.0,
     indicator: str | Callable[[Solution], np.ndarray] = "goal",
-    marking: Marking = DOERFLER,
+    marking: Marking | None = None,
     coarsening: Marking = BELOW,
     max_dofs: int = 150_000,
     max_seconds: float | None = None,
@@ -86,8 +90,10 @@ def adapt(
         against raw moments and membrane forces; the nodal stress at the faces (:func:`stress_indicator`); or a function of
         the state. The error bar is that of the quantity in each case.
     marking, coarsening : Marking
-        Policies. Default: those elements are quartered that hold nine tenths of the error, and those merged that hold less
-        than a hundredth of the mean.
+        Policies. Default: those elements are quartered that hold nine tenths of the error (:class:`Doerfler`), in theory
+        `full` by ``"goal"`` all of them where it is spread evenly (:class:`Even`), and those merged that hold less than a
+        hundredth of the mean. Where three meshes in a row have every element of the last one quartered, and their values go
+        as they should, these tell the error, without a dual weight.
     max_dofs : int
         Most nodal coordinates of a mesh on which the quantity is computed. The estimate takes four to five times as many,
         and more on coarse meshes with many singular points.
@@ -125,8 +131,10 @@ def adapt(
     asked = Asked(rtol, atol, max_dofs, max_seconds, max_levels)
     with Progress("adapt", 1.0, shown=progress) as bar:
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
-        run = _Run(problem, quantity, analysis, Growth(marking, coarsening), by, asked, bar)
-        return run.go(first_system(problem, first, theory, quantity, analysis, max_dofs))
+        system = first_system(problem, first, theory, quantity, analysis, max_dofs)
+        even = indicator == "goal" and not system.geometry.theory.twist
+        growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening)
+        return _Run(problem, quantity, analysis, growth, by, asked, bar).go(system)
 
 
 class _Found(NamedTuple):
@@ -162,7 +170,7 @@ class _Run:
         self.indicator, self.asked, self.bar = indicator, asked, bar
         self.levels: list[Level] = []
         self.best: _Found | None = None
-        self.finer_starts = 0
+        self.finer_starts, self.nested = 0, Nested(quantity)
         self.begun = time.perf_counter()
 
     def go(self, system: System) -> AdaptiveResult:
@@ -200,8 +208,8 @@ class _Run:
                     return end
                 at = answer.state.system
                 points = singular_points(at, self.quantity)
-                mesh = clock.take("mark", self.growth.next_mesh, at.geometry, level.indicators, points)
-                if end := self._too_much(level, mesh):
+                mesh, end = clock.take("mark", self._next, at.geometry, level, points)
+                if end:
                     return end
                 merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
                 system = clock.take("assemble", self.problem.on, mesh, at.geometry.theory)
@@ -225,7 +233,7 @@ class _Run:
             # Of coarse meshes; the last one is judged.
             warnings.simplefilter("ignore", OutOfDepth)
             answer = clock.take("solve", self.analysis.solve, system, start)
-            estimate = clock.take("estimate", self.analysis.estimate, answer)
+            estimate = clock.take("estimate", lambda: self.nested.error(answer) or self.analysis.estimate(answer))
             indicators = estimate.indicators
             if self.indicator is not None:
                 indicators = check_indicators(clock.take("mark", called, "indicator", self.indicator, answer.state))
@@ -237,8 +245,9 @@ class _Run:
                                  "must be a finite number")  # fmt: skip
         level = Level(
             system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
-            merged, clock.seconds, note=answer.note,
+            merged, clock.seconds, note=answer.note, nested=estimate.nested,
         )  # fmt: skip
+        self.nested.add(system.mesh, estimate)
         return _Found(level, answer, estimate)
 
     def _keep(self, found: _Found) -> None:
@@ -281,6 +290,16 @@ class _Run:
         x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)
         return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be: a "
                 "smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
+
+    def _next(self, geometry: Geometry, level: Level, points: np.ndarray) -> tuple[MeshQuadTree, tuple[Outcome, str] | None]:
+        """The next mesh, and why not to begin with it; one of fewer elements where all of them are too many."""
+        mesh = self.growth.next_mesh(geometry, level.indicators, points)
+        end, part = self._too_much(level, mesh), getattr(self.growth.refine, "part", None)
+        if end and part is not None:
+            fewer = replace(self.growth, refine=part).next_mesh(geometry, level.indicators, points)
+            if not self._too_much(level, fewer):
+                return fewer, None
+        return mesh, end
 
     def _too_much(self, level: Level, mesh: MeshQuadTree) -> tuple[Outcome, str] | None:
         """Why not to begin with the next mesh."""

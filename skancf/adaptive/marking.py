@@ -137,6 +137,51 @@ class AllElements:
 
 
 @dataclass(frozen=True)
+class Even:
+    r"""Every element where the indicators are even, else the fewest that hold a share of the total (:class:`Doerfler`).
+
+    .. math:: \frac{\left( \sum_K \sqrt{\eta_K} \right)^2}{n \sum_K \eta_K} \ge \text{even}
+
+    With indicators that fall as the square of the area, those of theory `full`, the left side is the part of the elements
+    that would have as small an error if all indicators were equal. Where it is near 1 there is little to gain by local
+    refinement, and of whole meshes that are quartered the values themselves may tell the error, without a dual solve.
+
+    Parameters
+    ----------
+    even : float
+        Between 0 and 1.
+    share : float
+        Of :class:`Doerfler`.
+
+    Raises
+    ------
+    InputError
+        For parameters outside (0, 1].
+    """
+
+    even: float = 0.65
+    share: float = 0.9
+
+    def __post_init__(self) -> None:
+        plain(self)
+        _check_share("even", self.even)
+        _check_share("share", self.share)
+
+    @property
+    def part(self) -> Doerfler:
+        """The marking where indicators are not even, or all elements would be too many."""
+        return Doerfler(self.share)
+
+    def marked(self, indicators: Any) -> np.ndarray:
+        """Numbers of the marked elements, ascending; none where all indicators are zero."""
+        values = check_indicators(indicators)
+        relative = values / max(values.max(initial=0.0), 1e-300)
+        if np.sqrt(relative).sum() ** 2 >= self.even * values.size * relative.sum() > 0:
+            return np.arange(values.size)
+        return self.part.marked(values)
+
+
+@dataclass(frozen=True)
 class Below:
     r"""For coarsening: elements whose indicator is less than a factor of the mean.
 

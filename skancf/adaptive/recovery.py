@@ -10,9 +10,10 @@ import scipy.sparse as sp
 
 from skancf.arguments import STATE, instance
 from skancf.assembly.geometry import Geometry
+from skancf.assembly.patches import averaging_nodes
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
-from skancf.solution import Solution, averaging_nodes
+from skancf.solution import Solution
 from skancf.theories.kirchhoff import legendre
 
 SINGULAR = 1e-8

@@ -48,6 +48,9 @@ class Level:
         Elements that are larger here than on the mesh before.
     note : str
         What the solve met on its way here, such as a state that was not stable.
+    nested : bool
+        The error is from the values on this and the two meshes before, each of which has every element of the last
+        quartered, without a dual weight; indicators are the parts that are left of those before.
     seconds : dict
         For ``assemble``, ``solve``, ``estimate`` and ``mark`` (the next mesh).
     """
@@ -63,6 +66,7 @@ class Level:
     seconds: dict[str, float]
     rejected: bool = False
     note: str = ""
+    nested: bool = False
 
     @property
     def n_elements(self) -> int:

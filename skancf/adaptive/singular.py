@@ -11,6 +11,7 @@ from skancf.assembly.system import System
 from skancf.errors import InputError, finite, unit_vector
 from skancf.loads import DiskForce, PointForce
 from skancf.meshes.forest import Leaves
+from skancf.recovered import reentrant_corners
 from skancf.supports import Clamp, NoRotation, Pin, SimpleSupport, Symmetry
 from skancf.supports.conditions import R_X, R_Y, edges, single_points
 from skancf.surfaces import normal
@@ -19,8 +20,6 @@ SAME_POINT = 1e-8
 """Of the extent of the mesh: two points of the parameter plane closer than this are one."""
 ALONG = 1e-6
 """Part of a unit vector that counts, cosine of a right angle."""
-TURNS_IN = np.radians(210)
-"""Material about a node of the boundary beyond which it is a re-entrant corner, not a vertex of a curved hole's polygon."""
 
 
 def singular_points(system: System, quantity: Any = None) -> np.ndarray:
@@ -110,19 +109,6 @@ def strong_points(system: System) -> np.ndarray:
     places = [geometry.points[:, nodes], geometry.mesh.p[:, [node for _, node in point_supports(system)]]]
     places += [np.reshape(load.at, (2, 1)).astype(float) for load in point_forces(system)]
     return np.hstack(places)
-
-
-def reentrant_corners(geometry: Geometry) -> dict[int, float]:
-    """Nodes of the boundary at which it turns inwards, and the angle of material there in the parameter plane (rad)."""
-    corners = geometry.mesh.p[:, geometry.mesh.t]
-    after, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    cross, dot = after[0] * before[1] - after[1] * before[0], (after * before).sum(axis=0)
-    nodes, here = geometry.ties.node_of[geometry.mesh.t], np.abs(np.arctan2(cross, dot))
-    own = nodes >= 0  # hanging nodes are no corners
-    angles = np.bincount(nodes[own], here[own], minlength=geometry.n_nodes)
-    # At a pole the angles of the parameter plane are not those of the surface.
-    on_boundary = np.setdiff1d(geometry.ends(geometry.boundary), list(geometry.ties.poles))
-    return {int(node): float(angles[node]) for node in on_boundary if angles[node] > TURNS_IN}
 
 
 def point_forces(system: System) -> list[PointForce]:

@@ -101,7 +101,7 @@ def values(solution: Solution, name: str, subdivisions: int, z: Depth | None) ->
         return stress[:, STRESSES.index(name)] if name in STRESSES else strain[:, STRAINS.index(name)]
     points = grid(subdivisions).points
     if name in FORCES:
-        return solution.section_forces(points)[:, FORCES.index(name)].ravel()
+        return solution.recovered_section_forces(points)[:, FORCES.index(name)].ravel()
     if name in SHEAR:
         return solution.shear_forces(points)[:, SHEAR.index(name)].ravel()
     surface = sample_surface(solution, subdivisions, z)

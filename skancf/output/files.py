@@ -101,7 +101,7 @@ def write_state(
         data[f"stress_{name}"], data[f"strain_{name}"] = stress[:, FILE_ORDER], strain[:, FILE_ORDER]
         data[f"mises_{name}"] = von_mises(stress)
     if depths is None or depths:
-        forces = solution.section_forces(grid(subdivisions).points).swapaxes(1, 2).reshape(-1, 6)
+        forces = solution.recovered_section_forces(grid(subdivisions).points).swapaxes(1, 2).reshape(-1, 6)
         data["membrane_force"], data["moment"] = forces[:, :3], forces[:, 3:]
     mesh = meshio.Mesh(
         surface.points, [("quad", surface.cells)], point_data=data, cell_data={"element": [surface.elements]}

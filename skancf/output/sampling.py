@@ -130,11 +130,12 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) ->
 
 
 def sample_strain(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Strain and stress (n, 6) at the points of :func:`sample`."""
+    """Strain and stress (n, 6) at the points of :func:`sample`, in theory `full` recovered: see
+    :meth:`Solution.recovered_section_forces`."""
     instance("solution", solution, Solution, STATE)
     require_points(subdivisions, solution.system.geometry.n_elements)
     points = grid(subdivisions).points
-    return solution.strains(points, z).reshape(-1, 6), solution.stresses(points, z).reshape(-1, 6)
+    return solution.recovered_strains(points, z).reshape(-1, 6), solution.recovered_stresses(points, z).reshape(-1, 6)
 
 
 def sample(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> Samples:

@@ -1,6 +1,7 @@
 """A membrane force or a moment, at a point or as a mean."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from skancf.arguments import choice, plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import InputError, finite, vector
+from skancf.recovered import gradient, section_forces
 from skancf.solution import Solution
 
 COMPONENTS = ("N11", "N22", "N12", "M11", "M22", "M12")
@@ -24,7 +26,8 @@ class SectionForce(Smooth):
 
     with the undeformed area of the integration points whose parameters lie in a rectangle.
 
-    At a point it is that of one element that holds it: section forces jump from one to the next, by less on finer meshes.
+    At a point it is that of one element that holds it: section forces jump from one to the next, by less on finer meshes. In
+    theory `full` it is recovered from the elements around, as in :meth:`Solution.recovered_section_forces`.
     For a mean choose a rectangle of whole elements, so that all meshes mean the same region. A point may have no limit where
     a mean has one: see :func:`skancf.adaptive.no_limit`.
 
@@ -72,11 +75,14 @@ class SectionForce(Smooth):
 
     def _value(self, state: Solution, q: np.ndarray) -> float:
         elements, points, weights = self.weights(state.system)
-        forces = state.system.section_forces(q, points, state.load_factor, state.time)
+        of_state = state.system.section_forces if self.at is None else partial(section_forces, state.system)
+        forces = of_state(q, points, state.load_factor, state.time)
         return float(np.vdot(forces[elements, self._row], weights))
 
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
         elements, points, weights = self.weights(state.system)
+        if self.at is not None:
+            return gradient(state.system, q, int(elements[0]), points, np.eye(len(COMPONENTS))[self._row])
         of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
         of_all[:, self._row] = weights
         return state.system.assembly.section_force_gradient(q.reshape(-1, 4, 3), elements, points, of_all).ravel()

@@ -1,5 +1,6 @@
 """Theory `full` on a mesh: forces, stresses, tangents, and strains at any point."""
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import cast
 
@@ -14,7 +15,10 @@ from skancf.materials import Section
 from skancf.materials.curved import require_one_side
 from skancf.materials.parallel import TRACE, principal_curvatures, sums
 from skancf.materials.section import ROUNDING
-from skancf.theories.full import D1, D2, N_IN_PLANE, R1, R2, D, Full, covariant_to_local, jet_table, strain
+from skancf.theories.full import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, D, Full, covariant_to_local, jet_table, strain
+
+ALL, BENDING = slice(None), slice(3, N_IN_PLANE)
+"""All strains, and those with slopes of the director."""
 
 
 class FullAssembly(CompiledAssembly):
@@ -76,11 +80,20 @@ class FullAssembly(CompiledAssembly):
         return to_local, volume * weights * thicknesses[:, None, None]
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
-        z, w, layer = self.section.points(2)
-        stress = []
-        for depth, k in zip(z, layer, strict=True):
+        def elastic(depth: float) -> np.ndarray:
             free = np.zeros(6) if temperature is None else self.section.thermal_strain(depth, *temperature)
-            stress.append((self.strains(q, points, depth, temperature) - free) @ self.section.stiffness[k])
+            return self.strains(q, points, depth, temperature) - free
+
+        return self._resultants(elastic, points)
+
+    def bending_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """The part of the section forces (n_elements, 6, n) that slopes of the director make."""
+        return self._resultants(lambda depth: self.bending_strains(q, points, depth), points)
+
+    def _resultants(self, elastic: Callable[[float], np.ndarray], points: np.ndarray) -> np.ndarray:
+        """N and M (n_elements, 6, n) at points of elastic strains (n_elements, n, 6) at a depth."""
+        z, w, layer = self.section.points(2)
+        stress = [elastic(depth) @ self.section.stiffness[k] for depth, k in zip(z.tolist(), layer, strict=True)]
         plane = np.stack(stress)[..., [0, 1, 5]]
         plane = plane - z[:, None, None, None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
         return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
@@ -99,7 +112,7 @@ class FullAssembly(CompiledAssembly):
         return np.asarray(-doubled / [1.0, 1.0, 2.0])
 
     def section_force_gradient(
-        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
+        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray, part: slice = ALL
     ) -> np.ndarray:
         geometry, theory = self.geometry, self.theory
         z, w, layer = self.section.points(2)
@@ -109,15 +122,23 @@ class FullAssembly(CompiledAssembly):
         shorter = self._shorter(points, elements)
         plane = plane - z[:, None, None, None] * np.einsum("enij,zein->zejn", shorter, plane)
         laws = self.section.stiffness[layer][:, [0, 1, 5]]
-        stresses = np.einsum("zvken,zcv,zecn->ekn", to_local, laws, plane, optimize=True)
+        stresses = np.zeros((len(elements), N_STRAINS, points.shape[1]))
+        stresses[:, part] = np.einsum("zvken,zcv,zecn->ekn", to_local[:, :, part], laws, plane, optimize=True)
         return geometry.nodal(theory.strain_forces(geometry.local(q, elements), points, stresses), elements)
 
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+        return self._strains(q, points, z, ALL)
+
+    def bending_strains(self, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
+        """The part of :meth:`strains` that slopes of the director make."""
+        return self._strains(q, points, z, BENDING)
+
+    def _strains(self, q: np.ndarray, points: np.ndarray, z: float, part: slice) -> np.ndarray:
         geometry, theory = self.geometry, self.geometry.theory
         change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
         jets = theory.jets(geometry.undeformed_local, points)
         to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.array([z]))
-        return np.einsum("vken,ekn->env", to_local[0], change, optimize=True)
+        return np.einsum("vken,ekn->env", to_local[0][:, part], change[:, part], optimize=True)
 
 
 def _rule(theory: Full, sections: Sections) -> kernels.Rule:

@@ -1,0 +1,158 @@
+r"""Moments and stresses of theory `full` where its elements do not say them well: at their corners and edges.
+
+The director d is bilinear, so that curvatures are of first order there, and of second order in the middles of elements. What
+its slopes make of moments is taken from polynomials through the middles (:class:`Patches`). Where the section couples
+stretch and bending, membrane strains follow the curvatures of their element, so that its membrane forces are kept:
+
+.. math:: \Delta s = P[s_d] - s_d, \qquad N^* = N, \quad M^* = M + \Delta M - B A^{-1} \Delta N,
+
+with the part :math:`s_d = (N_d, M_d)` of the section forces that slopes of the director make. No polynomial reaches across a
+line or about a point where moments may jump or have no limit: supports and loads inside the surface, re-entrant corners,
+ends of supported edges.
+"""
+
+from typing import Any, cast
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from skancf.assembly.full.assembly import BENDING, FullAssembly
+from skancf.assembly.geometry import Geometry
+from skancf.assembly.patches import STENCIL, Cuts, Patches
+from skancf.assembly.places import NONE
+from skancf.assembly.system import System
+from skancf.errors import InputError, finite
+from skancf.materials import Section
+
+IN_PLANE = [0, 1, 5]
+ON = 1e-8
+"""Of the extent of the mesh: nodes this near to a line or a point are on it."""
+TURNS_IN = np.radians(210)
+"""Material about a node of the boundary beyond which it is a re-entrant corner, not a vertex of a curved hole's polygon."""
+_patches: "WeakKeyDictionary[System, Patches]" = WeakKeyDictionary()
+
+
+def patches_of(system: System) -> Patches:
+    """Those of all elements, kept as long as the system is."""
+    if system not in _patches:
+        _patches[system] = Patches.about(system.geometry, cuts(system))
+    return _patches[system]
+
+
+def section_forces(
+    system: System, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
+) -> np.ndarray:
+    """N and M (n_elements, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
+    raw = system.section_forces(q, points, factor, time)
+    if isinstance(system.assembly, FullAssembly):
+        forces, moments = np.split(_excess(system, q, points), 2, axis=1)
+        raw[:, 3:] += moments - np.einsum("ji,eip->ejp", _coupled(system.problem.section)[1], forces)
+    return raw
+
+
+def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
+    """What recovery adds to the strains at a depth, (n_elements, n, 6); zero in theory `kirchhoff`."""
+    assembly = system.assembly
+    if not isinstance(assembly, FullAssembly):
+        return np.zeros((system.geometry.n_elements, points.shape[1], 6))
+    nodal = q.reshape(-1, 4, 3)
+    said = assembly.bending_strains(nodal, system.geometry.inside(STENCIL), z).swapaxes(1, 2)
+    out = patches_of(system).values(said, points).swapaxes(1, 2) - assembly.bending_strains(nodal, points, z)
+    forces = _excess(system, q, points)[:, :3]
+    out[..., IN_PLANE] -= np.einsum("ij,ejp->epi", _coupled(system.problem.section)[0], forces)
+    return np.asarray(out)
+
+
+def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Derivative (n_dofs,) of weights (6,) times the recovered section forces at a local point (2, 1) of an element."""
+    assembly, nodal, here = system.assembly, q.reshape(-1, 4, 3), np.array([element])
+    out = assembly.section_force_gradient(nodal, here, point, weights.reshape(1, 6, 1))
+    if isinstance(assembly, FullAssembly):
+        coupled = _coupled(system.problem.section)[1]
+        changed = np.concatenate([-coupled.T @ weights[3:], weights[3:]]).reshape(1, 6, 1)
+        members, said = Patches.about(system.geometry, cuts(system), here).transposed(point, changed)
+        stencil = system.geometry.inside(STENCIL)
+        out = out + assembly.section_force_gradient(nodal, members, stencil, said, BENDING)
+        out = out - assembly.section_force_gradient(nodal, here, point, changed, BENDING)
+    return np.asarray(out).ravel()
+
+
+def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Polynomials of what slopes of the director make of the section forces, less that itself: (n_elements, 6, n)."""
+    assembly, nodal = cast(FullAssembly, system.assembly), q.reshape(-1, 4, 3)
+    said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
+    return np.asarray(patches_of(system).values(said, points) - assembly.bending_forces(nodal, points))
+
+
+def _coupled(section: Section) -> tuple[np.ndarray, np.ndarray]:
+    """The inverse of A, and B A^-1, of the laws as the elements have them, (3, 3) each."""
+    z, w, layer = section.points(2)
+    laws = section.stiffness[layer][:, IN_PLANE][:, :, IN_PLANE]
+    inverse = np.linalg.inv(np.einsum("z,zij->ij", w, laws))
+    return inverse, np.einsum("z,zij->ij", w * z, laws) @ inverse
+
+
+def cuts(system: System) -> Cuts:
+    """Lines of the mesh across which moments may jump or have a kink, and points where they may have no limit."""
+    geometry, mesh = system.geometry, system.mesh
+    broken, node_of = np.zeros(mesh.facets.shape[1], dtype=bool), geometry.ties.node_of
+    ends = np.isin(node_of, list(reentrant_corners(geometry)))
+    for support in system.problem.supports:
+        if hasattr(support, "where"):
+            lines, points = _of_support(geometry, support.where)
+            broken |= lines
+            ends |= points
+    for load in system.problem.loads:
+        if hasattr(load, "start") and not callable(load.start):
+            broken |= _along(geometry, finite("start", load.start), finite("end", load.end))
+        if hasattr(load, "at") and not callable(load.at) and not hasattr(load, "radius"):
+            ends |= _near(geometry, finite("at", load.at) - mesh.p.T)
+    return Cuts(np.flatnonzero(broken | ends[mesh.facets].any(axis=0)), np.flatnonzero(ends))
+
+
+def _of_support(geometry: Geometry, where: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Facets (n_facets,) between held nodes, unless all about them is held, and nodes (n_mesh_nodes,) that are held alone or
+    at an end of held edges."""
+    mesh, node_of = geometry.mesh, geometry.ties.node_of
+    try:
+        nodes, facets = geometry.points_and_facets(where)
+    except InputError:
+        return np.zeros(mesh.facets.shape[1], dtype=bool), np.zeros(len(node_of), dtype=bool)
+    # A hanging node is held where the ends of its edge are.
+    held = np.isin(node_of, nodes)
+    held[geometry.hanging.nodes] = held[geometry.hanging.ends].all(axis=0)
+    whole, beside_free = held[mesh.t].all(axis=0), np.zeros(mesh.facets.shape[1], dtype=bool)
+    beside_free[mesh.t2f[:, ~whole]] = True
+    along = held[mesh.facets].all(axis=0) & beside_free
+    ends = node_of[mesh.facets[:, facets]] if len(facets) else np.empty((2, 0), dtype=int)
+    once = np.flatnonzero(np.bincount(ends[ends >= 0].ravel(), minlength=geometry.n_nodes) == 1)
+    alone = NONE if whole.any() or along.any() else np.setdiff1d(nodes, ends)
+    return along, np.isin(node_of, np.concatenate([once, alone]))
+
+
+def _along(geometry: Geometry, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Facets on a straight line of the parameter plane."""
+    way, p = end - start, geometry.mesh.p.T
+    share = np.clip(((p - start) @ way) / (way @ way), 0.0, 1.0)
+    return np.asarray(_near(geometry, start + share[:, None] * way - p)[geometry.mesh.facets].all(axis=0))
+
+
+def _near(geometry: Geometry, apart: np.ndarray) -> np.ndarray:
+    """Which differences (n, 2) of places are none, across a seam too."""
+    extent = np.ptp(geometry.mesh.p, axis=1)
+    for axis, (low, high) in geometry.closed_bounds().items():
+        apart[:, axis] -= (high - low) * np.round(apart[:, axis] / (high - low))
+    return np.asarray(np.abs(apart / extent).max(axis=1) < ON)
+
+
+def reentrant_corners(geometry: Geometry) -> dict[int, float]:
+    """Nodes of the boundary at which it turns inwards, and the angle of material there in the parameter plane (rad)."""
+    corners = geometry.mesh.p[:, geometry.mesh.t]
+    after, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    cross, dot = after[0] * before[1] - after[1] * before[0], (after * before).sum(axis=0)
+    nodes, here = geometry.ties.node_of[geometry.mesh.t], np.abs(np.arctan2(cross, dot))
+    own = nodes >= 0  # hanging nodes are no corners
+    angles = np.bincount(nodes[own], here[own], minlength=geometry.n_nodes)
+    # At a pole the angles of the parameter plane are not those of the surface.
+    on_boundary = np.setdiff1d(geometry.ends(geometry.boundary), list(geometry.ties.poles))
+    return {int(node): float(angles[node]) for node in on_boundary if angles[node] > TURNS_IN}

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 from skancf.adaptive.estimate import Estimate, goal_estimate, value_of
 from skancf.adaptive.quantities import Quantity
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.transfer import transfer
 from skancf.assembly.system import System
 from skancf.checks import Check
@@ -50,8 +51,8 @@ class Analysis(Protocol):
     def solve(self, system: System, start: Solution | None) -> Answer:
         """The answer on a mesh, from a state of another mesh if there is one."""
 
-    def estimate(self, answer: Answer) -> Estimate:
-        """Its error and where it comes from."""
+    def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
+        """Its error and where it comes from, with what is known of singular points from the mesh before."""
 
 
 @dataclass(frozen=True)
@@ -93,5 +94,5 @@ class StaticAnalysis:
         state, restarted = result.unwrap(), start is not None and begin is None
         return Answer(state, value_of(self.quantity, state), spent, restarted, None, result.message, result.checks)
 
-    def estimate(self, answer: Answer) -> Estimate:
-        return goal_estimate(answer.state, self.quantity, backend=self.backend)
+    def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
+        return goal_estimate(answer.state, self.quantity, backend=self.backend, halvings=halvings)

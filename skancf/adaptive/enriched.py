@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.between import Interpolation, ancestors_in
-from skancf.adaptive.grow import LEFT, LEFT_SINGULAR, SMALLEST, may_be_quartered
-from skancf.adaptive.singular import singular_points, touching
+from skancf.adaptive.grow import LEFT, SMALLEST, may_be_quartered
+from skancf.adaptive.quantities import SectionForce
+from skancf.adaptive.rings import Halvings, Pair, energies, halvings
+from skancf.adaptive.singular import images, nodes_at, singular_points, touching
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
@@ -43,7 +45,7 @@ def enriched_mesh(system: System, points: np.ndarray) -> Any:
     for _ in range(EXTRA):
         if len(leaves) > MOST * (mesh.nelements + MOST):
             break  # more singular points than elements
-        at_points = touching(leaves, points)
+        at_points = touching(leaves, images(system.geometry, leaves, points))
         leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, SMALLEST / 2)[at_points]])
     return mesh.regrown(leaves)
 
@@ -60,26 +62,33 @@ class Refined:
     """
 
     def __init__(self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None):
-        self.coarse, self.points = coarse, singular_points(coarse, quantity)
+        self.coarse, self.points, self._quantity = coarse, singular_points(coarse, quantity), quantity
         fine_mesh = enriched_mesh(coarse, self.points) if mesh is None else mesh
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
         self._up = Interpolation(coarse.geometry, self.system.geometry)
         self._down = Interpolation(self.system.geometry, coarse.geometry)
 
-    def left(self, shares: np.ndarray) -> float:
-        """Part of an error that is left on the refined mesh, by the shares that elements have in it.
+    def halvings(self, *pairs: Pair, before: Halvings | None = None) -> Halvings:
+        """What a halving leaves at the singular points of the problem, by energies of answers and weights here, and by
+        ``before``, that of a coarser mesh, where there are too few rings."""
+        return halvings(self.coarse, self.system, singular_points(self.coarse), pairs, before)
 
-        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two; up to a half of
-        that of elements at singular points which are too small to be quartered more than once.
+    def left(self, shares: np.ndarray, halved: Halvings) -> float:
+        r"""Part of an error that is left on the refined mesh, by the shares that elements have in what is seen of it.
+
+        .. math:: 1 - \ell = \frac{\sum_K \eta_K}{\sum_K \eta_K / (1 - \ell_K)}
+
+        with a sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two; at singular
+        points, in elements that are quartered k times, the k-th power of what one halving leaves.
         """
         coarse, fine = self.coarse.mesh.leaves, self.system.mesh.leaves
         left = np.full(len(coarse), LEFT[self.system.geometry.theory.twist])
         deepest = np.zeros(len(coarse), dtype=int)
         np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
-        there = touching(coarse, self.points)
-        left[there] = LEFT_SINGULAR ** (deepest - coarse.cells.level)[there]
+        there, once = halved.of(coarse, self.points)
+        left[there] = once ** (deepest - coarse.cells.level)[there]
         total = shares.sum()
-        return float(shares @ left / total) if total else 0.0
+        return float(1 - total / (shares @ (1 / (1 - left)))) if total else 0.0
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""
@@ -90,8 +99,21 @@ class Refined:
         return self._down.field(q)
 
     def surplus(self, weight: np.ndarray) -> np.ndarray:
-        """What of a field on the refined mesh the coarse one cannot have, (n_fine,)."""
-        return weight - self.up(self.down(weight))
+        """What of a field on the refined mesh the coarse one cannot have, (n_fine,).
+
+        A weight that is singular at a node has slopes and a twist there that are those of the smallest element, and say
+        nothing of larger ones: its interpolant has none.
+        """
+        coarse = self.down(weight).reshape(-1, 4, 3)
+        coarse[self._at_quantity, 1:] = 0.0
+        return weight - self.up(coarse.ravel())
+
+    @cached_property
+    def _at_quantity(self) -> np.ndarray:
+        """Coarse nodes at the point of a section force, at most one."""
+        if not isinstance(self._quantity, SectionForce) or self._quantity.at is None:
+            return np.empty(0, dtype=int)
+        return nodes_at(self.coarse.geometry, self._quantity.at)
 
     def shares(self, products: np.ndarray) -> np.ndarray:
         """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
@@ -160,6 +182,12 @@ class Enriched(Refined):
         return self._chord(first, tangent)
 
     @property
+    def _change(self) -> np.ndarray:
+        """From the undeformed coordinates to those after the step; of a small-deflection answer with all its digits."""
+        before = self.up(self.state.change) if self.state.linear else self.start - self.system.undeformed
+        return before + self._step
+
+    @property
     def unresolved(self) -> np.ndarray:
         """What is left of the residual after the step, (n_fine,): rounding, and what Newton's method left."""
         if self.state.linear:
@@ -211,16 +239,40 @@ class Enriched(Refined):
 
         The rest that Newton's method left has a direction, and cancels in parts as the residual does; rounding has none.
         """
-        change = self.start + self._step - self.system.undeformed
+        change = self._change
         sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values)) @ np.abs(change)
         left = self.system.constraints.free_part(self.unresolved)
         noise = ROUNDING * np.abs(weight) @ self.system.constraints.free_part(sizes)
         return abs(float(weight @ left)) + float(noise)
 
+    def energies(self, change: np.ndarray) -> np.ndarray:
+        """Strain energy of a small change from the corrected state in each element, (n_fine_elements,) (J)."""
+        return energies(self.system, change, None if self.state.linear else self.corrected.q)
+
+    def scale(self, smooth: np.ndarray, weight: np.ndarray, gradient: np.ndarray) -> float:
+        r"""Sum over the nodes of the sizes of what each contributes to a quantity,
+
+        .. math:: S = \sum_i |\lambda z_i \cdot F_i| + |\lambda r_i \cdot \bar u_i|, \qquad r = K z - \partial J / \partial q,
+
+        by loads F, those that hold back a free strain among them, and by displacements prescribed at the supports, which
+        count with the reactions r to the dual weight.
+        """
+        system, factor = self.system, self.state.load_factor
+        start = system.undeformed if self.state.linear else self.corrected.q
+        parts = smooth * system.external_force(start)
+        moved = system.constraints.fixed_part(system.prescribed())
+        if moved.any():
+            parts = parts - moved * (self.stiffness @ weight - gradient)
+        return abs(factor) * float(np.abs(parts.reshape(-1, 12).sum(axis=1)).sum())
+
     @property
     def corrected(self) -> Solution:
         """The state after that step."""
-        return Solution(self.system, self.start + self._step, load_factor=self.state.load_factor, linear=self.state.linear)
+        fine, factor = self.system, self.state.load_factor
+        if self.state.linear:
+            change = self._change
+            return Solution(fine, fine.undeformed + change, load_factor=factor, linear=True, small=change)
+        return Solution(fine, self.start + self._step, load_factor=factor)
 
     def free_diagonal(self) -> np.ndarray:
         """The diagonal blocks of the tangent in nodal coordinates, one where they are held, (n_fine_nodes, 12, 12)."""

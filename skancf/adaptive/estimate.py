@@ -8,6 +8,7 @@ import numpy as np
 
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings, energies_of
 from skancf.arguments import STATE, having, instance
 from skancf.errors import InputError, number, vector
 from skancf.functions import called
@@ -34,6 +35,11 @@ class Estimate:
         Part of the contributions that refinement does not see; where they cancel, they may be what is left.
     rounding : float
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
+    scale : float
+        Sum over the nodes of the sizes of what loads and prescribed displacements there contribute to the value: a value
+        that is much smaller is zero by cancellation. 0 where nothing contributes, and of frequencies and buckling loads.
+    halvings : Halvings
+        What one halving of the elements at singular points leaves of their part in the error.
     """
 
     value: float
@@ -42,6 +48,8 @@ class Estimate:
     better: Solution
     left: float
     rounding: float = 0.0
+    scale: float = 0.0
+    halvings: Halvings = NOTHING_KNOWN
 
     @property
     def bar(self) -> float:
@@ -63,7 +71,9 @@ def check_state(name: str, state: Any, backend: str = "auto") -> None:
         raise InputError(f"{name}: its mesh must be a quadtree; make it by sk.meshes.quadtree(mesh)")
 
 
-def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto") -> Estimate:
+def goal_estimate(
+    state: Solution, quantity: Quantity, *, backend: str = "auto", halvings: Halvings = NOTHING_KNOWN
+) -> Estimate:
     r"""Dual-weighted residual estimate of the error of a quantity.
 
     Every element is quartered, a few times more at singular points. With the residual R of the refined system, its tangent K
@@ -91,12 +101,15 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     value = value_of(quantity, state)
     with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected
-        weight = enriched.solve(_gradient_of(quantity, better))
+        gradient = _gradient_of(quantity, better)
+        weight = enriched.solve(gradient)
         smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
-        left = enriched.left(indicators)
+        halved = enriched.halvings((energies_of(better), enriched.energies(weight)), before=halvings)
+        left = enriched.left(indicators, halved)
         error = (value_of(quantity, better) - value) / (1 - left)
-        return Estimate(value, error, indicators, better, left, enriched.rounding(weight))
+        scale = enriched.scale(smooth, weight, gradient)
+        return Estimate(value, error, indicators, better, left, enriched.rounding(weight), scale, halved)
 
 
 def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:

@@ -6,7 +6,8 @@ import numpy as np
 
 from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
-from skancf.adaptive.singular import touching
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
+from skancf.adaptive.singular import images
 from skancf.assembly.geometry import Geometry
 from skancf.functions import called
 from skancf.meshes import MeshQuadTree
@@ -18,8 +19,6 @@ AGAIN = 3
 LEFT = {True: 1 / 16, False: 1 / 4}
 """Part of an error that is left on quartered elements where the solution is smooth: order four in `kirchhoff`, two in
 `full`. Of an element's indicator each quarter has a quarter of it."""
-LEFT_SINGULAR = 1 / 2
-"""The same at a singular point, where one of the quarters has all of it."""
 SMALLEST = 2.0**-13
 """Size of the smallest elements, of the extent of the surface. Stiffness grows with the inverse square of the size, and so
 does what rounding does to a displacement: 1e-7 of it with these, four times as much after each further quartering."""
@@ -49,10 +48,12 @@ class Growth:
     refine: Marking = DOERFLER
     coarsen: Marking = NEVER
 
-    def next_mesh(self, geometry: Geometry, indicators: np.ndarray, points: np.ndarray) -> MeshQuadTree:
+    def next_mesh(
+        self, geometry: Geometry, indicators: np.ndarray, points: np.ndarray, halvings: Halvings = NOTHING_KNOWN
+    ) -> MeshQuadTree:
         """Quarters marked elements, and those of their quarters that would be marked again.
 
-        ``points`` (2, n) are the singular ones.
+        ``points`` (2, n) are the singular ones, ``halvings`` what one halving leaves there.
         """
         mesh: MeshQuadTree = geometry.mesh
         leaves = mesh.leaves
@@ -61,20 +62,25 @@ class Growth:
         marked = marked[room[marked]]
         finer = leaves.refined(marked)
         if 0 < marked.size < len(leaves):
-            finer = _again(geometry, finer, indicators, float(indicators[marked].min()), points)
+            finer = _again(geometry, finer, indicators, float(indicators[marked].min()), points, halvings)
         small = finer.find(leaves.cells.take(called("coarsening", self.coarsen.marked, indicators)))
         return mesh.regrown(finer).coarsened(small[small >= 0])
 
 
-def _again(geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray) -> Leaves:
-    """With quarters quartered again whose indicators will exceed the smallest of the marked ones twice."""
+def _again(
+    geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray, halvings: Halvings
+) -> Leaves:
+    """With quarters quartered again whose indicators will exceed the smallest of the marked ones twice.
+
+    At a singular point one of the quarters has all that the halving leaves.
+    """
     leaves, thin = geometry.mesh.leaves, geometry.theory.twist
     for depth in range(1, AGAIN):
         above = ancestors_in(leaves, finer)
         quartered = finer.cells.level - leaves.cells.level[above]
         left = np.where(quartered > 0, indicators[above] * (LEFT[thin] / 4) ** quartered, 0.0)
-        singular = touching(finer, points)
-        left[singular] = (indicators[above] * LEFT_SINGULAR**quartered)[singular]
+        singular, halved = halvings.of(finer, images(geometry, finer, points))
+        left[singular] = indicators[above[singular]] * halved ** quartered[singular]
         again = np.flatnonzero((left > 2 * least) & (quartered == depth) & may_be_quartered(finer, geometry.surface))
         if not again.size:
             break

@@ -18,6 +18,7 @@ from skancf.adaptive.judge import judge
 from skancf.adaptive.marking import Below, Marking, check_indicators
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
+from skancf.adaptive.rings import NOTHING_KNOWN
 from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
 from skancf.adaptive.unbounded import why_without_limit
@@ -195,12 +196,14 @@ class _Run:
             try:
                 self._keep(self._on(system, start, merged, clock))
                 assert self.best is not None
-                level, answer, _ = self.best
+                level, answer, estimate = self.best
                 if end := self._end():
                     return end
                 at = answer.state.system
                 points = singular_points(at, self.quantity)
-                mesh = clock.take("mark", self.growth.next_mesh, at.geometry, level.indicators, points)
+                mesh = clock.take(
+                    "mark", self.growth.next_mesh, at.geometry, level.indicators, points, estimate.halvings
+                )
                 if end := self._too_much(level, mesh):
                     return end
                 merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
@@ -225,7 +228,8 @@ class _Run:
             # Of coarse meshes; the last one is judged.
             warnings.simplefilter("ignore", OutOfDepth)
             answer = clock.take("solve", self.analysis.solve, system, start)
-            estimate = clock.take("estimate", self.analysis.estimate, answer)
+            halvings = self.best.estimate.halvings if self.best else NOTHING_KNOWN
+            estimate = clock.take("estimate", self.analysis.estimate, answer, halvings)
             indicators = estimate.indicators
             if self.indicator is not None:
                 indicators = check_indicators(clock.take("mark", called, "indicator", self.indicator, answer.state))
@@ -261,6 +265,8 @@ class _Run:
         level = found.level
         if found.estimate.bar <= self.asked.tolerance(level.value):
             return Outcome.REACHED, ""
+        if zero := self.asked.zero(found.estimate):
+            return Outcome.REACHED, zero
         if abs(level.error) < found.estimate.rounding:
             return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
                                       "smaller tolerance cannot be met")  # fmt: skip

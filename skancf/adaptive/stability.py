@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings, energies, energies_of
 from skancf.adaptive.vibration import softening
 from skancf.arguments import whole
 from skancf.assembly.system import System
@@ -58,13 +59,13 @@ class StabilityAnalysis:
         require_checks(found.checks)
         return Answer(found.shape(number), float(found.load_factors[number]), found=found)
 
-    def estimate(self, answer: Answer) -> Estimate:
+    def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
         r"""As for a frequency, on the pencil :math:`K_0 + \lambda K_\sigma` of the refined mesh with its own stresses."""
         found, number, value = answer.found, self.quantity.number, answer.value
         with Enriched(found.linear, backend=self.backend) as enriched:
             fine, better = enriched.system, enriched.corrected
             elastic = enriched.stiffness
-            geometric = geometric_stiffness(fine, better.q - fine.undeformed, elastic)
+            geometric = geometric_stiffness(fine, better.change, elastic)
             phi = enriched.up(found.shapes[number])
             residual = elastic @ phi + value * (geometric @ phi)
             step = -enriched.solve(residual)
@@ -75,5 +76,7 @@ class StabilityAnalysis:
             shares = enriched.shares(value * residual * enriched.surplus(step))
             shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
             moved = moved_along(Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
-            left = enriched.left(shares)
-            return Estimate(value, (factor - value) / (1 - left), shares, moved, left)
+            of_mode, of_state = energies(fine, improved), (energies_of(better), energies(fine, weight))
+            halved = enriched.halvings((of_mode, of_mode), of_state, before=halvings)
+            left = enriched.left(shares, halved)
+            return Estimate(value, (factor - value) / (1 - left), shares, moved, left, halvings=halved)

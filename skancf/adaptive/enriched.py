@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.between import Interpolation, ancestors_in
+from skancf.adaptive.energies import Strained, virtual_work
 from skancf.adaptive.grow import LEFT, SMALLEST, may_be_quartered
 from skancf.adaptive.quantities import SectionForce
-from skancf.adaptive.rings import Halvings, Pair, energies, halvings
+from skancf.adaptive.rings import Halvings, Pair, halvings
 from skancf.adaptive.singular import images, nodes_at, singular_points, touching
 from skancf.assembly.system import System
 from skancf.errors import InputError
@@ -234,8 +235,9 @@ class Enriched(Refined):
         """K^-1 force on the free coordinates, after the step."""
         return self._solver.solve(force)
 
-    def rounding(self, weight: np.ndarray) -> float:
-        """Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces.
+    def rounding(self, weight: np.ndarray, gradient: np.ndarray) -> float:
+        """Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces; and of what
+        the gradient of the quantity makes of the rounding of coordinates.
 
         The rest that Newton's method left has a direction, and cancels in parts as the residual does; rounding has none.
         """
@@ -243,27 +245,23 @@ class Enriched(Refined):
         sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values)) @ np.abs(change)
         left = self.system.constraints.free_part(self.unresolved)
         noise = ROUNDING * np.abs(weight) @ self.system.constraints.free_part(sizes)
-        return abs(float(weight @ left)) + float(noise)
+        stored = change if self.state.linear else self.start + self._step
+        return abs(float(weight @ left)) + float(noise + ROUNDING * np.abs(gradient) @ np.abs(stored))
 
-    def energies(self, change: np.ndarray) -> np.ndarray:
-        """Strain energy of a small change from the corrected state in each element, (n_fine_elements,) (J)."""
-        return energies(self.system, change, None if self.state.linear else self.corrected.q)
+    def scale(self, smooth: np.ndarray, weight: Strained, answer: Strained) -> float:
+        r"""Sum of the sizes of what makes a quantity: of what loads do on the dual weight z node by node, or of the work of
+        the answer's stresses on its strains element by element, whichever is less,
 
-    def scale(self, smooth: np.ndarray, weight: np.ndarray, gradient: np.ndarray) -> float:
-        r"""Sum over the nodes of the sizes of what each contributes to a quantity,
+        .. math:: S = \min \Bigl( \sum_i |\lambda z_i \cdot F_i|,\ \sum_K \Bigl| \int_K \sigma(u) : \varepsilon(z) \Bigr| \Bigr),
 
-        .. math:: S = \sum_i |\lambda z_i \cdot F_i| + |\lambda r_i \cdot \bar u_i|, \qquad r = K z - \partial J / \partial q,
-
-        by loads F, those that hold back a free strain among them, and by displacements prescribed at the supports, which
-        count with the reactions r to the dual weight.
+        with the forces that hold back a free strain among the loads. Where supports are displaced, it is the second alone.
         """
-        system, factor = self.system, self.state.load_factor
-        start = system.undeformed if self.state.linear else self.corrected.q
-        parts = smooth * system.external_force(start)
-        moved = system.constraints.fixed_part(system.prescribed())
-        if moved.any():
-            parts = parts - moved * (self.stiffness @ weight - gradient)
-        return abs(factor) * float(np.abs(parts.reshape(-1, 12).sum(axis=1)).sum())
+        system, inside = self.system, float(np.abs(virtual_work(answer, weight)).sum())
+        if system.constraints.fixed_part(system.prescribed()).any():
+            return inside
+        force = system.external_force(system.undeformed if self.state.linear else self.corrected.q)
+        at_nodes = np.abs((smooth * force).reshape(-1, 12).sum(axis=1)).sum()
+        return min(inside, abs(self.state.load_factor) * float(at_nodes))
 
     @property
     def corrected(self) -> Solution:

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from skancf.adaptive.energies import energies, of_state, small
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
-from skancf.adaptive.rings import NOTHING_KNOWN, Halvings, energies_of
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.arguments import STATE, having, instance
 from skancf.errors import InputError, number, vector
 from skancf.functions import called
@@ -36,8 +37,9 @@ class Estimate:
     rounding : float
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
     scale : float
-        Sum over the nodes of the sizes of what loads and prescribed displacements there contribute to the value: a value
-        that is much smaller is zero by cancellation. 0 where nothing contributes, and of frequencies and buckling loads.
+        Sum of the sizes of what contributes to the value: one that is much smaller is zero, as its contributions cancel.
+        They are those of loads at the nodes, or of stresses in the elements: see :meth:`Enriched.scale`. 0 where nothing
+        contributes, and of frequencies and buckling loads.
     halvings : Halvings
         What one halving of the elements at singular points leaves of their part in the error.
     """
@@ -105,11 +107,14 @@ def goal_estimate(
         weight = enriched.solve(gradient)
         smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
-        halved = enriched.halvings((energies_of(better), enriched.energies(weight)), before=halvings)
+        answer, dual = of_state(better), small(enriched.system, smooth, None if better.linear else better.q)
+        halved = enriched.halvings((energies(answer), energies(dual)), before=halvings)
         left = enriched.left(indicators, halved)
         error = (value_of(quantity, better) - value) / (1 - left)
-        scale = enriched.scale(smooth, weight, gradient)
-        return Estimate(value, error, indicators, better, left, enriched.rounding(weight), scale, halved)
+        scale = enriched.scale(smooth, dual, answer)
+        if hasattr(quantity, "scale"):
+            scale = max(scale, quantity.scale(better))
+        return Estimate(value, error, indicators, better, left, enriched.rounding(weight, gradient), scale, halved)
 
 
 def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:

@@ -7,21 +7,25 @@ import numpy as np
 from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
-from skancf.adaptive.singular import images
+from skancf.adaptive.singular import SAME_POINT, images
 from skancf.assembly.geometry import Geometry
 from skancf.functions import called
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.surfaces import Surface
 
-AGAIN = 3
-"""Largest number of times that an element is quartered from one mesh to the next."""
+AGAIN, AT_MOST = 3, 8
+"""Largest number of times that an element is quartered from one mesh to the next; at singular points until no more than
+:data:`ENOUGH` of its error is left."""
+ENOUGH = 1 / 16
 LEFT = {True: 1 / 16, False: 1 / 4}
 """Part of an error that is left on quartered elements where the solution is smooth: order four in `kirchhoff`, two in
 `full`. Of an element's indicator each quarter has a quarter of it."""
 SMALLEST = 2.0**-13
 """Size of the smallest elements, of the extent of the surface. Stiffness grows with the inverse square of the size, and so
 does what rounding does to a displacement: 1e-7 of it with these, four times as much after each further quartering."""
+POLE = 2.0**-9
+"""The same at a pole, where the integration points of an element see a fourteenth of its width."""
 DOERFLER, NEVER = Doerfler(0.9), Never()
 
 
@@ -29,10 +33,10 @@ def may_be_quartered(leaves: Leaves, surface: Surface, smallest: float = SMALLES
     """Which elements are larger than the smallest size in both directions of the surface, (n_elements,)."""
     corners = surface.position(*leaves.forest.places(leaves.cells))
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=0)
-    # At a pole one side has no length.
-    lengths = np.maximum(sides[:2], sides[2:]).min(axis=0)
     extent = np.linalg.norm(np.ptp(surface.position(*leaves.forest.points), axis=1))
-    return np.asarray(lengths > 1.5 * smallest * extent)
+    # At a pole one side has no length.
+    lengths, at_pole = np.maximum(sides[:2], sides[2:]).min(axis=0), sides.min(axis=0) < SAME_POINT * extent
+    return np.asarray(lengths > 1.5 * np.where(at_pole, max(smallest, POLE), smallest) * extent)
 
 
 @dataclass(frozen=True)
@@ -75,13 +79,16 @@ def _again(
     At a singular point one of the quarters has all that the halving leaves.
     """
     leaves, thin = geometry.mesh.leaves, geometry.theory.twist
-    for depth in range(1, AGAIN):
+    for depth in range(1, AT_MOST):
         above = ancestors_in(leaves, finer)
         quartered = finer.cells.level - leaves.cells.level[above]
         left = np.where(quartered > 0, indicators[above] * (LEFT[thin] / 4) ** quartered, 0.0)
         singular, halved = halvings.of(finer, images(geometry, finer, points))
         left[singular] = indicators[above[singular]] * halved ** quartered[singular]
-        again = np.flatnonzero((left > 2 * least) & (quartered == depth) & may_be_quartered(finer, geometry.surface))
+        more = np.full(len(finer), depth < AGAIN)
+        more[singular] |= halved**depth > ENOUGH
+        more &= (left > 2 * least) & (quartered == depth) & may_be_quartered(finer, geometry.surface)
+        again = np.flatnonzero(more)
         if not again.size:
             break
         finer = finer.refined(again)

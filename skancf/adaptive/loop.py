@@ -267,7 +267,7 @@ class _Run:
             return Outcome.REACHED, ""
         if zero := self.asked.zero(found.estimate):
             return Outcome.REACHED, zero
-        if abs(level.error) < found.estimate.rounding:
+        if found.estimate.bar < 2 * found.estimate.rounding:
             return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
                                       "smaller tolerance cannot be met")  # fmt: skip
         if why := why_without_limit(accepted, singular_points(found.answer.state.system)):

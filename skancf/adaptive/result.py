@@ -117,11 +117,19 @@ class AdaptiveResult:
         """Is the value as accurate as asked?"""
         return self.outcome is Outcome.REACHED
 
+    @property
+    def is_zero(self) -> bool:
+        """Is the value no larger than its error bar? Then the number may be zero, and the bar tells how near to it it is.
+
+        That is as accurate as asked where the bar is within ``atol``, or within ``rtol`` times the sizes of contributions
+        that cancel in it: the :attr:`~skancf.adaptive.Estimate.scale` of the estimate.
+        """
+        return abs(self.value) <= self.error_bar
+
     def __str__(self) -> str:
-        n = self.solution.system.n_dofs
-        return f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit} ({n} nodal coordinates; {self.outcome.value})".replace(
-            "  ", " "
-        )
+        n, zero = self.solution.system.n_dofs, ", and zero lies within it" if self.is_zero else ""
+        number = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit}".rstrip()
+        return f"{number} ({n} nodal coordinates; {self.outcome.value}{zero})"
 
     def table(self) -> str:
         """One line for each mesh."""

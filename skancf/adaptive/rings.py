@@ -18,7 +18,6 @@ from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.singular import SAME_POINT, images, touching
 from skancf.assembly.system import System
 from skancf.meshes.forest import Leaves
-from skancf.solution import Solution
 
 UNKNOWN = 1 / 2
 """Where nothing is measured, and at a quantity's own point: the largest of what clamped corners and point loads leave."""
@@ -112,23 +111,3 @@ def left_by(of_answer: np.ndarray, of_weight: np.ndarray, last: int) -> float:
     if not (outer > 0 and inner > 0):
         return LEAST
     return float(np.clip((inner / outer) ** (0.5 / APART), LEAST, MOST))
-
-
-def energies(system: System, change: np.ndarray, q: np.ndarray | None = None) -> np.ndarray:
-    """Strain energy of a change of the coordinates q, the undeformed ones by default, to second order: (n_elements,) (J)."""
-    size = float(np.abs(change).max())
-    if not size > 0:
-        return np.zeros(system.mesh.nelements)
-    start = (system.undeformed if q is None else q).reshape(-1, 4, 3)
-    scale = float(np.abs(system.undeformed).max()) / size  # strains are rounded as those of the whole body
-    moved = system.assembly.stresses(start, scale * change.reshape(-1, 4, 3), keep_strains=True)
-    strains, stresses = (a - b for a, b in zip(moved, system.assembly.stresses(start, None, True), strict=True))
-    return np.asarray(0.5 * (strains * stresses).sum(axis=(1, 2)) / scale**2)
-
-
-def energies_of(state: Solution) -> np.ndarray:
-    """Strain energy of a state in each element, (n_elements,) (J)."""
-    if state.linear:
-        return energies(state.system, state.change)
-    strains, stresses = state.system.assembly.stresses(state.q.reshape(-1, 4, 3), None, True)
-    return np.asarray(0.5 * (strains * stresses).sum(axis=(1, 2)))

@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 from skancf.adaptive.analysis import Answer, StaticAnalysis
+from skancf.adaptive.energies import energies, of_state, small
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
-from skancf.adaptive.rings import NOTHING_KNOWN, Halvings, energies, energies_of
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.vibration import softening
 from skancf.arguments import whole
 from skancf.assembly.system import System
@@ -76,7 +77,8 @@ class StabilityAnalysis:
             shares = enriched.shares(value * residual * enriched.surplus(step))
             shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
             moved = moved_along(Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
-            of_mode, of_state = energies(fine, improved), (energies_of(better), energies(fine, weight))
-            halved = enriched.halvings((of_mode, of_mode), of_state, before=halvings)
+            of_mode = energies(small(fine, improved))
+            of_stress = energies(of_state(better)), energies(small(fine, weight))
+            halved = enriched.halvings((of_mode, of_mode), of_stress, before=halvings)
             left = enriched.left(shares, halved)
             return Estimate(value, (factor - value) / (1 - left), shares, moved, left, halvings=halved)

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.analysis import Answer, StaticAnalysis
+from skancf.adaptive.energies import energies, small
 from skancf.adaptive.enriched import Enriched, Refined
 from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.quantities import StrainEnergy
-from skancf.adaptive.rings import NOTHING_KNOWN, Halvings, energies
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.arguments import flag, whole
 from skancf.assembly.system import System
 from skancf.errors import InputError
@@ -96,7 +97,7 @@ class VibrationAnalysis:
         improved = phi + step
         shares = refined.shares(residual * refined.surplus(step)) * _per_eigenvalue(answer.value, value)
         moved = moved_along(rest or Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
-        of_mode = energies(fine, improved, None if rest is None else rest.q)
+        of_mode = energies(small(fine, improved, None if rest is None else rest.q))
         halved = refined.halvings((of_mode, of_mode), before=halvings)
         left = refined.left(shares, halved)
         error = (_frequency(improved, stiffness, mass) - answer.value) / (1 - left)

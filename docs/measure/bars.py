@@ -19,9 +19,7 @@ from typing import Any
 
 import numpy as np
 
-import sys; sys.path.insert(0,"/tmp")
 import skancf as sk
-import strains
 
 OUT = Path(__file__).resolve().parent.parent / "decisions" / "bars.csv"
 T, NU = 0.01, 0.3

@@ -57,7 +57,7 @@ def difference(state: sk.Solution, quantity: Quantity, extra: int) -> float:
     leaves = mesh.leaves.refined(np.arange(mesh.nelements))
     for _ in range(extra):
         at_points = touching(leaves, points)
-        leaves = leaves.refined(at_points[may_be_quartered(leaves, state.system.geometry.surface, SMALLEST / 2)[at_points]])
+        leaves = leaves.refined(at_points[may_be_quartered(leaves, state.system.geometry.surface, SMALLEST / 4)[at_points]])
     with Enriched(state, mesh.regrown(leaves)) as enriched:
         return float(quantity.value(enriched.corrected) - quantity.value(state))
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from skancf.adaptive.estimate import Estimate, goal_estimate, value_of
+from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.transfer import transfer
@@ -48,6 +49,10 @@ class Answer:
 class Analysis(Protocol):
     """How a number is found on a mesh, and how far it is from its limit."""
 
+    @property
+    def smallest(self) -> float:
+        """Size of the smallest elements that rounding lets it have, of the extent of the surface."""
+
     def solve(self, system: System, start: Solution | None) -> Answer:
         """The answer on a mesh, from a state of another mesh if there is one."""
 
@@ -74,6 +79,11 @@ class StaticAnalysis:
     load_factor: float = 1.0
     rtol: float = 1e-6
     backend: str = "auto"
+
+    @property
+    def smallest(self) -> float:
+        """Smaller ones where displacements are small."""
+        return SMALLEST if self.linear else SMALLEST_LARGE
 
     def solve(self, system: System, start: Solution | None) -> Answer:
         if self.linear:

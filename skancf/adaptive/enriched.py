@@ -14,7 +14,7 @@ import numpy as np
 
 from skancf.adaptive.between import Interpolation, ancestors_in
 from skancf.adaptive.energies import Strained, virtual_work
-from skancf.adaptive.grow import LEFT, SMALLEST, may_be_quartered
+from skancf.adaptive.grow import LEFT, SMALLEST, SMALLEST_LARGE, may_be_quartered
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
 from skancf.adaptive.singular import images, nodes_at, singular_points, touching
@@ -39,7 +39,7 @@ NEAR = 1e-4
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
 
-def enriched_mesh(system: System, points: np.ndarray) -> Any:
+def enriched_mesh(system: System, points: np.ndarray, smallest: float = SMALLEST) -> Any:
     """Every element quartered, and those at singular points (2, n) :data:`EXTRA` times more."""
     mesh = system.mesh
     leaves = mesh.leaves.refined(np.arange(mesh.nelements))
@@ -47,7 +47,7 @@ def enriched_mesh(system: System, points: np.ndarray) -> Any:
         if len(leaves) > MOST * (mesh.nelements + MOST):
             break  # more singular points than elements
         at_points = touching(leaves, images(system.geometry, leaves, points))
-        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, SMALLEST / 4)[at_points]])
+        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, smallest / 4)[at_points]])
     return mesh.regrown(leaves)
 
 
@@ -62,9 +62,11 @@ class Refined:
         Singular ones, of the problem and of the quantity.
     """
 
-    def __init__(self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None):
+    def __init__(
+        self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None, smallest: float = SMALLEST
+    ) -> None:
         self.coarse, self.points, self._quantity = coarse, singular_points(coarse, quantity), quantity
-        fine_mesh = enriched_mesh(coarse, self.points) if mesh is None else mesh
+        fine_mesh = enriched_mesh(coarse, self.points, smallest) if mesh is None else mesh
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
         self._up = Interpolation(coarse.geometry, self.system.geometry)
         self._down = Interpolation(self.system.geometry, coarse.geometry)
@@ -74,22 +76,19 @@ class Refined:
         ``before``, that of a coarser mesh, where there are too few rings."""
         return halvings(self.coarse, self.system, singular_points(self.coarse), pairs, before)
 
-    def left(self, shares: np.ndarray, halved: Halvings) -> float:
-        r"""Part of an error that is left on the refined mesh, by the shares that elements have in what is seen of it.
+    def left(self, halved: Halvings) -> np.ndarray:
+        """Part of what each element contributes to an error that is left on the refined mesh, (n_elements,).
 
-        .. math:: 1 - \ell = \frac{\sum_K \eta_K}{\sum_K \eta_K / (1 - \ell_K)}
-
-        with a sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two; at singular
-        points, in elements that are quartered k times, the k-th power of what one halving leaves.
+        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two; at singular points
+        no less than the power of what one halving leaves there.
         """
         coarse, fine = self.coarse.mesh.leaves, self.system.mesh.leaves
         left = np.full(len(coarse), LEFT[self.system.geometry.theory.twist])
         deepest = np.zeros(len(coarse), dtype=int)
         np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
         there, once = halved.of(coarse, self.points)
-        left[there] = once ** (deepest - coarse.cells.level)[there]
-        total = shares.sum()
-        return float(1 - total / (shares @ (1 / (1 - left)))) if total else 0.0
+        left[there] = np.maximum(left[there], once ** (deepest - coarse.cells.level)[there])
+        return left
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""
@@ -154,7 +153,7 @@ class Enriched(Refined):
         self, state: Solution, mesh: MeshQuadTree | None = None, quantity: Any = None, backend: str = "auto"
     ) -> None:
         _require_at_rest(state)
-        super().__init__(state.system, mesh, quantity)
+        super().__init__(state.system, mesh, quantity, SMALLEST if state.linear else SMALLEST_LARGE)
         self.state, self._backend = state, backend
         fine, factor = self.system, state.load_factor
         if state.linear:

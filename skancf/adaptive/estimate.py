@@ -33,7 +33,9 @@ class Estimate:
     better : Solution
         The state one refinement further, where the estimate comes from.
     left : float
-        Part of the contributions that refinement does not see; where they cancel, they may be what is left.
+        Part of the error that the refinement does not see.
+    unsure : float
+        What the parts of single contributions that it does not see add up to with random signs.
     rounding : float
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
     scale : float
@@ -49,14 +51,29 @@ class Estimate:
     indicators: np.ndarray
     better: Solution
     left: float
+    unsure: float = 0.0
     rounding: float = 0.0
     scale: float = 0.0
     halvings: Halvings = NOTHING_KNOWN
 
     @property
     def bar(self) -> float:
-        """Size of the error, or of what is left of its contributions if these cancel, and of rounding."""
-        return max(abs(self.error), self.left * float(self.indicators.sum())) + self.rounding
+        """Size of the error, with what it is unsure by, and with rounding."""
+        return abs(self.error) + self.unsure + self.rounding
+
+    @classmethod
+    def seen(
+        cls, value: float, refined: float, indicators: np.ndarray, better: Solution, left: np.ndarray, **more: Any
+    ) -> "Estimate":
+        r"""From the value on the refined mesh, and the parts :math:`\ell_K` (n_elements,) of the contributions that are left there,
+
+        .. math:: \frac{J(\text{refined}) - J}{1 - \ell}, \qquad 1 - \ell = \frac{\sum_K \eta_K}{\sum_K \eta_K / (1 - \ell_K)},
+            \qquad \text{unsure by} \qquad \Bigl( \sum_K (\ell_K \eta_K)^2 \Bigr)^{1/2} .
+        """
+        total = float(indicators.sum())
+        part = 1 - total / float(indicators @ (1 / (1 - left))) if total else 0.0
+        unsure = float(np.sqrt(((left * indicators) ** 2).sum()))
+        return cls(value, (refined - value) / (1 - part), indicators, better, part, unsure, **more)
 
 
 def check_quantity(quantity: Any, methods: Sequence[str] = ("value", "gradient")) -> None:
@@ -109,12 +126,13 @@ def goal_estimate(
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
         answer, dual = of_state(better), small(enriched.system, smooth, None if better.linear else better.q)
         halved = enriched.halvings((energies(answer), energies(dual)), before=halvings)
-        left = enriched.left(indicators, halved)
-        error = (value_of(quantity, better) - value) / (1 - left)
         scale = enriched.scale(smooth, dual, answer)
         if hasattr(quantity, "scale"):
             scale = max(scale, quantity.scale(better))
-        return Estimate(value, error, indicators, better, left, enriched.rounding(weight, gradient), scale, halved)
+        return Estimate.seen(
+            value, value_of(quantity, better), indicators, better, enriched.left(halved),
+            rounding=enriched.rounding(weight, gradient), scale=scale, halvings=halved,
+        )  # fmt: skip
 
 
 def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:

@@ -21,9 +21,10 @@ ENOUGH = 1 / 16
 LEFT = {True: 1 / 16, False: 1 / 4}
 """Part of an error that is left on quartered elements where the solution is smooth: order four in `kirchhoff`, two in
 `full`. Of an element's indicator each quarter has a quarter of it."""
-SMALLEST = 2.0**-18
-"""Size of the smallest elements, of the extent of the surface; the refined mesh of an estimate has them two levels smaller.
-Levels end at 2^-20."""
+SMALLEST, SMALLEST_LARGE = 2.0**-18, 2.0**-14
+"""Size of the smallest elements, of the extent of the surface: of small-deflection answers, and of others, whose strains are
+rounded as the squares of positions are. Rounding grows with the inverse square of the size. The refined mesh of an estimate
+has elements two levels smaller; levels end at 2^-20."""
 POLE = 2.0**-9
 """The same at a pole, where the integration points of an element see a fourteenth of its width."""
 DOERFLER, NEVER = Doerfler(0.9), Never()
@@ -47,10 +48,13 @@ class Growth:
     ----------
     refine : Marking
     coarsen : Marking
+    smallest : float
+        Size of the smallest elements, of the extent of the surface.
     """
 
     refine: Marking = DOERFLER
     coarsen: Marking = NEVER
+    smallest: float = SMALLEST
 
     def next_mesh(
         self, geometry: Geometry, indicators: np.ndarray, points: np.ndarray, halvings: Halvings = NOTHING_KNOWN
@@ -61,35 +65,38 @@ class Growth:
         """
         mesh: MeshQuadTree = geometry.mesh
         leaves = mesh.leaves
-        room = may_be_quartered(leaves, geometry.surface)
+        room = self.room(leaves, geometry.surface)
         marked = called("marking", self.refine.marked, np.where(room, indicators, 0.0))
         marked = marked[room[marked]]
         finer = leaves.refined(marked)
         if 0 < marked.size < len(leaves):
-            finer = _again(geometry, finer, indicators, float(indicators[marked].min()), points, halvings)
+            finer = self._again(geometry, finer, indicators, float(indicators[marked].min()), points, halvings)
         small = finer.find(leaves.cells.take(called("coarsening", self.coarsen.marked, indicators)))
         return mesh.regrown(finer).coarsened(small[small >= 0])
 
+    def room(self, leaves: Leaves, surface: Surface) -> np.ndarray:
+        """Which elements may be quartered, (n_elements,)."""
+        return may_be_quartered(leaves, surface, self.smallest)
 
-def _again(
-    geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray, halvings: Halvings
-) -> Leaves:
-    """With quarters quartered again whose indicators will exceed the smallest of the marked ones twice.
+    def _again(
+        self, geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray, halvings: Halvings
+    ) -> Leaves:  # fmt: skip
+        """With quarters quartered again whose indicators will exceed the smallest of the marked ones twice.
 
-    At a singular point one of the quarters has all that the halving leaves.
-    """
-    leaves, thin = geometry.mesh.leaves, geometry.theory.twist
-    for depth in range(1, AT_MOST):
-        above = ancestors_in(leaves, finer)
-        quartered = finer.cells.level - leaves.cells.level[above]
-        left = np.where(quartered > 0, indicators[above] * (LEFT[thin] / 4) ** quartered, 0.0)
-        singular, halved = halvings.of(finer, images(geometry, finer, points))
-        left[singular] = indicators[above[singular]] * halved ** quartered[singular]
-        more = np.full(len(finer), depth < AGAIN)
-        more[singular] |= halved**depth > ENOUGH
-        more &= (left > 2 * least) & (quartered == depth) & may_be_quartered(finer, geometry.surface)
-        again = np.flatnonzero(more)
-        if not again.size:
-            break
-        finer = finer.refined(again)
-    return finer
+        At a singular point one of the quarters has all that the halving leaves.
+        """
+        leaves, thin = geometry.mesh.leaves, geometry.theory.twist
+        for depth in range(1, AT_MOST):
+            above = ancestors_in(leaves, finer)
+            quartered = finer.cells.level - leaves.cells.level[above]
+            left = np.where(quartered > 0, indicators[above] * (LEFT[thin] / 4) ** quartered, 0.0)
+            singular, halved = halvings.of(finer, images(geometry, finer, points))
+            left[singular] = indicators[above[singular]] * halved ** quartered[singular]
+            more = np.full(len(finer), depth < AGAIN)
+            more[singular] |= halved**depth > ENOUGH
+            more &= (left > 2 * least) & (quartered == depth) & self.room(finer, geometry.surface)
+            again = np.flatnonzero(more)
+            if not again.size:
+                break
+            finer = finer.refined(again)
+        return finer

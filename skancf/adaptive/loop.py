@@ -13,7 +13,7 @@ from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.asked import INDICATORS, Asked, check, first_system, newton_rtol
 from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.estimate import Estimate, check_quantity
-from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
+from skancf.adaptive.grow import DOERFLER, NEVER, Growth
 from skancf.adaptive.judge import judge
 from skancf.adaptive.marking import Below, Marking, check_indicators
 from skancf.adaptive.quantities import Quantity
@@ -126,7 +126,7 @@ def adapt(
     asked = Asked(rtol, atol, max_dofs, max_seconds, max_levels)
     with Progress("adapt", 1.0, shown=progress) as bar:
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
-        run = _Run(problem, quantity, analysis, Growth(marking, coarsening), by, asked, bar)
+        run = _Run(problem, quantity, analysis, Growth(marking, coarsening, analysis.smallest), by, asked, bar)
         return run.go(first_system(problem, first, theory, quantity, analysis, max_dofs))
 
 
@@ -281,7 +281,7 @@ class _Run:
     def _in_smallest(self, found: _Found) -> str:
         """That most of the error is in elements which rounding lets be no smaller; empty where it is not."""
         shares, geometry = found.estimate.indicators, found.answer.state.system.geometry
-        full = ~may_be_quartered(geometry.mesh.leaves, geometry.surface)
+        full = ~self.growth.room(geometry.mesh.leaves, geometry.surface)
         if not shares[full].sum() > shares.sum() / 2:
             return ""
         x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)

@@ -23,7 +23,7 @@ UNKNOWN = 1 / 2
 """Where nothing is measured, and at a quantity's own point: the largest of what clamped corners and point loads leave."""
 LEAST, MOST = 0.25, 0.95
 """Bounds of what is measured. A smooth solution has a quarter of the energy in a ring of half the size."""
-APART = 2
+APART = 1
 """Rings between the two that are compared."""
 RINGS = APART + 2
 """Quarterings that make enough of them: the outermost ring still has the smooth part, the innermost place is no ring."""

@@ -6,6 +6,7 @@ from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.energies import energies, of_state, small
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.grow import SMALLEST
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.vibration import softening
 from skancf.arguments import whole
@@ -52,6 +53,11 @@ class StabilityAnalysis:
     quantity: BucklingLoad
     backend: str = "auto"
 
+    @property
+    def smallest(self) -> float:
+        """That of small deflections."""
+        return SMALLEST
+
     def solve(self, system: System, start: Solution | None) -> Answer:
         number = self.quantity.number
         found = buckling(system, number + 1, backend=self.backend)
@@ -80,5 +86,4 @@ class StabilityAnalysis:
             of_mode = energies(small(fine, improved))
             of_stress = energies(of_state(better)), energies(small(fine, weight))
             halved = enriched.halvings((of_mode, of_mode), of_stress, before=halvings)
-            left = enriched.left(shares, halved)
-            return Estimate(value, (factor - value) / (1 - left), shares, moved, left, halvings=halved)
+            return Estimate.seen(value, factor, shares, moved, enriched.left(halved), halvings=halved)

@@ -9,6 +9,7 @@ from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.energies import energies, small
 from skancf.adaptive.enriched import Enriched, Refined
 from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.grow import SMALLEST
 from skancf.adaptive.quantities import StrainEnergy
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.arguments import flag, whole
@@ -60,6 +61,11 @@ class VibrationAnalysis:
     quantity: Eigenfrequency
     statics: StaticAnalysis
 
+    @property
+    def smallest(self) -> float:
+        """That of the equilibrium about which it vibrates."""
+        return self.statics.smallest if self.quantity.loaded else SMALLEST
+
     def solve(self, system: System, start: Solution | None) -> Answer:
         rest = Answer(Solution(system, system.undeformed, load_factor=0.0), 0.0)
         if self.quantity.loaded:
@@ -99,9 +105,8 @@ class VibrationAnalysis:
         moved = moved_along(rest or Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
         of_mode = energies(small(fine, improved, None if rest is None else rest.q))
         halved = refined.halvings((of_mode, of_mode), before=halvings)
-        left = refined.left(shares, halved)
-        error = (_frequency(improved, stiffness, mass) - answer.value) / (1 - left)
-        return Estimate(answer.value, error, shares, moved, left, halvings=halved)
+        found = _frequency(improved, stiffness, mass)
+        return Estimate.seen(answer.value, found, shares, moved, refined.left(halved), halvings=halved)
 
 
 def _frequency(shape: np.ndarray, stiffness: BlockMatrix, mass: BlockMatrix) -> float:

@@ -1,11 +1,14 @@
 r"""Thin polygons on hard simple supports, to nine digits: twice Poisson's equation, on meshes graded to the corners.
 
-With :math:`\Delta M = -q` and :math:`\Delta w = -M / D`, both zero on the boundary, the energy is :math:`\int M^2 / 2 D`; and
-a plate has the frequency :math:`\mu \sqrt{D / \rho t} / 2 \pi` and buckles under a pressure :math:`\mu D` from all sides, with
-the first eigenvalue :math:`\mu` of the membrane. In a re-entrant corner of the angle :math:`\omega` the moment has a part
+With :math:`\Delta M = -q` and :math:`\Delta w = -M / D`, both zero on the boundary, the energy is
+:math:`\int M^2 / 2 D`; and a convex plate has the frequency :math:`\mu \sqrt{D / \rho t} / 2 \pi` and buckles under a
+pressure :math:`\mu D` from all sides, with the first eigenvalue :math:`\mu` of the membrane. In a re-entrant corner of
+the angle :math:`\omega` the moment has a part
 :math:`K \sim r^{-\pi / \omega}` of its own, of which so much is there that the deflection has a finite energy:
 :math:`\int M K = 0`.
 """
+
+from itertools import pairwise
 
 import numpy as np
 import skfem
@@ -21,7 +24,7 @@ def lines(points: list[float], layers: int) -> np.ndarray:
     """Coordinates graded from both sides towards some of them, in steps that shrink by :data:`GRADE`."""
     steps = 0.5 * GRADE ** np.arange(layers)
     out = list(points)
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in pairwise(points):
         out += [*(a + steps * (b - a)), *(b - steps[1:] * (b - a))]
     return np.unique(out)
 
@@ -82,8 +85,8 @@ class Polygon:
         return float((b.probes(np.reshape(at, (2, 1)) + 1e-12) @ w)[0]), float((values**2 * b.dx).sum() / 2)
 
     def _singular(self, corner, first, angle, reach):
-        """The function r^(-pi / angle) sin(pi theta / angle) near the corner, plus one of finite energy, harmonic and zero on
-        the boundary."""
+        """The function r^(-pi / angle) sin(pi theta / angle) near the corner, plus one of finite energy: harmonic, and zero
+        on the boundary."""
         b, power = self.basis, np.pi / angle
         x, y = (c - o for c, o in zip(np.asarray(b.global_coordinates()), corner, strict=True))
         r, theta = np.hypot(x, y), np.mod(np.arctan2(y, x) - first, 2 * np.pi)
@@ -95,3 +98,19 @@ class Polygon:
         load = wave * (bend + slope / r - 2 * power * slope / r)
         v = self.poisson(LinearForm(lambda v, w: load * v).assemble(b))
         return cut(s) * wave + np.asarray(b.interpolate(v))
+
+
+def main() -> None:
+    """Deflection, energy and first eigenvalue of what docs/measure/bars.py and tests/test_bars.py compare with."""
+    for degrees in (35, 50):
+        c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+        plate = Polygon(([0, 1.0],) * 2, lambda p, c=c, s=s: np.array([p[0] + c * p[1], s * p[1]]), layers=8)
+        print("skew", degrees, *plate.bent((0.5 + 0.5 * c, 0.5 * s)), plate.eigenvalue())
+    plate = Polygon(([0, 1.0],) * 2, lambda p: np.array([p[0] * (1 - 0.7 * p[1]) + 0.5 * p[1], 0.8 * p[1]]), layers=8)
+    print("trapezium", *plate.bent((0.575, 0.4)), plate.eigenvalue())
+    plate = Polygon(([-1, 0, 2.0], [-1, 0, 1.0]), without=((0, 2.0), (-1, 0)), layers=9)
+    print("L", *plate.bent((1.0, 0.5), reentrant=((0.0, 0.0), 0.0, 1.5 * np.pi, 1.0)))
+
+
+if __name__ == "__main__":
+    main()

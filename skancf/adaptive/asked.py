@@ -113,5 +113,5 @@ class Asked(NamedTuple):
         """That a value is zero as accurately as asked of the sizes of what makes it; empty where it is not."""
         if not (abs(estimate.value) <= estimate.bar <= self.rtol * estimate.scale):
             return ""
-        return (f"the value is zero within its error bar, {estimate.bar:.2g}, which is less than rtol times the sizes of its "
-                f"contributions, {estimate.scale:.3g}, that cancel in it")  # fmt: skip
+        return (f"the value is zero within its error bar, {estimate.bar:.2g}, which is less than rtol times "
+                f"{estimate.scale:.3g}, the size of what cancels in it or of such numbers elsewhere")  # fmt: skip

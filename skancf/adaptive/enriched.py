@@ -249,7 +249,8 @@ class Enriched(Refined):
         r"""Sum of the sizes of what makes a quantity: of what loads do on the dual weight z node by node, or of the work of
         the answer's stresses on its strains element by element, whichever is less,
 
-        .. math:: S = \min \Bigl( \sum_i |\lambda z_i \cdot F_i|,\ \sum_K \Bigl| \int_K \sigma(u) : \varepsilon(z) \Bigr| \Bigr),
+        .. math:: S = \min \Bigl( \sum_i |\lambda z_i \cdot F_i|,\
+            \sum_K \Bigl| \int_K \sigma(u) : \varepsilon(z) \Bigr| \Bigr),
 
         with the forces that hold back a free strain among the loads. Where supports are displaced, it is the second alone.
         """

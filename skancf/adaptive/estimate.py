@@ -65,10 +65,11 @@ class Estimate:
     def seen(
         cls, value: float, refined: float, indicators: np.ndarray, better: Solution, left: np.ndarray, **more: Any
     ) -> "Estimate":
-        r"""From the value on the refined mesh, and the parts :math:`\ell_K` (n_elements,) of the contributions that are left there,
+        r"""From the value on the refined mesh, and the parts :math:`\ell_K` (n_elements,) of the contributions that are left
+        there: with :math:`1 - \ell = \sum_K \eta_K / \sum_K \eta_K (1 - \ell_K)^{-1}`
 
-        .. math:: \frac{J(\text{refined}) - J}{1 - \ell}, \qquad 1 - \ell = \frac{\sum_K \eta_K}{\sum_K \eta_K / (1 - \ell_K)},
-            \qquad \text{unsure by} \qquad \Bigl( \sum_K (\ell_K \eta_K)^2 \Bigr)^{1/2} .
+        .. math:: \frac{J(\text{refined}) - J}{1 - \ell}, \qquad \text{unsure by} \qquad
+            \Bigl( \sum_K (\ell_K \eta_K)^2 \Bigr)^{1/2} .
         """
         total = float(indicators.sum())
         part = 1 - total / float(indicators @ (1 / (1 - left))) if total else 0.0

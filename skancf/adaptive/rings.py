@@ -4,7 +4,7 @@ Of a solution :math:`w \sim r^s` the rings between the radii :math:`2^{-j}` and 
 to :math:`2^{-2 (s - 1) j}`, and so does what elements of such a size miss. With the energies of the answer and of the dual
 weight, whose product is the error of a quantity,
 
-.. math:: l = \left( \frac{E_j(u)\, E_j(z)}{E_{j-2}(u)\, E_{j-2}(z)} \right)^{1/4} .
+.. math:: l = \left( \frac{E_j(u)\, E_j(z)}{E_{j-1}(u)\, E_{j-1}(z)} \right)^{1/2} .
 
 The enriched mesh has a ring for each quartering at a singular point. No table of corners, supports and laws is asked.
 """
@@ -17,16 +17,15 @@ import numpy as np
 from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.singular import SAME_POINT, images, touching
 from skancf.assembly.system import System
+from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 
 UNKNOWN = 1 / 2
 """Where nothing is measured, and at a quantity's own point: the largest of what clamped corners and point loads leave."""
 LEAST, MOST = 0.25, 0.95
 """Bounds of what is measured. A smooth solution has a quarter of the energy in a ring of half the size."""
-APART = 1
-"""Rings between the two that are compared."""
-RINGS = APART + 2
-"""Quarterings that make enough of them: the outermost ring still has the smooth part, the innermost place is no ring."""
+RINGS = 3
+"""Quarterings that make enough of them: the outermost ring still has the smooth part of the answer."""
 
 Pair = tuple[np.ndarray, np.ndarray]
 """Energies in the elements of the refined mesh, of an answer and of a weight."""
@@ -84,11 +83,14 @@ def halvings(
             left[number] = UNKNOWN if known is None else known
             continue
         rings = _rings(coarse.mesh, fine.mesh, above, inside, around)
-        left[number] = max(left_by(*(np.bincount(rings, part[inside]) for part in pair), quartered - 1) for pair in pairs)
+        sums = [[np.bincount(rings, part[inside]) for part in pair] for pair in pairs]
+        left[number] = max(left_by(answer, weight, quartered - 1) for answer, weight in sums)
     return Halvings(points, left)
 
 
-def _rings(coarse, fine, above: np.ndarray, inside: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _rings(
+    coarse: MeshQuadTree, fine: MeshQuadTree, above: np.ndarray, inside: np.ndarray, points: np.ndarray
+) -> np.ndarray:
     """Number of the ring about points (2, n) in which elements of the refined mesh lie, by the sizes of their ancestors:
     0 beyond half of it, 1 beyond a quarter."""
     centres = fine.p[:, fine.t[:, inside]].mean(axis=1)
@@ -107,7 +109,7 @@ def left_by(of_answer: np.ndarray, of_weight: np.ndarray, last: int) -> float:
     >>> left_by(0.5 ** np.arange(5), 0.5 ** np.arange(5), last=4)
     0.5
     """
-    outer, inner = (of_answer[k] * of_weight[k] for k in (last - APART, last))
+    outer, inner = (of_answer[k] * of_weight[k] for k in (last - 1, last))
     if not (outer > 0 and inner > 0):
         return LEAST
-    return float(np.clip((inner / outer) ** (0.5 / APART), LEAST, MOST))
+    return float(np.clip(np.sqrt(inner / outer), LEAST, MOST))

@@ -40,7 +40,8 @@ class Estimate:
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
     scale : float
         Sum of the sizes of what contributes to the value: one that is much smaller is zero, as its contributions cancel.
-        They are those of loads at the nodes, or of stresses in the elements: see :meth:`Enriched.scale`. 0 where nothing
+        They are those of loads at the nodes, :math:`\sum_i |z_i \cdot F_i|`, or of the work of the answer's stresses on the
+        strains of z in the elements, if that is less or supports move; or a size that the quantity knows. 0 where nothing
         contributes, and of frequencies and buckling loads.
     halvings : Halvings
         What one halving of the elements at singular points leaves of their part in the error.
@@ -103,9 +104,19 @@ def goal_estimate(
         \eta_K = \sum_{i \in K} |R_i \cdot (z - I z)_i|
 
     over the new nodes i of an element K, with the interpolant I of the mesh, and the part :math:`\ell` of the error that is
-    left there: a sixteenth in theory `kirchhoff` and a quarter in `full`, up to a half in elements at singular points that
-    are too small to be quartered more than once. The difference of the two values contains all of the step that the linear
+    left there: a sixteenth in theory `kirchhoff` and a quarter in `full`, more in elements at singular points where energies
+    in rings about them say so. The difference of the two values contains all of the step that the linear
     weight :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
+
+    Parameters
+    ----------
+    state : Solution
+    quantity : Quantity
+    backend : str
+        Of the linear solver.
+    halvings : Halvings
+        Those of an estimate on a coarser mesh, which count where elements at singular points cannot be quartered often
+        enough to have rings.
 
     Raises
     ------

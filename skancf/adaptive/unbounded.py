@@ -21,7 +21,7 @@ def why_without_limit(levels: Sequence[Level], points: np.ndarray) -> str | None
     """The point whose elements, smaller on each mesh, hold most of an error that does not fall; None where there is none.
 
     An error that falls as slowly as that of a corner, by a half with each halving of the elements there, has a limit. One
-    that grows with the logarithm of the element size stays as it is: the parts of the elements, and what they sum up to.
+    that grows with the logarithm of the element size stays as it is, and so do the parts of the elements in it.
     """
     if len(levels) <= LEVELS or not points.size:
         return None

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from skancf.adaptive.estimate import Estimate, goal_estimate, value_of
+from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE
 from skancf.adaptive.quantities import Quantity
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, theory_error_or_why
 from skancf.adaptive.transfer import transfer
 from skancf.assembly.system import System
@@ -48,11 +50,15 @@ class Answer:
 class Analysis(Protocol):
     """How a number is found on a mesh, and how far it is from its limit."""
 
+    @property
+    def smallest(self) -> float:
+        """Size of the smallest elements that rounding lets it have, of the extent of the surface."""
+
     def solve(self, system: System, start: Solution | None) -> Answer:
         """The answer on a mesh, from a state of another mesh if there is one."""
 
-    def estimate(self, answer: Answer) -> Estimate:
-        """Its error and where it comes from."""
+    def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
+        """Its error and where it comes from, with what is known of singular points from the mesh before."""
 
     def theory_error(self, answer: Answer) -> TheoryError:
         """What the theory leaves out of it."""
@@ -78,6 +84,11 @@ class StaticAnalysis:
     rtol: float = 1e-6
     backend: str = "auto"
 
+    @property
+    def smallest(self) -> float:
+        """Smaller ones where displacements are small."""
+        return SMALLEST if self.linear else SMALLEST_LARGE
+
     def solve(self, system: System, start: Solution | None) -> Answer:
         if self.linear:
             state = small_deflection(system, self.load_factor, backend=self.backend)
@@ -97,8 +108,8 @@ class StaticAnalysis:
         state, restarted = result.unwrap(), start is not None and begin is None
         return Answer(state, value_of(self.quantity, state), spent, restarted, None, result.message, result.checks)
 
-    def estimate(self, answer: Answer) -> Estimate:
-        return goal_estimate(answer.state, self.quantity, backend=self.backend)
+    def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
+        return goal_estimate(answer.state, self.quantity, backend=self.backend, halvings=halvings)
 
     def theory_error(self, answer: Answer) -> TheoryError:
         return theory_error_or_why(answer.state, self.quantity, self.backend)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skancf.adaptive.analysis import Analysis, StaticAnalysis
-from skancf.adaptive.estimate import residual
+from skancf.adaptive.estimate import Estimate, residual
 from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.recovery import recovery
 from skancf.adaptive.stress import face_stress
@@ -110,3 +110,10 @@ class Asked(NamedTuple):
 
     def tolerance(self, value: float) -> float:
         return max(self.rtol * abs(value), self.atol)
+
+    def zero(self, estimate: Estimate) -> str:
+        """That a value is zero as accurately as asked of the sizes of what makes it; empty where it is not."""
+        if not (abs(estimate.value) <= estimate.bar <= self.rtol * estimate.scale):
+            return ""
+        return (f"the value is zero within its error bar, {estimate.bar:.2g}, which is less than rtol times "
+                f"{estimate.scale:.3g}, the size of what cancels in it or of such numbers elsewhere")  # fmt: skip

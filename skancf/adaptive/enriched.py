@@ -13,8 +13,11 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.between import Interpolation, ancestors_in
-from skancf.adaptive.grow import LEFT, LEFT_SINGULAR, SMALLEST, may_be_quartered
-from skancf.adaptive.singular import singular_points, touching
+from skancf.adaptive.energies import Strained, virtual_work
+from skancf.adaptive.grow import LEFT, SMALLEST, SMALLEST_LARGE, may_be_quartered
+from skancf.adaptive.quantities import SectionForce
+from skancf.adaptive.rings import Halvings, Pair, halvings
+from skancf.adaptive.singular import images, nodes_at, singular_points, touching
 from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import DirectSolver, SkewSolver
@@ -36,15 +39,15 @@ NEAR = 1e-4
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
 
-def enriched_mesh(system: System, points: np.ndarray) -> Any:
+def enriched_mesh(system: System, points: np.ndarray, smallest: float = SMALLEST) -> Any:
     """Every element quartered, and those at singular points (2, n) :data:`EXTRA` times more."""
     mesh = system.mesh
     leaves = mesh.leaves.refined(np.arange(mesh.nelements))
     for _ in range(EXTRA):
         if len(leaves) > MOST * (mesh.nelements + MOST):
             break  # more singular points than elements
-        at_points = touching(leaves, points)
-        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, SMALLEST / 2)[at_points]])
+        at_points = touching(leaves, images(system.geometry, leaves, points))
+        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, smallest / 4)[at_points]])
     return mesh.regrown(leaves)
 
 
@@ -59,27 +62,33 @@ class Refined:
         Singular ones, of the problem and of the quantity.
     """
 
-    def __init__(self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None):
-        self.coarse, self.points = coarse, singular_points(coarse, quantity)
-        fine_mesh = enriched_mesh(coarse, self.points) if mesh is None else mesh
+    def __init__(
+        self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None, smallest: float = SMALLEST
+    ) -> None:
+        self.coarse, self.points, self._quantity = coarse, singular_points(coarse, quantity), quantity
+        fine_mesh = enriched_mesh(coarse, self.points, smallest) if mesh is None else mesh
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
         self._up = Interpolation(coarse.geometry, self.system.geometry)
         self._down = Interpolation(self.system.geometry, coarse.geometry)
 
-    def left(self, shares: np.ndarray) -> float:
-        """Part of an error that is left on the refined mesh, by the shares that elements have in it.
+    def halvings(self, *pairs: Pair, before: Halvings | None = None) -> Halvings:
+        """What a halving leaves at the singular points of the problem, by energies of answers and weights here, and by
+        ``before``, that of a coarser mesh, where there are too few rings."""
+        return halvings(self.coarse, self.system, singular_points(self.coarse), pairs, before)
 
-        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two; up to a half of
-        that of elements at singular points which are too small to be quartered more than once.
+    def left(self, halved: Halvings) -> np.ndarray:
+        """Part of what each element contributes to an error that is left on the refined mesh, (n_elements,).
+
+        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two; at singular points
+        no less than the power of what one halving leaves there.
         """
         coarse, fine = self.coarse.mesh.leaves, self.system.mesh.leaves
         left = np.full(len(coarse), LEFT[self.system.geometry.theory.twist])
         deepest = np.zeros(len(coarse), dtype=int)
         np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
-        there = touching(coarse, self.points)
-        left[there] = LEFT_SINGULAR ** (deepest - coarse.cells.level)[there]
-        total = shares.sum()
-        return float(shares @ left / total) if total else 0.0
+        there, once = halved.of(coarse, self.points)
+        left[there] = np.maximum(left[there], once ** (deepest - coarse.cells.level)[there])
+        return left
 
     def up(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of the same field on the refined mesh."""
@@ -90,8 +99,21 @@ class Refined:
         return self._down.field(q)
 
     def surplus(self, weight: np.ndarray) -> np.ndarray:
-        """What of a field on the refined mesh the coarse one cannot have, (n_fine,)."""
-        return weight - self.up(self.down(weight))
+        """What of a field on the refined mesh the coarse one cannot have, (n_fine,).
+
+        A weight that is singular at a node has slopes and a twist there that are those of the smallest element, and say
+        nothing of larger ones: its interpolant has none.
+        """
+        coarse = self.down(weight).reshape(-1, 4, 3)
+        coarse[self._at_quantity, 1:] = 0.0
+        return weight - self.up(coarse.ravel())
+
+    @cached_property
+    def _at_quantity(self) -> np.ndarray:
+        """Coarse nodes at the point of a section force, at most one."""
+        if not isinstance(self._quantity, SectionForce) or self._quantity.at is None:
+            return np.empty(0, dtype=int)
+        return nodes_at(self.coarse.geometry, self._quantity.at)
 
     def shares(self, products: np.ndarray) -> np.ndarray:
         """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
@@ -131,7 +153,7 @@ class Enriched(Refined):
         self, state: Solution, mesh: MeshQuadTree | None = None, quantity: Any = None, backend: str = "auto"
     ) -> None:
         _require_at_rest(state)
-        super().__init__(state.system, mesh, quantity)
+        super().__init__(state.system, mesh, quantity, SMALLEST if state.linear else SMALLEST_LARGE)
         self.state, self._backend = state, backend
         fine, factor = self.system, state.load_factor
         if state.linear:
@@ -223,12 +245,30 @@ class Enriched(Refined):
         stored = change if self.state.linear else self.start + self._step
         return abs(float(weight @ left)) + float(noise + ROUNDING * np.abs(gradient) @ np.abs(stored))
 
+    def scale(self, smooth: np.ndarray, weight: Strained, answer: Strained) -> float:
+        r"""Sum of the sizes of what makes a quantity: of what loads do on the dual weight z node by node, or of the work of
+        the answer's stresses on its strains element by element, whichever is less,
+
+        .. math:: S = \min \Bigl( \sum_i |\lambda z_i \cdot F_i|,\
+            \sum_K \Bigl| \int_K \sigma(u) : \varepsilon(z) \Bigr| \Bigr),
+
+        with the forces that hold back a free strain among the loads. Where supports are displaced, it is the second alone.
+        """
+        system, inside = self.system, float(np.abs(virtual_work(answer, weight)).sum())
+        if system.constraints.fixed_part(system.prescribed()).any():
+            return inside
+        force = system.external_force(system.undeformed if self.state.linear else self.corrected.q)
+        at_nodes = np.abs((smooth * force).reshape(-1, 12).sum(axis=1)).sum()
+        return min(inside, abs(self.state.load_factor) * float(at_nodes))
+
     @property
     def corrected(self) -> Solution:
         """The state after that step."""
-        linear = self.state.linear
-        small = self._change if linear else None
-        return Solution(self.system, self.start + self._step, load_factor=self.state.load_factor, linear=linear, small=small)
+        fine, factor = self.system, self.state.load_factor
+        if self.state.linear:
+            change = self._change
+            return Solution(fine, fine.undeformed + change, load_factor=factor, linear=True, small=change)
+        return Solution(fine, self.start + self._step, load_factor=factor)
 
     @property
     def _change(self) -> np.ndarray:

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from skancf.adaptive.energies import energies, of_state, small
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.arguments import STATE, having, instance
 from skancf.errors import InputError, number, vector
 from skancf.functions import called
@@ -31,9 +33,18 @@ class Estimate:
     better : Solution
         The state one refinement further, where the estimate comes from; that of the mesh where it comes from coarser ones.
     left : float
-        Part of the contributions that refinement does not see; where they cancel, they may be what is left.
+        Part of the error that the refinement does not see.
+    unsure : float
+        What the parts of single contributions that it does not see add up to with random signs.
     rounding : float
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
+    scale : float
+        Sum of the sizes of what contributes to the value: one that is much smaller is zero, as its contributions cancel.
+        They are those of loads at the nodes, :math:`\sum_i |z_i \cdot F_i|`, or of the work of the answer's stresses on the
+        strains of z in the elements, if that is less or supports move; or a size that the quantity knows. 0 where nothing
+        contributes, and of frequencies and buckling loads.
+    halvings : Halvings
+        What one halving of the elements at singular points leaves of their part in the error.
     nested : bool
         The error is from values on this and two coarser meshes.
     """
@@ -43,13 +54,31 @@ class Estimate:
     indicators: np.ndarray
     better: Solution
     left: float
+    unsure: float = 0.0
     rounding: float = 0.0
+    scale: float = 0.0
+    halvings: Halvings = NOTHING_KNOWN
     nested: bool = False
 
     @property
     def bar(self) -> float:
-        """Size of the error, or of what is left of its contributions if these cancel, and of rounding."""
-        return max(abs(self.error), self.left * float(self.indicators.sum())) + self.rounding
+        """Size of the error, with what it is unsure by, and with rounding."""
+        return abs(self.error) + self.unsure + self.rounding
+
+    @classmethod
+    def seen(
+        cls, value: float, refined: float, indicators: np.ndarray, better: Solution, left: np.ndarray, **more: Any
+    ) -> "Estimate":
+        r"""From the value on the refined mesh, and the parts :math:`\ell_K` (n_elements,) of the contributions that are left
+        there: with :math:`1 - \ell = \sum_K \eta_K / \sum_K \eta_K (1 - \ell_K)^{-1}`
+
+        .. math:: \frac{J(\text{refined}) - J}{1 - \ell}, \qquad \text{unsure by} \qquad
+            \Bigl( \sum_K (\ell_K \eta_K)^2 \Bigr)^{1/2} .
+        """
+        total = float(indicators.sum())
+        part = 1 - total / float(indicators @ (1 / (1 - left))) if total else 0.0
+        unsure = float(np.sqrt(((left * indicators) ** 2).sum()))
+        return cls(value, (refined - value) / (1 - part), indicators, better, part, unsure, **more)
 
 
 def check_quantity(quantity: Any, methods: Sequence[str] = ("value", "gradient")) -> None:
@@ -66,7 +95,9 @@ def check_state(name: str, state: Any, backend: str = "auto") -> None:
         raise InputError(f"{name}: its mesh must be a quadtree; make it by sk.meshes.quadtree(mesh)")
 
 
-def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto") -> Estimate:
+def goal_estimate(
+    state: Solution, quantity: Quantity, *, backend: str = "auto", halvings: Halvings = NOTHING_KNOWN
+) -> Estimate:
     r"""Dual-weighted residual estimate of the error of a quantity.
 
     Every element is quartered, a few times more at singular points. With the residual R of the refined system, its tangent K
@@ -76,9 +107,19 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
         \eta_K = \sum_{i \in K} |R_i \cdot (z - I z)_i|
 
     over the new nodes i of an element K, with the interpolant I of the mesh, and the part :math:`\ell` of the error that is
-    left there: a sixteenth in theory `kirchhoff` and a quarter in `full`, up to a half in elements at singular points that
-    are too small to be quartered more than once. The difference of the two values contains all of the step that the linear
+    left there: a sixteenth in theory `kirchhoff` and a quarter in `full`, more in elements at singular points where energies
+    in rings about them say so. The difference of the two values contains all of the step that the linear
     weight :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
+
+    Parameters
+    ----------
+    state : Solution
+    quantity : Quantity
+    backend : str
+        Of the linear solver.
+    halvings : Halvings
+        Those of an estimate on a coarser mesh, which count where elements at singular points cannot be quartered often
+        enough to have rings.
 
     Raises
     ------
@@ -98,9 +139,15 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
         weight = enriched.solve(gradient)
         smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
-        left = enriched.left(indicators)
-        error = (value_of(quantity, better) - value) / (1 - left)
-        return Estimate(value, error, indicators, better, left, enriched.rounding(weight, gradient))
+        answer, dual = of_state(better), small(enriched.system, smooth, None if better.linear else better.q)
+        halved = enriched.halvings((energies(answer), energies(dual)), before=halvings)
+        scale = enriched.scale(smooth, dual, answer)
+        if hasattr(quantity, "scale"):
+            scale = max(scale, quantity.scale(better))
+        return Estimate.seen(
+            value, value_of(quantity, better), indicators, better, enriched.left(halved),
+            rounding=enriched.rounding(weight, gradient), scale=scale, halvings=halved,
+        )  # fmt: skip
 
 
 def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:

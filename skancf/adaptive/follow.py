@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.adaptive.carry import carried
-from skancf.adaptive.grow import LEFT, SMALLEST, may_be_quartered
+from skancf.adaptive.grow import LEFT, may_be_quartered
 from skancf.adaptive.marking import check_indicators
 from skancf.adaptive.recovery import recovery
 from skancf.arguments import function, plain, whole
@@ -23,6 +23,8 @@ from skancf.solution import Solution
 
 EARLY, AIM = 0.5, 0.25
 """Of the asked squared error: how much there may be before elements are quartered, and how much should be left then."""
+SMALLEST = 2.0**-13
+"""Of the extent of the surface: large motions round strains as the squares of positions are rounded."""
 LATE = 2.0
 """So many times the asked squared error came without being seen: the run goes back."""
 SURE = 0.01

@@ -6,23 +6,27 @@ import numpy as np
 
 from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
-from skancf.adaptive.singular import touching
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
+from skancf.adaptive.singular import SAME_POINT, images
 from skancf.assembly.geometry import Geometry
 from skancf.functions import called
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.surfaces import Surface
 
-AGAIN = 3
-"""Largest number of times that an element is quartered from one mesh to the next."""
+AGAIN, AT_MOST = 3, 8
+"""Largest number of times that an element is quartered from one mesh to the next; at singular points until no more than
+:data:`ENOUGH` of its error is left."""
+ENOUGH = 1 / 16
 LEFT = {True: 1 / 16, False: 1 / 4}
 """Part of an error that is left on quartered elements where the solution is smooth: order four in `kirchhoff`, two in
 `full`. Of an element's indicator each quarter has a quarter of it."""
-LEFT_SINGULAR = 1 / 2
-"""The same at a singular point, where one of the quarters has all of it."""
-SMALLEST = 2.0**-13
-"""Size of the smallest elements, of the extent of the surface. Stiffness grows with the inverse square of the size, and so
-does what rounding does to a displacement: 1e-7 of it with these, four times as much after each further quartering."""
+SMALLEST, SMALLEST_LARGE = 2.0**-18, 2.0**-14
+"""Size of the smallest elements, of the extent of the surface: of small-deflection answers, and of others, whose strains are
+rounded as the squares of positions are. Rounding grows with the inverse square of the size. The refined mesh of an estimate
+has elements two levels smaller; levels end at 2^-20."""
+POLE = 2.0**-9
+"""The same at a pole, where the integration points of an element see a fourteenth of its width."""
 DOERFLER, NEVER = Doerfler(0.9), Never()
 
 
@@ -30,10 +34,10 @@ def may_be_quartered(leaves: Leaves, surface: Surface, smallest: float = SMALLES
     """Which elements are larger than the smallest size in both directions of the surface, (n_elements,)."""
     corners = surface.position(*leaves.forest.places(leaves.cells))
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=0)
-    # At a pole one side has no length.
-    lengths = np.maximum(sides[:2], sides[2:]).min(axis=0)
     extent = np.linalg.norm(np.ptp(surface.position(*leaves.forest.points), axis=1))
-    return np.asarray(lengths > 1.5 * smallest * extent)
+    # At a pole one side has no length.
+    lengths, at_pole = np.maximum(sides[:2], sides[2:]).min(axis=0), sides.min(axis=0) < SAME_POINT * extent
+    return np.asarray(lengths > 1.5 * np.where(at_pole, max(smallest, POLE), smallest) * extent)
 
 
 @dataclass(frozen=True)
@@ -44,39 +48,55 @@ class Growth:
     ----------
     refine : Marking
     coarsen : Marking
+    smallest : float
+        Size of the smallest elements, of the extent of the surface.
     """
 
     refine: Marking = DOERFLER
     coarsen: Marking = NEVER
+    smallest: float = SMALLEST
 
-    def next_mesh(self, geometry: Geometry, indicators: np.ndarray, points: np.ndarray) -> MeshQuadTree:
+    def next_mesh(
+        self, geometry: Geometry, indicators: np.ndarray, points: np.ndarray, halvings: Halvings = NOTHING_KNOWN
+    ) -> MeshQuadTree:
         """Quarters marked elements, and those of their quarters that would be marked again.
 
-        ``points`` (2, n) are the singular ones.
+        ``points`` (2, n) are the singular ones, ``halvings`` what one halving leaves there.
         """
         mesh: MeshQuadTree = geometry.mesh
         leaves = mesh.leaves
-        room = may_be_quartered(leaves, geometry.surface)
+        room = self.room(leaves, geometry.surface)
         marked = called("marking", self.refine.marked, np.where(room, indicators, 0.0))
         marked = marked[room[marked]]
         finer = leaves.refined(marked)
         if 0 < marked.size < len(leaves):
-            finer = _again(geometry, finer, indicators, float(indicators[marked].min()), points)
+            finer = self._again(geometry, finer, indicators, float(indicators[marked].min()), points, halvings)
         small = finer.find(leaves.cells.take(called("coarsening", self.coarsen.marked, indicators)))
         return mesh.regrown(finer).coarsened(small[small >= 0])
 
+    def room(self, leaves: Leaves, surface: Surface) -> np.ndarray:
+        """Which elements may be quartered, (n_elements,)."""
+        return may_be_quartered(leaves, surface, self.smallest)
 
-def _again(geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray) -> Leaves:
-    """With quarters quartered again whose indicators will exceed the smallest of the marked ones twice."""
-    leaves, thin = geometry.mesh.leaves, geometry.theory.twist
-    for depth in range(1, AGAIN):
-        above = ancestors_in(leaves, finer)
-        quartered = finer.cells.level - leaves.cells.level[above]
-        left = np.where(quartered > 0, indicators[above] * (LEFT[thin] / 4) ** quartered, 0.0)
-        singular = touching(finer, points)
-        left[singular] = (indicators[above] * LEFT_SINGULAR**quartered)[singular]
-        again = np.flatnonzero((left > 2 * least) & (quartered == depth) & may_be_quartered(finer, geometry.surface))
-        if not again.size:
-            break
-        finer = finer.refined(again)
-    return finer
+    def _again(
+        self, geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray, halvings: Halvings
+    ) -> Leaves:  # fmt: skip
+        """With quarters quartered again whose indicators will exceed the smallest of the marked ones twice.
+
+        At a singular point one of the quarters has all that the halving leaves.
+        """
+        leaves, thin = geometry.mesh.leaves, geometry.theory.twist
+        for depth in range(1, AT_MOST):
+            above = ancestors_in(leaves, finer)
+            quartered = finer.cells.level - leaves.cells.level[above]
+            left = np.where(quartered > 0, indicators[above] * (LEFT[thin] / 4) ** quartered, 0.0)
+            singular, halved = halvings.of(finer, images(geometry, finer, points))
+            left[singular] = indicators[above[singular]] * halved ** quartered[singular]
+            more = np.full(len(finer), depth < AGAIN)
+            more[singular] |= halved**depth > ENOUGH
+            more &= (left > 2 * least) & (quartered == depth) & self.room(finer, geometry.surface)
+            again = np.flatnonzero(more)
+            if not again.size:
+                break
+            finer = finer.refined(again)
+        return finer

@@ -13,12 +13,13 @@ from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.asked import INDICATORS, Asked, check, first_system, newton_rtol
 from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.estimate import Estimate, check_quantity
-from skancf.adaptive.grow import DOERFLER, NEVER, Growth, may_be_quartered
+from skancf.adaptive.grow import DOERFLER, NEVER, Growth
 from skancf.adaptive.judge import judge
 from skancf.adaptive.marking import Below, Even, Marking, check_indicators
 from skancf.adaptive.nested import Nested
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
+from skancf.adaptive.rings import NOTHING_KNOWN
 from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
 from skancf.adaptive.unbounded import why_without_limit
@@ -133,7 +134,7 @@ def adapt(
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
         system = first_system(problem, first, theory, quantity, analysis, max_dofs)
         even = indicator == "goal" and not system.geometry.theory.twist
-        growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening)
+        growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening, analysis.smallest)
         return _Run(problem, quantity, analysis, growth, by, asked, bar).go(system)
 
 
@@ -208,7 +209,7 @@ class _Run:
                     return end
                 at = answer.state.system
                 points = singular_points(at, self.quantity)
-                mesh, end = clock.take("mark", self._next, at.geometry, level, points)
+                mesh, end = clock.take("mark", self._next, at.geometry, self.best, points)
                 if end:
                     return end
                 merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
@@ -233,7 +234,10 @@ class _Run:
             # Of coarse meshes; the last one is judged.
             warnings.simplefilter("ignore", OutOfDepth)
             answer = clock.take("solve", self.analysis.solve, system, start)
-            estimate = clock.take("estimate", lambda: self.nested.error(answer) or self.analysis.estimate(answer))
+            halvings = self.best.estimate.halvings if self.best else NOTHING_KNOWN
+            estimate = clock.take(
+                "estimate", lambda: self.nested.error(answer) or self.analysis.estimate(answer, halvings)
+            )
             indicators = estimate.indicators
             if self.indicator is not None:
                 indicators = check_indicators(clock.take("mark", called, "indicator", self.indicator, answer.state))
@@ -270,7 +274,9 @@ class _Run:
         level = found.level
         if found.estimate.bar <= self.asked.tolerance(level.value):
             return Outcome.REACHED, ""
-        if abs(level.error) < found.estimate.rounding:
+        if zero := self.asked.zero(found.estimate):
+            return Outcome.REACHED, zero
+        if found.estimate.bar < 2 * found.estimate.rounding:
             return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
                                       "smaller tolerance cannot be met")  # fmt: skip
         if why := why_without_limit(accepted, singular_points(found.answer.state.system)):
@@ -284,19 +290,22 @@ class _Run:
     def _in_smallest(self, found: _Found) -> str:
         """That most of the error is in elements which rounding lets be no smaller; empty where it is not."""
         shares, geometry = found.estimate.indicators, found.answer.state.system.geometry
-        full = ~may_be_quartered(geometry.mesh.leaves, geometry.surface)
+        full = ~self.growth.room(geometry.mesh.leaves, geometry.surface)
         if not shares[full].sum() > shares.sum() / 2:
             return ""
         x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)
         return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be: a "
                 "smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
 
-    def _next(self, geometry: Geometry, level: Level, points: np.ndarray) -> tuple[MeshQuadTree, tuple[Outcome, str] | None]:
+    def _next(
+        self, geometry: Geometry, found: _Found, points: np.ndarray
+    ) -> tuple[MeshQuadTree, tuple[Outcome, str] | None]:
         """The next mesh, and why not to begin with it; one of fewer elements where all of them are too many."""
-        mesh = self.growth.next_mesh(geometry, level.indicators, points)
+        level, known = found.level, (found.level.indicators, points, found.estimate.halvings)
+        mesh = self.growth.next_mesh(geometry, *known)
         end, part = self._too_much(level, mesh), getattr(self.growth.refine, "part", None)
         if end and part is not None:
-            fewer = replace(self.growth, refine=part).next_mesh(geometry, level.indicators, points)
+            fewer = replace(self.growth, refine=part).next_mesh(geometry, *known)
             if not self._too_much(level, fewer):
                 return fewer, None
         return mesh, end

@@ -8,8 +8,9 @@ import numpy as np
 from skancf.adaptive.analysis import Answer
 from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.estimate import Estimate
-from skancf.adaptive.grow import LEFT, LEFT_SINGULAR
-from skancf.adaptive.singular import singular_points, touching
+from skancf.adaptive.grow import LEFT
+from skancf.adaptive.rings import UNKNOWN
+from skancf.adaptive.singular import images, singular_points
 from skancf.meshes import MeshQuadTree
 
 SLOWER, FASTER = 0.85, 1.5
@@ -33,8 +34,8 @@ class Nested:
         a = \frac{(r - 2)\, d_k}{(R - 1)(R - 2)}, \qquad b = \frac{(R - r)\, d_k}{R - 2}.
 
     At the full order, r = R, this is Richardson's :math:`d_k / (R - 1)`, and no less than that is taken for one that seems
-    higher. It is trusted where r is near R and the estimate on the mesh before foretold the new value; where it is not, the
-    dual weight has to say.
+    higher. It is trusted where no singular point leaves more than a half, r is near R, and the estimate on the mesh before
+    foretold the new value; where it is not, the dual weight has to say.
 
     Attributes
     ----------
@@ -56,6 +57,8 @@ class Nested:
         system, before = answer.state.system, self.estimate
         if before is None or len(self.values) < 2 or not self._quartered(system.mesh):
             return None
+        if (before.halvings.left > UNKNOWN).any():
+            return None
         left = LEFT[system.geometry.theory.twist]
         last, error = answer.value - self.values[-1], extrapolated(self.values[-2], self.values[-1], answer.value, 1 / left)
         if error is None or not abs(last + error - before.error) <= AGREES * abs(before.error):
@@ -63,19 +66,21 @@ class Nested:
         foretold = before.error - last
         if not before.nested and foretold * error > 0 and abs(foretold) > abs(error):
             error = foretold
-        shares = self._shares(answer, before.indicators, left)
-        # Parts of both signs that cancel now and not later would show in the ratio: the sum of their sizes does not count.
-        part = (1 + MARGIN) * abs(error) / max(float(shares.sum()), 1e-300)
-        return Estimate(answer.value, error, shares, answer.state, part, before.rounding / left, nested=True)
+        return Estimate(
+            answer.value, error, self._shares(answer, before, left), answer.state, 0.0, MARGIN * abs(error),
+            before.rounding / left, before.scale, before.halvings, nested=True,
+        )  # fmt: skip
 
-    def _shares(self, answer: Answer, indicators: np.ndarray, left: float) -> np.ndarray:
+    def _shares(self, answer: Answer, before: Estimate, left: float) -> np.ndarray:
         """What is left of the indicators of the mesh before, at singular points all in one of the quarters."""
-        geometry = answer.state.system.geometry
+        system = answer.state.system
+        leaves = system.mesh.leaves
         assert self.mesh is not None
-        before = indicators[ancestors_in(self.mesh.leaves, geometry.mesh.leaves)]
-        singular = touching(geometry.mesh.leaves, singular_points(answer.state.system, self.quantity))
-        out = before * left / 4
-        out[singular] = before[singular] * LEFT_SINGULAR
+        out = before.indicators[ancestors_in(self.mesh.leaves, leaves)]
+        there, once = before.halvings.of(leaves, images(system.geometry, leaves, singular_points(system, self.quantity)))
+        left_there = out[there] * once
+        out *= left / 4
+        out[there] = left_there
         return out
 
     def add(self, mesh: MeshQuadTree, estimate: Estimate) -> None:

@@ -126,10 +126,19 @@ class AdaptiveResult:
         """Is the value as accurate as asked?"""
         return self.outcome is Outcome.REACHED
 
+    @property
+    def is_zero(self) -> bool:
+        """Is the value no larger than its error bar? Then the number may be zero, and the bar tells how near to it it is.
+
+        That is as accurate as asked where the bar is within ``atol``, or within ``rtol`` times the sizes of contributions
+        that cancel in it: the :attr:`~skancf.adaptive.Estimate.scale` of the estimate.
+        """
+        return abs(self.value) <= self.error_bar
+
     def __str__(self) -> str:
-        n = self.solution.system.n_dofs
-        said = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit} {self._left_out()}"
-        return f"{said} ({n} nodal coordinates; {self.outcome.value})".replace("  ", " ")
+        n, zero = self.solution.system.n_dofs, ", and zero lies within it" if self.is_zero else ""
+        said = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit}".rstrip() + self._left_out()
+        return f"{said} ({n} nodal coordinates; {self.outcome.value}{zero})"
 
     def _left_out(self) -> str:
         """What the theory leaves out, in words."""
@@ -137,8 +146,8 @@ class AdaptiveResult:
         if error is None or error.value == 0:
             return ""
         if error.value != error.value:
-            return "(mesh), and what the theory leaves out cannot be told"
-        return f"(mesh), and the theory leaves out about {error.value:+.2g} {self.unit}".rstrip()
+            return " (mesh), and what the theory leaves out cannot be told"
+        return f" (mesh), and the theory leaves out about {error.value:+.2g} {self.unit}".rstrip()
 
     def table(self) -> str:
         """One line for each mesh."""

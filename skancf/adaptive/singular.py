@@ -1,6 +1,6 @@
 """Points where derivatives of a solution may have no limit, and which of them surely have none."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -25,17 +25,19 @@ ALONG = 1e-6
 def singular_points(system: System, quantity: Any = None) -> np.ndarray:
     """Places in the parameter plane, (2, n): corners of the boundary, ends of supported edges, point loads and supports.
 
-    And the point of a section force, about which its dual weight is singular.
+    And the point of a section force, about which its dual weight is singular. Not the poles that mirrors make smooth.
     """
     geometry, problem = system.geometry, system.problem
-    places = [_boundary_corners(geometry)]
+    corners, smooth = _boundary_corners(geometry), _mirrored_poles(system)
+    places = [corners[:, ~at_poles(geometry, corners, smooth)]]
     if isinstance(quantity, SectionForce) and quantity.at is not None:
         places.append(geometry.within(finite("at", quantity.at)[:, None]))
     for item in (*problem.supports, *problem.loads):
         if isinstance(item, DiskForce):
             continue
         if hasattr(item, "where"):
-            places.append(_ends(geometry, item.where))
+            ends = _ends(geometry, item.where)
+            places.append(ends[:, ~at_poles(geometry, ends, smooth)] if isinstance(item, Symmetry) else ends)
         points = [getattr(item, name) for name in ("at", "start", "end") if hasattr(item, name)]
         places += [np.reshape(point, (2, 1)).astype(float) for point in points if not callable(point)]
     found = _around_poles(geometry, _both_sides(geometry, np.hstack(places)))
@@ -78,14 +80,56 @@ def _ends(geometry: Geometry, where: Any) -> np.ndarray:
 
 def _around_poles(geometry: Geometry, points: np.ndarray) -> np.ndarray:
     """The points, and of one at a pole all places that it has in the parameter plane."""
-    if not geometry.ties.poles:
-        return points
-    positions = np.asarray(geometry.surface.position(*geometry.within(points))).T
-    size = SAME_POINT * np.ptp(geometry.undeformed[:, 0], axis=0).max()
     for pole in geometry.ties.poles:
-        if (np.linalg.norm(positions - geometry.undeformed[pole, 0], axis=1) < size).any():
+        if at_poles(geometry, points, [pole]).any():
             points = np.hstack([points, geometry.mesh.p[:, geometry.ties.node_of == pole]])
     return points
+
+
+def at_poles(geometry: Geometry, points: np.ndarray, poles: Iterable[int] | None = None) -> np.ndarray:
+    """Which points (2, n) of the parameter plane are at one of these poles, all of them by default: (n,)."""
+    out, poles = np.zeros(points.shape[1], dtype=bool), list(geometry.ties.poles if poles is None else poles)
+    if not poles or not points.size:
+        return out
+    positions = np.asarray(geometry.surface.position(*geometry.within(points))).T
+    size = SAME_POINT * np.ptp(geometry.undeformed[:, 0], axis=0).max()
+    for pole in poles:
+        out |= np.linalg.norm(positions - geometry.undeformed[pole, 0], axis=1) < size
+    return out
+
+
+def images(geometry: Geometry, leaves: Leaves, points: np.ndarray) -> np.ndarray:
+    """Points (2, n), and where one is at a pole all corners that leaves of the same surface have there."""
+    here = [pole for pole in geometry.ties.poles if at_poles(geometry, points, [pole]).any()]
+    if not here:
+        return points
+    corners = leaves.forest.places(leaves.cells).reshape(2, -1)
+    return np.hstack([points, np.unique(corners[:, at_poles(geometry, corners, here)], axis=1)])
+
+
+def _mirrored_poles(system: System) -> list[int]:
+    """Poles at which the surface, mirrored at the edges that end there, is smooth."""
+    geometry = system.geometry
+    mirrors = [s for s in system.problem.supports if isinstance(s, Symmetry)]
+    if not geometry.ties.poles or not mirrors:
+        return []
+    mirrored = np.concatenate([geometry.points_and_facets(s.where)[1] for s in mirrors])
+    others = geometry.mesh.facets[:, np.setdiff1d(geometry.boundary, mirrored)]
+    ends = np.unique(geometry.ties.node_of[others])
+    return [pole for pole in geometry.ties.poles if pole not in ends and _mirrors_fit(geometry, pole)]
+
+
+def _mirrors_fit(geometry: Geometry, pole: int) -> bool:
+    """Whether fields that are even about both edges of a sector with its tip in a pole are smooth there: as r^(pi / angle),
+    which is no power of a smooth field for angles between a right and a straight one, and beyond that."""
+    nodes = np.flatnonzero(geometry.ties.node_of == pole)
+    tangents = geometry.ties.mix[nodes][:, 1:3, 1:3] @ geometry.ties.poles[pole]
+    along = tangents[np.arange(len(nodes)), np.argmax(np.linalg.norm(tangents, axis=2), axis=1)]
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    order = np.lexsort(geometry.mesh.p[:, nodes])
+    steps = along[order]
+    angle = np.arccos(np.clip((steps[1:] * steps[:-1]).sum(axis=1), -1.0, 1.0)).sum()
+    return bool(angle < np.pi / 2 + ALONG or abs(angle - np.pi) < ALONG)
 
 
 def holding(low: np.ndarray, high: np.ndarray, point: np.ndarray, extent: np.ndarray) -> np.ndarray:
@@ -151,6 +195,14 @@ def normal_at(geometry: Geometry, at: Any) -> np.ndarray:
     """The undeformed normal, at a pole its limit."""
     x, y = geometry.within(finite("at", at))[:, None]
     return np.asarray(normal(geometry.surface, x, y)[:, 0])
+
+
+def nodes_at(geometry: Geometry, at: Any) -> np.ndarray:
+    """Nodes at a point of the parameter plane, hanging ones not counted: one or none, (n,)."""
+    point, extent = geometry.within(finite("at", at)[:, None]), np.ptp(geometry.mesh.p, axis=1)[:, None]
+    here = np.flatnonzero((np.abs(geometry.mesh.p - point) < SAME_POINT * extent).all(axis=0))
+    nodes = geometry.ties.node_of[here]
+    return np.unique(nodes[nodes >= 0])
 
 
 def same_point(geometry: Geometry, one: Any, two: Any) -> bool:

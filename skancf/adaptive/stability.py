@@ -3,8 +3,11 @@
 from dataclasses import dataclass
 
 from skancf.adaptive.analysis import Answer, StaticAnalysis
+from skancf.adaptive.energies import energies, of_state, small
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.grow import SMALLEST
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
 from skancf.adaptive.vibration import softening
 from skancf.arguments import whole
@@ -51,6 +54,11 @@ class StabilityAnalysis:
     quantity: BucklingLoad
     backend: str = "auto"
 
+    @property
+    def smallest(self) -> float:
+        """That of small deflections."""
+        return SMALLEST
+
     def solve(self, system: System, start: Solution | None) -> Answer:
         number = self.quantity.number
         found = buckling(system, number + 1, backend=self.backend)
@@ -59,7 +67,7 @@ class StabilityAnalysis:
         require_checks(found.checks)
         return Answer(found.shape(number), float(found.load_factors[number]), found=found)
 
-    def estimate(self, answer: Answer) -> Estimate:
+    def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
         r"""As for a frequency, on the pencil :math:`K_0 + \lambda K_\sigma` of the refined mesh with its own stresses."""
         found, number, value = answer.found, self.quantity.number, answer.value
         with Enriched(found.linear, backend=self.backend) as enriched:
@@ -76,8 +84,10 @@ class StabilityAnalysis:
             shares = enriched.shares(value * residual * enriched.surplus(step))
             shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
             moved = moved_along(Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
-            left = enriched.left(shares)
-            return Estimate(value, (factor - value) / (1 - left), shares, moved, left)
+            of_mode = energies(small(fine, improved))
+            of_stress = energies(of_state(better)), energies(small(fine, weight))
+            halved = enriched.halvings((of_mode, of_mode), of_stress, before=halvings)
+            return Estimate.seen(value, factor, shares, moved, enriched.left(halved), halvings=halved)
 
     def theory_error(self, answer: Answer) -> TheoryError:
         """From shear."""

@@ -6,9 +6,12 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.analysis import Answer, StaticAnalysis
+from skancf.adaptive.energies import energies, small
 from skancf.adaptive.enriched import Enriched, Refined
 from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.grow import SMALLEST
 from skancf.adaptive.quantities import StrainEnergy
+from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
 from skancf.arguments import flag, whole
 from skancf.assembly.system import System
@@ -58,6 +61,11 @@ class VibrationAnalysis:
     quantity: Eigenfrequency
     statics: StaticAnalysis
 
+    @property
+    def smallest(self) -> float:
+        """That of the equilibrium about which it vibrates."""
+        return self.statics.smallest if self.quantity.loaded else SMALLEST
+
     def solve(self, system: System, start: Solution | None) -> Answer:
         rest = Answer(Solution(system, system.undeformed, load_factor=0.0), 0.0)
         if self.quantity.loaded:
@@ -68,7 +76,7 @@ class VibrationAnalysis:
         value = float(found.frequencies[mode])
         return replace(rest, state=found.shape(mode), value=value, found=(found, mode))
 
-    def estimate(self, answer: Answer) -> Estimate:
+    def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
         r"""By one step of inverse iteration on the refined mesh.
 
         With :math:`r = (K - \lambda M) \phi` there and :math:`e = -K^{-1} r`, the quotient of Rayleigh of
@@ -77,9 +85,9 @@ class VibrationAnalysis:
         found, mode = answer.found
         shape, value, backend = found.shapes[mode], found.eigenvalues[mode], self.statics.backend
         if not self.quantity.loaded:
-            return self._about(Refined(found.state.system), answer, None)
+            return self._about(Refined(found.state.system), answer, None, halvings)
         with Enriched(found.state, backend=backend) as enriched:
-            estimate = self._about(enriched, answer, enriched.corrected)
+            estimate = self._about(enriched, answer, enriched.corrected, halvings)
             weight = enriched.solve(softening(enriched.system, enriched.corrected.q, enriched.up(shape)))
             of_state = enriched.shares(enriched.residual * enriched.surplus(weight))
             return replace(estimate, indicators=estimate.indicators + _per_eigenvalue(answer.value, value) * of_state)
@@ -89,7 +97,7 @@ class VibrationAnalysis:
         found, mode = answer.found
         return of_eigenvalue(answer.value, float(found.theory_errors[mode]))
 
-    def _about(self, refined: Refined, answer: Answer, rest: Solution | None) -> Estimate:
+    def _about(self, refined: Refined, answer: Answer, rest: Solution | None, halvings: Halvings) -> Estimate:
         found, mode = answer.found
         shape, value, fine = found.shapes[mode], found.eigenvalues[mode], refined.system
         stiffness, mass, phi = state_tangent(fine, rest), fine.mass, refined.up(shape)
@@ -100,9 +108,10 @@ class VibrationAnalysis:
         improved = phi + step
         shares = refined.shares(residual * refined.surplus(step)) * _per_eigenvalue(answer.value, value)
         moved = moved_along(rest or Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
-        left = refined.left(shares)
-        error = (_frequency(improved, stiffness, mass) - answer.value) / (1 - left)
-        return Estimate(answer.value, error, shares, moved, left)
+        of_mode = energies(small(fine, improved, None if rest is None else rest.q))
+        halved = refined.halvings((of_mode, of_mode), before=halvings)
+        found = _frequency(improved, stiffness, mass)
+        return Estimate.seen(answer.value, found, shares, moved, refined.left(halved), halvings=halved)
 
 
 def _frequency(shape: np.ndarray, stiffness: BlockMatrix, mass: BlockMatrix) -> float:

@@ -27,6 +27,11 @@ class StrainEnergy:
         instance("state", state, Solution, STATE)
         return float(state.strain_energy)
 
+    def scale(self, state: Solution) -> float:
+        """The largest energy that the temperature change can cause, which free expansion takes back."""
+        instance("state", state, Solution, STATE)
+        return float(state.load_factor**2 * state.system.thermal_energy(state.time))
+
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
         instance("state", state, Solution, STATE)

@@ -13,6 +13,7 @@ class Quantity(Protocol):
     """A number J(q) of a state, and how it changes with the nodal coordinates.
 
     A quantity that is a residual on held coordinates also has ``lift(state)``, the field (n_dofs,) that it multiplies there.
+    One that may be zero may have ``scale(state)``, a size to compare it with.
 
     For a small-deflection answer both are of first order about the undeformed state, as its fields are: the gradient is
     the one there, and the value the one there plus its product with the change. (The strain energy is of second order.)

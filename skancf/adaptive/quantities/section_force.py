@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
-from skancf.arguments import choice, plain
+from skancf.arguments import STATE, choice, instance, plain
 from skancf.assembly.geometry import Geometry
 from skancf.assembly.system import System
 from skancf.errors import InputError, finite, vector
@@ -86,6 +86,13 @@ class SectionForce(Smooth):
         of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
         of_all[:, self._row] = weights
         return state.system.assembly.section_force_gradient(q.reshape(-1, 4, 3), elements, points, of_all).ravel()
+
+    def scale(self, state: Solution) -> float:
+        """Mean size of the component over the surface: a value that is much smaller is zero at its place."""
+        instance("state", state, Solution, STATE)
+        areas = state.system.assembly.areas
+        sizes = np.abs(state.section_forces(state.system.geometry.theory.quadrature[0])[:, self._row])
+        return float(np.vdot(sizes, areas) / areas.sum())
 
     @property
     def _row(self) -> int:

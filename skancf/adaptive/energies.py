@@ -1,0 +1,40 @@
+"""Strain energies of the elements, of states and of small changes, and the work of one on the other."""
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.solution import Solution
+
+Strained = tuple[np.ndarray, np.ndarray]
+"""Strains and stresses with their weights, (n_elements, n_strains, n_points) each."""
+
+
+def small(system: System, change: np.ndarray, q: np.ndarray | None = None) -> Strained:
+    """Of a change of the coordinates q, the undeformed ones by default, to first order."""
+    start = system.undeformed if q is None else q
+    at = system.assembly.stresses(start.reshape(-1, 4, 3), None, keep_strains=True)
+    size = float(np.abs(change).max())
+    if not size > 0:
+        return np.zeros_like(at[0]), np.zeros_like(at[1])
+    scale = float(np.abs(system.undeformed).max()) / size  # so that strains have the digits of those of the whole body
+    moved = system.assembly.stresses(start.reshape(-1, 4, 3), scale * change.reshape(-1, 4, 3), keep_strains=True)
+    strains, stresses = ((a - b) / scale for a, b in zip(moved, at, strict=True))
+    return strains, stresses
+
+
+def of_state(state: Solution) -> Strained:
+    """Of a state, those of a free strain not subtracted."""
+    if state.linear:
+        return small(state.system, state.change)
+    strains, stresses = state.system.assembly.stresses(state.q.reshape(-1, 4, 3), None, keep_strains=True)
+    return strains, stresses
+
+
+def virtual_work(one: Strained, other: Strained) -> np.ndarray:
+    """Of the stresses of one on the strains of the other, (n_elements,) (J)."""
+    return np.asarray((other[0] * one[1]).sum(axis=(1, 2)))
+
+
+def energies(strained: Strained) -> np.ndarray:
+    """Strain energies, (n_elements,) (J)."""
+    return 0.5 * virtual_work(strained, strained)

@@ -140,7 +140,8 @@ class Solution:
         """Green-Lagrange strain in the local frame at points (2, n) of every element and depth z: (n_elements, n, 6).
 
         Order 11, 22, 33, 23, 13, 12, shear strains doubled. In theory `kirchhoff` the strain 33 (and 23, 13 of an oblique
-        law) is the one that leaves no stress.
+        law) is the one that leaves no stress, and those in the surface have, where it is curved, the lengths at z and the
+        stretch that balances bending.
 
         Parameters
         ----------

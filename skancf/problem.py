@@ -98,8 +98,8 @@ class Problem:
             A name, ``"full"`` or ``"kirchhoff"``; an object such as ``Full()``; or ``"auto"``: the cheapest theory whose
             modelling error is below ``tolerance``. What was taken and why is the system's ``choice``.
         tolerance : float
-            For ``"auto"``: the largest part of the strain energy that leaving out transverse shear may change; without loads,
-            of the square of the first frequency.
+            For ``"auto"``: the largest part of the strain energy that leaving out transverse shear may change, or, without
+            loads, of the square of the first frequency.
 
         Raises
         ------

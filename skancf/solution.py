@@ -298,7 +298,7 @@ class Solution:
         return self._at_nodes(self.recovered_section_forces().swapaxes(1, 2))
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners; at a hanging node of the ends of its edge."""
+        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at corners; at a hanging node of its edge's ends."""
         own, corners, hanging = averaging_nodes(self.system.geometry), self.system.mesh.t.T, self.system.geometry.hanging
         out = np.zeros((len(own), values.shape[2]))
         np.add.at(out, own[corners], values)

@@ -224,9 +224,8 @@ class Solution:
     def recovered_section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         """Section forces as :meth:`section_forces`, in theory `full` with better moments: (n_elements, 6, n).
 
-        The slopes of its bilinear directors are good in the middles of elements, and off by the order of the element size
-        at edges and corners. What they make of moments is taken from polynomials through the middles of the elements
-        around; of one row of elements they can tell no more across it than the row does.
+        Slopes of its bilinear directors are good in the middles of elements, and of first order at corners: moments come
+        from polynomials through the middles; of one row of elements they tell no more across it than the row does.
         """
         inside = self._inside(CORNERS.T if points is None else points)
         return self._of_state(lambda q: section_forces(self.system, q, inside, self.load_factor, self.time))
@@ -311,8 +310,7 @@ class Solution:
         return self._at_nodes(self.recovered_section_forces().swapaxes(1, 2))
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at the corners; halfway between the ends of its edge at a
-        hanging node, where the larger element has no corner."""
+        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at corners; at a hanging node of its edge's ends."""
         own, corners, hanging = averaging_nodes(self.system.geometry), self.system.mesh.t.T, self.system.geometry.hanging
         out = np.zeros((len(own), values.shape[2]))
         np.add.at(out, own[corners], values)

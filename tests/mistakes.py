@@ -439,7 +439,8 @@ def add_adaptive(add: Any, s: Scene) -> None:
     add("adapt", sk.adapt, problem=s.problem, quantity=sk.Displacement(at), rtol=0.5, atol=0.0, mesh=s.plain,
         theory="kirchhoff", linear=True, load_factor=1.0, indicator="goal", marking=sk.Doerfler(), coarsening=sk.Below(),
         max_dofs=300, max_seconds=1.0, max_levels=1, backend="auto", progress=False,
-        kinds={"max_seconds": "optional"}, aliases={"indicator": "indicators"}, takes="mesh:none")  # fmt: skip
+        kinds={"max_seconds": "optional", "marking": "optional"}, aliases={"indicator": "indicators"},
+        takes="mesh:none")  # fmt: skip
     add("adapt by", sk.adapt, problem=s.problem, quantity=sk.Displacement(at), rtol=0.1, mesh=s.plain, linear=True,
         indicator=sk.recovery, max_levels=1, kinds={"indicator": "any"},
         takes="mesh:none", aliases={"indicator": "indicators"})  # fmt: skip
@@ -458,8 +459,10 @@ def add_adaptive(add: Any, s: Scene) -> None:
     grid = np.stack(np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4)), axis=-1).reshape(-1, 2).T
     add("find_regions", sk.find_regions, points=grid, sigma=np.arange(16.0), spacing=0.3, positions=None, cell=0.3,
         radius=2.0, size=1.0, cap=2.0, takes="positions:none", kinds={"cell": "optional"})  # fmt: skip
-    markings = {"share": [sk.Doerfler, sk.Even], "even": [sk.Even], "factor": [sk.Maximum, sk.Below],
+    markings = {"share": [sk.Doerfler], "factor": [sk.Maximum, sk.Below],
                 "fraction": [sk.FixedFraction]}  # fmt: skip
+    add("Even", sk.Even, even=0.5, share=0.5)
+    add("Even.marked", sk.Even().marked, indicators=np.arange(5.0))
     for marking, part in ((marking, part) for part, kinds in markings.items() for marking in kinds):
         add(marking.__name__, marking, **{part: 0.5})
         add(f"{marking.__name__}.marked", marking().marked, indicators=np.arange(5.0))

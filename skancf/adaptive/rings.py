@@ -6,8 +6,8 @@ weight, whose product is the error of a quantity,
 
 .. math:: l = \left( \frac{E_j(u)\, E_j(z)}{E_{j-1}(u)\, E_{j-1}(z)} \right)^{1/2} .
 
-Of the last two rings the smaller ratio counts: the last one has a part of the error of the innermost elements, the one before
-more of the smooth part of the answer, and both mostly add to it.
+Of the last two rings the smaller ratio counts: the last one has a part of the error of the innermost elements, the one
+before more of the smooth part of the answer, and both mostly add to it.
 
 The enriched mesh has a ring for each quartering at a singular point. No table of corners, supports and laws is asked.
 """

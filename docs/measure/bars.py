@@ -235,8 +235,8 @@ def main(part: str = "") -> None:
         chosen = [row for row in rows if ("zero" in row[2]) == are_zero]
         values, first = np.array([float(row[7]) for row in chosen]), np.array([row[3] == 1 for row in chosen], bool)
         least = [values[on].min(initial=np.inf) for on in (first, ~first)]
-        print(f"{what}: {len(chosen)}, bar / error: median {np.median(values):.2f}, least {least[0]:.2f} on first meshes, "
-              f"{least[1]:.2f} on later ones, above 3 in {(values > 3).sum()}")  # fmt: skip
+        print(f"{what}: {len(chosen)}, bar / error: median {np.median(values):.2f}, least {least[0]:.2f} on first meshes "
+              f"and {least[1]:.2f} on later ones, above 3 in {(values > 3).sum()}")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -127,7 +127,7 @@ def both(shell: sk.Problem, coarse: MeshQuadTree, fine: MeshQuadTree) -> list[st
 
 
 def floor() -> list[list[Any]]:
-    """An adaptive run beyond what the smallest elements can: a rhombic plate on hard supports and corners of 145 degrees."""
+    """An adaptive run beyond what the smallest elements can: a rhombus with hard supports and corners of 145 degrees."""
     supports = [sk.SimpleSupport("boundary", "hard")]
     loads = [sk.SurfaceLoad((0.0, 0.0, 1.0))]
     material, surface = sk.Isotropic(10.92 / 0.01**3, 0.3, 1.0), sk.Parallelogram(1.0, 1.0, radians(35))

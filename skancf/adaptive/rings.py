@@ -6,6 +6,9 @@ weight, whose product is the error of a quantity,
 
 .. math:: l = \left( \frac{E_j(u)\, E_j(z)}{E_{j-1}(u)\, E_{j-1}(z)} \right)^{1/2} .
 
+Of the last two rings the smaller ratio counts: the last one has a part of the error of the innermost elements, the one
+before more of the smooth part of the answer, and both mostly add to it.
+
 The enriched mesh has a ring for each quartering at a singular point. No table of corners, supports and laws is asked.
 """
 
@@ -102,14 +105,14 @@ def _rings(
 
 
 def left_by(of_answer: np.ndarray, of_weight: np.ndarray, last: int) -> float:
-    """What a halving leaves, by the energies (n,) in rings from the outermost to the ``last``.
+    """What a halving leaves, by the energies (n,) in rings from the outermost to the ``last``, the third one at least.
 
     Examples
     --------
     >>> left_by(0.5 ** np.arange(5), 0.5 ** np.arange(5), last=4)
     0.5
     """
-    outer, inner = (of_answer[k] * of_weight[k] for k in (last - 1, last))
-    if not (outer > 0 and inner > 0):
+    products = of_answer[last - 2 : last + 1] * of_weight[last - 2 : last + 1]
+    if not (products > 0).all():
         return LEAST
-    return float(np.clip(np.sqrt(inner / outer), LEAST, MOST))
+    return float(np.clip(np.sqrt(products[1:] / products[:-1]).min(), LEAST, MOST))

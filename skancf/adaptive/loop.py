@@ -237,7 +237,7 @@ class _Run:
                                  "must be a finite number")  # fmt: skip
         level = Level(
             system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
-            merged, clock.seconds, note=answer.note,
+            merged, clock.seconds, note=answer.note, bar=estimate.bar,
         )  # fmt: skip
         return _Found(level, answer, estimate)
 

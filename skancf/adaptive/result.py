@@ -35,6 +35,8 @@ class Level:
         Of the quantity.
     error : float
         Estimate of limit minus value.
+    bar : float
+        Size of the error, as :attr:`AdaptiveResult.error_bar` is for the best mesh.
     indicators : (n_elements,) array
         Those by which elements were marked.
     iterations : int
@@ -62,6 +64,7 @@ class Level:
     seconds: dict[str, float]
     rejected: bool = False
     note: str = ""
+    bar: float = float("nan")
 
     @property
     def n_elements(self) -> int:

@@ -200,8 +200,43 @@ def _functions(n: int, r: np.ndarray, end: float) -> tuple[list, list]:
     return odd, even
 
 
+def tank(what: str) -> Value:
+    r"""A quarter of a cylinder of radius and length 1, 0.02 thick, clamped at its foot, under a pressure of 1 outwards.
+
+    Ritz's method along the axis with :math:`\varepsilon = (u', w),\; \rho = (w'', -w)`: w at a quarter of the length, the
+    axial moment :math:`-D (w'' - \nu w)` at the foot, the energy.
+    """
+    one, two = (_tank(n)[what] for n in (24, 32))
+    return two, abs(two - one), "Ritz's method along the axis"
+
+
+def _tank(n: int, thickness: float = 0.02, young: float = 1.092e7) -> dict[str, float]:
+    g, gauss = np.polynomial.legendre.leggauss(3 * n)
+    law = young / (1 - NU**2) * np.kron(np.diag([thickness, thickness**3 / 12]), [[1, NU], [NU, 1]])
+
+    def strains(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of functions x P_k for u and x^2 P_k for w, (2 n, 4, ...); and w."""
+        u, w = [], []
+        for k in range(n):
+            f = np.polynomial.Legendre.basis(k, domain=[0, 1])
+            p, dp, ddp = f(x), f.deriv()(x), f.deriv(2)(x)
+            u.append([p + x * dp, 0 * x, 0 * x, 0 * x])
+            w.append([0 * x, x**2 * p, 2 * p + 4 * x * dp + x**2 * ddp, -(x**2) * p])
+        return np.array(u + w), np.array(w)[:, 1]
+
+    B, w = strains((g + 1) / 2)
+    weight = gauss / 2 * pi / 2
+    K = np.einsum("aip,ij,bjp,p->ab", B, law, B, weight, optimize=True)
+    load = np.concatenate([np.zeros(n), w @ weight])
+    scale = 1 / np.sqrt(K.diagonal())
+    c = scale * np.linalg.solve(scale[:, None] * K * scale, scale * load)
+    foot = np.einsum("a,ai->i", c, strains(np.zeros(1))[0][:, :, 0])
+    inside = float(c[n:] @ strains(np.full(1, 0.25))[1][:, 0])
+    return {"w": inside, "moment": -float((law @ foot)[2]), "energy": 0.5 * float(load @ c)}
+
+
 FORMULAS: dict[str, Callable[..., Value]] = {
     f.__name__: f
     for f in (navier, supported_side, supported_frequency, navier_force, navier_force_moment, navier_couple, disc,
-              supported_disc, disc_force, disc_frequency, ring, roof, pinched, warm_square, harmonic, strip, dome)
+              supported_disc, disc_force, disc_frequency, ring, roof, pinched, warm_square, harmonic, strip, dome, tank)
 }  # fmt: skip

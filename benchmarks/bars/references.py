@@ -91,7 +91,7 @@ def limit_of(scene: Scene, quantity: Any, values: list[float]) -> tuple[float, f
     told(values)
     at_point = isinstance(quantity, sk.SectionForce) and quantity.at is not None
     orders = FULL_ORDERS if scene.theory == "full" else POINT_ORDERS if at_point else SMOOTH_ORDERS
-    limit, doubt = romberg(values, orders)
+    limit, doubt = romberg(values, orders[: len(values) - 1])
     free, last = aitken(*values[-3:]), abs(values[-1] - values[-2])
     if abs(free - values[-1]) < last:
         doubt = max(doubt, min(abs(free - limit), last) / 4)

@@ -45,7 +45,7 @@ def test_there_are_enough_runs_of_every_kind():
 def test_a_scene_is_a_problem_that_the_library_takes(name: str):
     scene = SCENES[name]
     around = any(getattr(scene.problem.surface, "closed", ()))
-    system = scene.problem.on(scene.start() or scene.mesh(2, 8 if around else 2), scene.theory)
+    system = scene.problem.on(scene.start() or scene.mesh(4, 8 if around else 4), scene.theory)
     assert system.n_dofs > 0
 
 

@@ -12,7 +12,7 @@ BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
 
-.PHONY: help demo test fuzz lint types docs peers bench guard check kernels clean
+.PHONY: help demo test fuzz lint types docs peers bench bars guard check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
@@ -21,6 +21,7 @@ help:
 	@echo "make docs    build the documentation into docs/_build/html"
 	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
 	@echo "make bench   speed against accuracy, beside those that are installed, and what each part costs (an hour; SET=quick: 5 minutes)"
+	@echo "make bars    are error bars right, and not too large? Scenes with known answers (half an hour)"
 	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s)"
 	@echo "             BASE=COMMIT: more than 5 % slower than that commit? both measured in turns (under 5 minutes)"
 	@echo "make check   lint and types"
@@ -65,6 +66,9 @@ peers: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks.bench $(SET)
+
+bars: $(READY)
+	$(BIN)/python -m benchmarks.bars.run
 
 guard: $(READY)
 	$(BIN)/python benchmarks/$(if $(BASE),guard_commits.py $(BASE),guard.py check)

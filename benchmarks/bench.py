@@ -1,9 +1,9 @@
-"""All that is measured of speed, one after the other, and the results page made of it.
+"""All that is measured of speed and of error bars, one after the other, and the results page made of it.
 
     python -m benchmarks.bench [all | quick]
 
-``all`` takes about an hour and stores its results in ``benchmarks/results``, where they are kept with the code; the page
-goes to ``docs/results``. ``quick`` takes five minutes and keeps its results, and its page, in ``out/bench``.
+``all`` takes about an hour and a half and stores its results in ``benchmarks/results``, where they are kept with the
+code; the page goes to ``docs/results``. ``quick`` takes five minutes and keeps its results, and its page, in ``out/bench``.
 """
 
 import argparse
@@ -23,6 +23,7 @@ STEPS = {
         ("linear solvers", ["benchmarks.solvers"]),
         ("growth", ["benchmarks.growth"]),
         ("comparison", ["benchmarks.compare"]),
+        ("error bars", ["benchmarks.bars.run"]),
         ("page", ["benchmarks.page"]),
     ),
     "quick": (

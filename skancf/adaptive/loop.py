@@ -249,7 +249,7 @@ class _Run:
                                  "must be a finite number")  # fmt: skip
         level = Level(
             system.mesh, system.n_dofs, answer.value, estimate.error, indicators, answer.iterations, answer.restarted,
-            merged, clock.seconds, note=answer.note, nested=estimate.nested,
+            merged, clock.seconds, note=answer.note, nested=estimate.nested, bar=estimate.bar,
         )  # fmt: skip
         self.nested.add(system.mesh, estimate)
         return _Found(level, answer, estimate)

@@ -36,6 +36,8 @@ class Level:
         Of the quantity.
     error : float
         Estimate of limit minus value.
+    bar : float
+        Size of the error, as :attr:`AdaptiveResult.error_bar` is for the best mesh.
     indicators : (n_elements,) array
         Those by which elements were marked.
     iterations : int
@@ -67,6 +69,7 @@ class Level:
     rejected: bool = False
     note: str = ""
     nested: bool = False
+    bar: float = float("nan")
 
     @property
     def n_elements(self) -> int:

@@ -94,32 +94,43 @@ class Solution:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
         out = probe(self.system, at) @ self.change.reshape(-1, 3)
         if depth := self._depth(z):
-            out = out + depth * (self._normals(at) - self._undeformed._normals(at))
+            out = out + depth * self._tilts(at)
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def position(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
         out = probe(self.system, at) @ self.q.reshape(-1, 3)
         if depth := self._depth(z):
-            out = out + depth * self._normals(at)
+            out = out + depth * (self._undeformed._normals(at) + self._tilts(at) if self.linear else self._normals(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def rotation(self, at: Any) -> np.ndarray:
         """Angle between the normal (director) and the undeformed one at points (2,) or (n, 2): () or (n,) (rad)."""
-        n, before = self._normals(at), self._undeformed._normals(at)
-        angle = np.arctan2(np.linalg.norm(np.cross(before, n), axis=1), (before * n).sum(axis=1))
+        before = self._undeformed._normals(at)
+        if self.linear:
+            angle = np.linalg.norm(np.cross(before, self._tilts(at)), axis=1)
+        else:
+            n = self._normals(at)
+            angle = np.arctan2(np.linalg.norm(np.cross(before, n), axis=1), (before * n).sum(axis=1))
         return angle[0] if np.ndim(at) == 1 else angle
 
     @property
     def _undeformed(self) -> "Solution":
         return Solution(self.system, self.system.undeformed)
 
-    def _normals(self, at: Any) -> np.ndarray:
+    def _tilts(self, at: Any) -> np.ndarray:
+        """Changes of directors or unit normals (n, 3), of a small-deflection answer to first order."""
+        if self.linear:
+            return self.system.rate(lambda q: self._normals(at, q), self.change)
+        return self._normals(at) - self._undeformed._normals(at)
+
+    def _normals(self, at: Any, q: np.ndarray | None = None) -> np.ndarray:
         """Directors or unit normals (n, 3) at points of the parameter plane."""
         geometry, out = self.system.geometry, []
+        nodal = (self.q if q is None else q).reshape(-1, 4, 3)
         for place in places_of(at):
             element, point = geometry.locate(place)
-            local = geometry.local(self.q.reshape(-1, 4, 3), np.array([element]))
+            local = geometry.local(nodal, np.array([element]))
             inside = geometry.inside(point[:, None])
             out.append(geometry.theory.normals(local, inside, geometry.side[[element]])[0, :, 0])
         return np.array(out)
@@ -251,9 +262,9 @@ class Solution:
             return 0.0
         heat = self.load_factor**2 * system.thermal_energy(self.time)
         thin: Any = system.assembly
-        rest = self._of_state(lambda q: thin.rest_strains(q.reshape(-1, 4, 3)))
+        membrane = self._of_state(lambda q: thin.membrane_strains(q.reshape(-1, 4, 3)))
         energy = self.strain_energy
-        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
+        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(membrane) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, averaged over the elements that meet there: (n_mesh_nodes, 6).

@@ -279,13 +279,14 @@ def test_nothing_marked_is_said():
 
 
 def test_rounding_ends_it():
-    """Small elements in the centre make rounding large: 3e-7 of the deflection at 2^-12 of the plate."""
-    mesh = quadtree(sk.meshes.uniform(SQUARE, 4, 4))
-    for _ in range(10):
+    """Small elements in the centre make rounding of coordinates large in the moment there: 1e-4 at 2^-19 of the plate."""
+    mesh = quadtree(sk.meshes.uniform(SQUARE, 8, 8))
+    for _ in range(16):
         mesh = mesh.refined(touching(mesh.leaves, np.array([[0.5], [0.5]])))
-    result = sk.adapt(square(SIMPLE, UNIFORM), CENTRAL, 1e-13, linear=True, mesh=mesh, coarsening=sk.Never())
-    assert result.outcome is Outcome.ROUNDING and "rounding" in result.message and len(result.levels) < 6
-    assert abs(result.value - 0.00406235266) < 3 * result.error_bar < 3e-6 * result.value
+    moment = sk.SectionForce("M11", at=CENTRE)
+    result = sk.adapt(square(SIMPLE, UNIFORM), moment, 1e-9, linear=True, mesh=mesh, coarsening=sk.Never())
+    assert result.outcome is Outcome.ROUNDING and "rounding" in result.message and len(result.levels) < 4
+    assert abs(result.value - 0.0478864) < result.error_bar < 1e-3 * result.value
 
 
 def test_the_smallest_elements_end_it():

@@ -17,7 +17,7 @@ from skancf.adaptive.grow import LEFT, LEFT_SINGULAR, SMALLEST, may_be_quartered
 from skancf.adaptive.singular import singular_points, touching
 from skancf.assembly.system import System
 from skancf.errors import InputError
-from skancf.linear import BlockMatrix, DirectSolver, SkewSolver
+from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 from skancf.statics.equilibrium import equilibrium
@@ -135,9 +135,9 @@ class Enriched(Refined):
         self.state, self._backend = state, backend
         fine, factor = self.system, state.load_factor
         if state.linear:
-            change, self.stiffness = self.up(state.change), fine.stiffness()
-            self.start, gap = fine.undeformed + change, factor * fine.prescribed() - change
-            self.residual = self.stiffness @ change - factor * fine.external_force(fine.undeformed)
+            self._linear, self.stiffness = self.up(state.change), fine.stiffness()
+            self.start, gap = fine.undeformed + self._linear, factor * fine.prescribed() - self._linear
+            self.residual = self.stiffness @ self._linear - factor * fine.external_force(fine.undeformed)
         else:
             self.start = self._up.positions(state.q)
             gap = fine.undeformed + factor * fine.prescribed() - self.start
@@ -154,7 +154,7 @@ class Enriched(Refined):
         moved = self._moved
         self._solver.factor(self.stiffness)
         if self.state.linear:
-            return self._solver.solve(-(self.residual + self.stiffness @ moved), refinements=2) + moved
+            return self._solver.solve(-(self.residual + self.stiffness @ moved)) + moved
         tangent = SkewSolver(self.stiffness, skew_part(self.system, self.start, self.state.load_factor), self._solver)
         first = tangent.solve(-(self.residual + tangent.multiply(moved))) + moved
         return self._chord(first, tangent)
@@ -206,21 +206,34 @@ class Enriched(Refined):
         """K^-1 force on the free coordinates, after the step."""
         return self._solver.solve(force)
 
-    def rounding(self, weight: np.ndarray) -> float:
-        """Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces.
+    def rounding(self, weight: np.ndarray, gradient: np.ndarray) -> float:
+        r"""Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces, and what
+        the gradient of the quantity makes of the rounding of the coordinates themselves.
 
         The rest that Newton's method left has a direction, and cancels in parts as the residual does; rounding has none.
+        That of products by strains is in equilibrium in each element, and does work on the strains of the weight only, no
+        more than :math:`2 \epsilon \sqrt{U(u) U(z)}`.
         """
-        change = self.start + self._step - self.system.undeformed
-        sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values)) @ np.abs(change)
+        stiffness, change = self.stiffness, self._change
         left = self.system.constraints.free_part(self.unresolved)
-        noise = ROUNDING * np.abs(weight) @ self.system.constraints.free_part(sizes)
-        return abs(float(weight @ left)) + float(noise)
+        if stiffness.form is not None:
+            noise = 2 * ROUNDING * np.sqrt(abs(stiffness.energy(change) * stiffness.energy(weight)))
+        else:
+            noise = ROUNDING * np.abs(weight) @ self.system.constraints.free_part(stiffness.sizes() @ np.abs(change))
+        stored = change if self.state.linear else self.start + self._step
+        return abs(float(weight @ left)) + float(noise + ROUNDING * np.abs(gradient) @ np.abs(stored))
 
     @property
     def corrected(self) -> Solution:
         """The state after that step."""
-        return Solution(self.system, self.start + self._step, load_factor=self.state.load_factor, linear=self.state.linear)
+        linear = self.state.linear
+        small = self._change if linear else None
+        return Solution(self.system, self.start + self._step, load_factor=self.state.load_factor, linear=linear, small=small)
+
+    @property
+    def _change(self) -> np.ndarray:
+        """From the undeformed state to that after the step."""
+        return (self._linear if self.state.linear else self.start - self.system.undeformed) + self._step
 
     def free_diagonal(self) -> np.ndarray:
         """The diagonal blocks of the tangent in nodal coordinates, one where they are held, (n_fine_nodes, 12, 12)."""

@@ -91,12 +91,13 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     value = value_of(quantity, state)
     with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected
-        weight = enriched.solve(_gradient_of(quantity, better))
+        gradient = _gradient_of(quantity, better)
+        weight = enriched.solve(gradient)
         smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
         left = enriched.left(indicators)
         error = (value_of(quantity, better) - value) / (1 - left)
-        return Estimate(value, error, indicators, better, left, enriched.rounding(weight))
+        return Estimate(value, error, indicators, better, left, enriched.rounding(weight, gradient))
 
 
 def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:

@@ -64,12 +64,12 @@ class StabilityAnalysis:
         with Enriched(found.linear, backend=self.backend) as enriched:
             fine, better = enriched.system, enriched.corrected
             elastic = enriched.stiffness
-            geometric = geometric_stiffness(fine, better.q - fine.undeformed, elastic)
+            geometric = geometric_stiffness(fine, better.change)
             phi = enriched.up(found.shapes[number])
             residual = elastic @ phi + value * (geometric @ phi)
             step = -enriched.solve(residual)
             improved = phi + step
-            factor = -float(improved @ (elastic @ improved)) / float(improved @ (geometric @ improved))
+            factor = -elastic.energy(improved) / geometric.energy(improved)
             # d(load factor) = load factor^2 phi . dK phi with phi . K_0 phi = 1.
             weight = enriched.solve(value**2 * softening(fine, fine.undeformed, phi))
             shares = enriched.shares(value * residual * enriched.surplus(step))

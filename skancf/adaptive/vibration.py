@@ -101,7 +101,7 @@ class VibrationAnalysis:
 
 
 def _frequency(shape: np.ndarray, stiffness: BlockMatrix, mass: BlockMatrix) -> float:
-    value = float(shape @ (stiffness @ shape)) / float(shape @ (mass @ shape))
+    value = stiffness.energy(shape) / mass.energy(shape)
     return float(np.sign(value) * np.sqrt(abs(value)) / (2 * np.pi))
 
 

@@ -15,8 +15,7 @@ def pretension(system: Any) -> BlockMatrix:
     """Geometric stiffness of a uniform dilation by one: see :attr:`skancf.assembly.system.System.pretension`."""
     start = system.undeformed
     dilated = system.stresses(start, start) - system.stresses(start)
-    matrix: BlockMatrix = system.tangent(start, dilated, factor=0.0) + (-1.0) * system.stiffness()
-    return matrix
+    return BlockMatrix(system.pattern, system.tangent(start, dilated, factor=0.0).values - system.stiffness().values)
 
 
 def largest_turn(geometry: Geometry, change: np.ndarray) -> float:

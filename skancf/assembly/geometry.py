@@ -121,7 +121,7 @@ class Geometry(Places):
         """Local vectors (n, 16, 3) of nodal coordinates (n_nodes, 4, 3)."""
         elements = np.arange(self.n_elements) if elements is None else np.asarray(elements)
         index, row, node, kind, value = self._triples(elements)
-        out = np.zeros((len(elements), 16, 3))
+        out = np.zeros((len(elements), 16, 3), q.dtype)
         np.add.at(out, (index, row), value[:, None] * q[node, kind])
         return out
 

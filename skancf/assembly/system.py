@@ -16,6 +16,7 @@ from skancf.assembly.geometry import Geometry
 from skancf.assembly.protocols import Assembly, Loading, Prescription
 from skancf.assembly.schedule import Schedule
 from skancf.assembly.thin.assembly import ThinAssembly
+from skancf.assembly.unstressed import ByStrains, derivative
 from skancf.errors import InputError
 from skancf.history import check_cover
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
@@ -132,13 +133,15 @@ class System:
         """Tangent of the undeformed and unloaded state, without stresses.
 
         The computed strains of that state are rounding, 1e-16; as a prestress they would count against the bending of a
-        plate of thickness t and side a with the factor (a / t)^2.
+        plate of thickness t and side a with the factor (a / t)^2. Products with it are made of the strains of each element,
+        see :mod:`skancf.assembly.unstressed`.
         """
         return self._stiffness
 
     @cached_property
     def _stiffness(self) -> BlockMatrix:
-        return self._unstressed()
+        by_strains = ByStrains(self.assembly, self.geometry.undeformed, self.foundation)
+        return BlockMatrix(self.pattern, self._unstressed().values, by_strains)
 
     def plain_stiffness(self) -> BlockMatrix:
         """The same with membrane strains as they are, not assumed ones: an upper bound that locks on coarse meshes."""
@@ -262,7 +265,7 @@ class System:
 
     def linear_energy(self, change: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
         """:meth:`strain_energy` of a small change (n_dofs,) from the undeformed state."""
-        energy, force = 0.5 * float(change @ (self.stiffness() @ change)), self.held_back_force(self.undeformed, time)
+        energy, force = self.stiffness().energy(change), self.held_back_force(self.undeformed, time)
         if force is None:
             return energy
         return energy + factor**2 * self.thermal_energy(time) - factor * float(force @ change)
@@ -273,16 +276,13 @@ class System:
         return 0.0 if heat is None else self.assembly.thermal_energy(*heat)
 
     def linearised(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
-        """A quantity of the nodal coordinates to first order in a change from the undeformed state.
+        """A quantity of the nodal coordinates to first order in a change from the undeformed state, see :meth:`rate`."""
+        return np.asarray(quantity(self.undeformed) + self.rate(quantity, change))
 
-        The first-order part is a central difference over a part of the change that is so small that its cubic term is
-        below rounding.
-        """
-        positions_and_slopes = [np.abs(v.reshape(-1, 4, 3)[:, :3]).max(axis=(0, 2)) for v in (change, self.undeformed)]
-        size = float((positions_and_slopes[0] / positions_and_slopes[1]).max())
-        step = SMALL / size if size > 0 else 1.0
-        ahead, behind = (quantity(self.undeformed + sign * step * change) for sign in (1, -1))
-        return np.asarray(quantity(self.undeformed) + (ahead - behind) / (2 * step))
+    def rate(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
+        """The derivative of a quantity of the nodal coordinates along a change from the undeformed state, by
+        :func:`skancf.assembly.unstressed.derivative`: the quantity must be one of complex coordinates too."""
+        return derivative(quantity, self.undeformed, change)
 
     def linear_change(self, backend: str = "auto") -> np.ndarray:
         """Small-deflection answer, (n_dofs,): one solve with the tangent of the undeformed state."""
@@ -290,7 +290,9 @@ class System:
         with DirectSolver(self.pattern, self.constraints, backend) as solver:
             solver.factor(matrix)
             moved = self.prescribed()
-            return solver.solve(self.external_force(start) - matrix @ moved, refinements=2) + moved
+            answer = solver.solve(self.external_force(start) - matrix @ moved) + moved
+            solver.warn_if_lost()
+            return answer
 
     @cached_property
     def mass(self) -> BlockMatrix:
@@ -380,11 +382,7 @@ class System:
     def _nodal(self, q: np.ndarray) -> np.ndarray:
         if np.size(q) != self.n_dofs:
             raise InputError(f"a vector of {np.size(q)} nodal coordinates; this system has {self.n_dofs}, 12 per node")
-        return np.ascontiguousarray(q, dtype=float).reshape(-1, 4, 3)
-
-
-SMALL = 1e-5
-"""Relative change of the nodal coordinates over which small changes are differenced."""
+        return np.ascontiguousarray(q, dtype=complex if np.iscomplexobj(q) else float).reshape(-1, 4, 3)
 
 
 def total(parts: Iterable[Any]) -> Any:

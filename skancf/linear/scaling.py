@@ -5,7 +5,7 @@ import numpy as np
 from skancf.errors import InputError, SingularMatrix
 from skancf.linear import kernels
 from skancf.linear.constraints import Constraints
-from skancf.linear.matrix import BlockMatrix
+from skancf.linear.matrix import BlockMatrix, Form
 from skancf.linear.pattern import BlockPattern
 
 
@@ -28,6 +28,7 @@ class ScaledSystem:
             )
         self.pattern = pattern
         self.constraints = constraints
+        self.form: Form | None = None
         self.values = np.empty((pattern.n_blocks, pattern.block, pattern.block))
         self.scale = np.zeros(constraints.fixed.shape)
         # Frame of each node; the identity follows the last frame.
@@ -49,6 +50,7 @@ class ScaledSystem:
         """
         if matrix.pattern is not self.pattern:
             raise InputError("the matrix has another pattern than the solver: make a new solver for a new pattern")
+        self.form = matrix.form
         turned = matrix.values[self._turned]
         noise = self._rotation_noise(turned)
         self.values[self._turned] = self._frames[self._left] @ turned @ self._frames[self._right].transpose(0, 2, 1)
@@ -65,7 +67,9 @@ class ScaledSystem:
 
     def multiply(self, x: np.ndarray) -> np.ndarray:
         """Scaled matrix times a scaled vector, shape (n,)."""
-        return BlockMatrix(self.pattern, self.values) @ x
+        if self.form is None:
+            return BlockMatrix(self.pattern, self.values) @ x
+        return self.restrict(self.form.product(self.expand(x)))
 
     def multiply_sizes(self, x: np.ndarray) -> np.ndarray:
         """The same product of absolute values: how large the terms are of which the product is the sum."""

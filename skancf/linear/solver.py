@@ -3,7 +3,7 @@
 import numpy as np
 
 from skancf import memory
-from skancf.errors import InputError, SingularMatrix, SkancfError, shown
+from skancf.errors import InputError, SingularMatrix, SkancfError, shown, warn
 from skancf.linear.backend import Backend
 from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
@@ -19,6 +19,8 @@ BACKENDS: tuple[type[Backend], ...] = (Pardiso, Rslab, SuperLU)
 # A x is a sum of block * neighbours products. When it is no larger than this share of |A| |x|, the matrix cannot be
 # told from a singular one: the sum is the rounding of its terms, and of the sums from which the entries came.
 ROUNDING = 16 * np.finfo(float).eps
+# The same of the energy of a motion by its strains, whose rounding is squared in it.
+NO_ENERGY = 1e-24
 # A matrix that amplifies a random load no more than one over this needs no second look.
 REGULAR = 1e-10
 # Makes a singular matrix regular, and leaves its free motions the softest ones by far.
@@ -26,6 +28,11 @@ NEARBY = 1e-9
 ADVICE = "look for a part without support, a free rigid motion, or a mechanism"
 # A first correction of this relative size means that the factors hardly have a digit right.
 POOR = 1e-3
+# Where products have more digits than entries, refinement goes on until what is left is this small.
+FINE = 1e-14
+# What is left of an answer when corrections no longer shrink, if it is more than this, is said.
+LOST = 1e-6
+MOST = 12
 
 
 def available_backends() -> tuple[str, ...]:
@@ -50,6 +57,11 @@ class DirectSolver:
     NotEnoughMemory
         Before any is taken.
 
+    Attributes
+    ----------
+    lost : float
+        What is left of the last answer, relatively, where refinement came to an end without digits; zero elsewhere.
+
     Notes
     -----
     Order and layout of the factors are found once, here; :meth:`factor` only computes numbers.
@@ -62,6 +74,7 @@ class DirectSolver:
         memory.require(self.memory, f"{pattern.shape[0]} unknowns", f"a matrix and its factors by {self._backend.name}")
         self._probe = np.random.default_rng(0).standard_normal(self._system.scale.size)
         self._factored = self._closed = False
+        self.lost = 0.0
 
     @property
     def backend_name(self) -> str:
@@ -117,7 +130,8 @@ class DirectSolver:
         rhs : (n_nodes * block,) array
             In ordinary coordinates; its prescribed part is ignored.
         refinements : int
-            Steps of iterative refinement.
+            Steps of iterative refinement with a matrix of entries. One with a :class:`~skancf.linear.matrix.Form` has digits
+            that its factors have not: then the answer is refined until no digit changes.
 
         Returns
         -------
@@ -129,13 +143,28 @@ class DirectSolver:
             raise InputError(f"right-hand side of shape {np.shape(rhs)}: give ({self._system.scale.size},)")
         b = self._system.restrict(rhs)
         x = self._backend.solve(b)
-        for _ in range(refinements):
+        last, self.lost = 1.0, 0.0
+        for _ in range(MOST if self._system.form else refinements):
             correction = self._backend.solve(b - self._system.multiply(x))
-            if not self._careful and not _size(correction) <= POOR * _size(x):
+            size = _size(correction) / (_size(x) or 1.0)
+            if not self._careful and not size <= POOR:
                 self._factor_carefully()
                 return self.solve(rhs, refinements)
+            if self._system.form and not size < 0.5 * last:
+                self.lost = size
+                break
             x += correction
+            if self._system.form and size * size < FINE * last:
+                break
+            last = size
         return self._system.expand(x)
+
+    def warn_if_lost(self) -> None:
+        """A warning where corrections of the last answer did not shrink: factors have lost all digits of a part of it."""
+        if self.lost > LOST:
+            warn(f"a linear solve has lost digits: corrections of its answer stay at {self.lost:.1g} of it, for the factors "
+                 "of the stiffness are rounding along some motion. Look for elements that are many thousand times as long "
+                 "as wide, and for a thickness below a millionth of the size; theory 'kirchhoff' bears more than 'full'")
 
     def close(self) -> None:
         """Give the memory of the factors back; the solver cannot be used again."""
@@ -164,10 +193,13 @@ class DirectSolver:
         x = self._backend.solve(self._probe)
         if _size(x) * REGULAR < _size(self._probe):
             return
+        form = self._system.form
         for _ in range(3):
             x /= np.abs(x).max()
-            force = self._system.multiply(x)
-            if not _size(force) > ROUNDING * _size(self._system.multiply_sizes(x)):
+            force, sizes = self._system.multiply(x), self._system.multiply_sizes(x)
+            resists = (abs(form.energy(self._system.expand(x))) > NO_ENERGY * float(np.abs(x) @ sizes) if form
+                       else _size(force) > ROUNDING * _size(sizes))  # fmt: skip
+            if not resists:
                 raise SingularMatrix(self._describe(x))
             # Removes what replaced pivots add: they change the factors, not the product.
             x -= self._backend.solve(force)

@@ -109,18 +109,22 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) ->
         middle = np.einsum("an,eai->ein", table, vectors, optimize=True)
         return np.asarray((middle + z * normals).swapaxes(1, 2).reshape(-1, 3))
 
-    points = at_depth(local, theory.normals(local, inside, side) if z else 0.0)
-    before = geometry.undeformed_local
-    velocity = None
+    before, velocity = geometry.undeformed_local, None
+    places = at_depth(before, theory.normals(before, inside, side) if z else 0.0)
+    if solution.linear:
+        change = geometry.local(solution.change.reshape(-1, 4, 3))
+        displacement = at_depth(change, theory.normal_rates(before, change, inside, side) if z else 0.0)
+    else:
+        displacement = at_depth(local, theory.normals(local, inside, side) if z else 0.0) - places
     if solution.velocity is not None:
         rates = geometry.local(solution.velocity.reshape(-1, 4, 3))
         velocity = at_depth(rates, theory.normal_rates(local, rates, inside, side) if z else 0.0)
     return Surface(
-        points=points,
+        points=places + displacement,
         cells=(first[:, :, None] + cut.cells).reshape(-1, 4),
         elements=np.repeat(np.arange(geometry.n_elements), len(cut.cells)),
         rims=first + cut.rim,
-        displacement=points - at_depth(before, theory.normals(before, inside, side) if z else 0.0),
+        displacement=displacement,
         velocity=velocity,
     )
 

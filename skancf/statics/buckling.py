@@ -126,10 +126,11 @@ def buckling(
     warn_if_skew(system, stiffness, start, 1.0)
     with DirectSolver(system.pattern, constraints, backend) as solver:
         solver.factor(stiffness)
-        answer = solver.solve(system.external_force(start) - stiffness @ moved, refinements=2) + moved
+        answer = solver.solve(system.external_force(start) - stiffness @ moved) + moved
+        solver.warn_if_lost()
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
-        geometric = geometric_stiffness(system, answer, stiffness)
+        geometric = geometric_stiffness(system, answer)
         pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
         inverse, shapes, cut, count = pencil.lowest(n, signs)
         checks = (*pencil.checked(inverse[:n], shapes[:n]), count)
@@ -148,7 +149,7 @@ def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
     if hook is None:
         return ""
     plain = hook()
-    ratios = np.array([float(x @ (plain @ x)) / float(x @ (stiffness @ x)) for x in shapes])
+    ratios = np.array([plain.energy(x) / stiffness.energy(x) for x in shapes])
     if ratios.max() < 1 + COARSE:
         return ""
     worst = int(np.argmax(ratios))
@@ -226,7 +227,7 @@ class _Pencil:
         load = np.array([self.constraints.free_part(self.geometric @ v) for v in shapes])
         residuals = -load - values[:, None] * elastic
         errors = np.sqrt([abs(float(r @ self.solver.solve(r))) for r in residuals]) / np.abs(values)
-        sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values))
+        sizes = self.stiffness.sizes()
         noise = ROUNDING * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
         products = shapes @ elastic.T
         return pair_check(errors, SAFETY * self.tolerance + noise), orthogonality_check(products, "elastic stiffness")

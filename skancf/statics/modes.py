@@ -263,9 +263,8 @@ class _Spectrum:
     def _clean(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values, zero where they are rounding, shapes of unit modal mass on the free coordinates, and that rounding."""
         shapes = np.array([self._normalised(self.constraints.free_part(v)) for v in shapes]).reshape(shapes.shape)
-        sizes = BlockMatrix(self.stiffness.pattern, np.abs(self.stiffness.values))
-        values = np.array([v @ (self.stiffness @ v) for v in shapes])
-        noise = ROUNDING * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
+        values = np.array([2 * self.stiffness.energy(v) for v in shapes])
+        noise = np.array([self.stiffness.rounding(v, ROUNDING) for v in shapes])
         return np.where(np.abs(values) <= noise, 0.0, values), shapes, noise
 
     def _normalised(self, v: np.ndarray) -> np.ndarray:

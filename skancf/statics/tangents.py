@@ -13,8 +13,6 @@ from skancf.statics.newton import skew_part
 
 # A skew part so small against the stiffness is rounding, of edges that are held or lie in a plane of symmetry.
 ROUNDING = 1e-12
-# A stiffness so many times what is added to it leaves twelve digits of that.
-NO_LOSS = 1e3
 SYMMETRIC_ONLY = (
     "Loads that follow a free edge have no potential, so that the tangent is not symmetric: only its symmetric part is "
     "counted, and flutter is not found; a run of simulate(system) shows it"
@@ -26,22 +24,20 @@ def linear_tangent(system: System, change: np.ndarray, load_factor: float = 1.0)
 
     The computed stresses of the undeformed state are rounding, and taken away.
     """
-    start = system.undeformed
-    return system.tangent(start, system.stresses(start, change) - system.stresses(start), factor=load_factor)
+    return system.stiffness() + geometric_stiffness(system, change, load_factor)
 
 
-def geometric_stiffness(system: System, change: np.ndarray, stiffness: BlockMatrix) -> BlockMatrix:
+def geometric_stiffness(system: System, change: np.ndarray, load_factor: float = 1.0) -> BlockMatrix:
     """What the stresses of a linear answer, (n_dofs,), and its loads add to the stiffness of the undeformed state.
 
-    It is a difference of two matrices, in which a load that is small against the stiffness is lost to rounding: then the
-    load is taken larger, and the difference divided by that.
+    It is a difference of two matrices, in which what is small against the stiffness is lost to rounding. It is linear in the
+    load, so that answer and load are scaled to the size of the body first.
     """
-    added = linear_tangent(system, change) + (-1.0) * stiffness
-    size = float(np.abs(added.values).max())
-    larger = float(np.abs(stiffness.values).max()) / size if size else 1.0
-    if larger <= NO_LOSS:
-        return added
-    return (1.0 / larger) * (linear_tangent(system, larger * change, larger) + (-1.0) * stiffness)
+    start, size = system.undeformed, float(np.abs(change).max(initial=0.0))
+    power = int(np.frexp(np.abs(start).max())[1] - np.frexp(size)[1]) if size else 0
+    stresses = system.stresses(start, np.ldexp(change, power)) - system.stresses(start)
+    scaled = system.tangent(start, stresses, factor=float(np.ldexp(load_factor, power)))
+    return BlockMatrix(scaled.pattern, np.ldexp(scaled.values - system.stiffness().values, -power))
 
 
 def state_tangent(system: System, state: Solution | None) -> BlockMatrix:

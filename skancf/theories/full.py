@@ -51,7 +51,7 @@ FAMILY_SAMPLES = [(0, 1, 2, 3, 4, 6), (0, 1, 2, 3, 5, 7), (0, 1, 2, 3)]
 
 def strain(jet: np.ndarray) -> np.ndarray:
     """The strains before those of the undeformed state are subtracted: (5, 3, ...) to (14, ...)."""
-    out = np.zeros((N_STRAINS, *jet.shape[2:]))
+    out = np.zeros((N_STRAINS, *jet.shape[2:]), jet.dtype)
     for k, a, b in TERMS:
         out[k] += (0.5 if a == b else 1.0) * np.einsum("i...,i...->...", jet[a], jet[b])
     return out

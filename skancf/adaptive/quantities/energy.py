@@ -32,7 +32,7 @@ class StrainEnergy:
         instance("state", state, Solution, STATE)
         system, start = state.system, state.system.undeformed
         if state.linear:
-            force, held = system.stiffness() @ (state.q - start), system.held_back_force(start, state.time)
+            force, held = system.stiffness() @ state.change, system.held_back_force(start, state.time)
         else:
             force, held = system.internal_force(state.q), system.held_back_force(state.q, state.time)
         return np.asarray(force if held is None else force - state.load_factor * held)

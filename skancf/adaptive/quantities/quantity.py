@@ -38,7 +38,7 @@ class Smooth(ABC):
         if not state.linear:
             return self._value(state, state.q)
         start = state.system.undeformed
-        return self._value(state, start) + float(self._gradient(state, start) @ (state.q - start))
+        return self._value(state, start) + float(self._gradient(state, start) @ state.change)
 
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""

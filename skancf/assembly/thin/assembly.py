@@ -101,19 +101,20 @@ class ThinAssembly(CompiledAssembly):
         stress[:, :3] = extra + np.einsum("ecsp,ecp->ecs", projection, stress[:, :3] - extra)
         return np.ascontiguousarray(stress)
 
-    def rest_strains(self, q: np.ndarray) -> np.ndarray:
-        """What the assumed membrane strains leave out at the integration points: covariant, (n_elements, 3, n_points)."""
+    def membrane_strains(self, q: np.ndarray) -> np.ndarray:
+        """Membrane strains as they are, not assumed, at the integration points: covariant, (n_elements, 3, n_points)."""
         geometry, points = self.geometry, self.geometry.theory.quadrature[0]
         before = PLAIN.strains(geometry.undeformed_local, points)[:, :3]
         change = PLAIN.strains(geometry.local(q), points)[:, :3] - before
-        change[np.abs(change) < ROUNDING * np.abs(before).max(axis=(1, 2), keepdims=True)] = 0.0
-        projection = self._rule.projections[self.sections.assumed[self.sections.shape]]
-        return np.asarray(change - np.einsum("ecsp,ecs->ecp", projection, change))
+        rounding = np.abs(change) < ROUNDING * np.abs(before).max(axis=(1, 2), keepdims=True)
+        return np.asarray(np.where(rounding & (change.imag == 0), 0.0, change))
 
     def rest_energy(self, strains: np.ndarray) -> float:
-        """Energy of those strains, with the small factors that they count with."""
+        """Energy of what the assumed ones leave out of such strains, with the small factors that it counts with."""
         sections = self.sections
-        counted = sections.rest[sections.shape][:, :, None] * strains
+        projection = self._rule.projections[sections.assumed[sections.shape]]
+        rest = strains - np.einsum("ecsp,ecs->ecp", projection, strains)
+        counted = sections.rest[sections.shape][:, :, None] * rest
         energy = 0.0
         for law, (k, l) in zip(sections.law[sections.shape].swapaxes(0, 1), sections.pairs, strict=True):
             if max(k, l) < 3:
@@ -157,7 +158,7 @@ class ThinAssembly(CompiledAssembly):
 
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, free: np.ndarray) -> np.ndarray:
         parts = self.section_strains(q, points)
-        out = free + np.zeros((parts.shape[0], parts.shape[2], 6))
+        out = free + np.zeros((parts.shape[0], parts.shape[2], 6), parts.dtype)
         elastic = (parts[:, :3] + z * parts[:, 3:]).swapaxes(1, 2) - out[:, :, IN_PLANE]
         out[:, :, IN_PLANE] += elastic
         # The others follow from S33 = S23 = S13 = 0.

@@ -21,6 +21,7 @@ from skancf.adaptive import (
     Rotation,
     SectionForce,
     StrainEnergy,
+    TheoryError,
     adapt,
     carried,
     find_regions,
@@ -30,6 +31,7 @@ from skancf.adaptive import (
     residual,
     stress_indicator,
     stress_regions,
+    theory_error,
     transfer,
 )
 from skancf.checks import Check
@@ -217,6 +219,7 @@ __all__ = [
     "Symmetry",
     "Table",
     "Temperature",
+    "TheoryError",
     "Trapezoidal",
     "__version__",
     "adapt",
@@ -237,6 +240,7 @@ __all__ = [
     "spectrum",
     "stress_indicator",
     "stress_regions",
+    "theory_error",
     "through_thickness",
     "trace",
     "transfer",

@@ -14,7 +14,7 @@ from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.materials import Section
-from skancf.thinness import BILINEAR, FREE, shear_forces, shear_share
+from skancf.thinness import BILINEAR, FREE, Fields, ShearForm, share_of, shear_forces
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 Depth = float | str
@@ -235,21 +235,27 @@ class Solution:
 
     @property
     def shear_share(self) -> float:
-        """How much theory `kirchhoff` leaves out: energy of the shear forces over the strain energy; zero in `full`."""
+        """By which part transverse shear, which theory `kirchhoff` leaves out, would change the strain energy, edge layers
+        included: see :mod:`skancf.thinness.form`. Zero in `full`."""
         return self.shear_share_of(None)
 
     def shear_share_of(self, elements: np.ndarray | None) -> float:
-        """The same with the shear forces of some elements only, a mask (n_elements,); None: of all."""
+        """What some elements, a mask (n_elements,), have in that; None: all."""
         if not self.system.geometry.theory.twist:
             return 0.0
-        points, weights = BILINEAR
-        heat = self.load_factor**2 * self.system.thermal_energy(self.time)
-        Q = self.shear_forces(points)
+        form, fields = self.shear_fields()
+        shares = form.shares(fields, fields)
         if elements is not None:
-            if not isinstance(elements, np.ndarray) or elements.shape != (len(Q),) or elements.dtype.kind not in "biuf":
-                raise InputError(f"elements = {shown(elements)}: give a mask of the {len(Q)} elements")
-            Q = Q * elements[:, None, None]
-        return shear_share(self.system, Q, weights, points, self.strain_energy, heat)
+            if not isinstance(elements, np.ndarray) or elements.shape != shares.shape or elements.dtype.kind not in "biuf":
+                raise InputError(f"elements = {shown(elements)}: give a mask of the {len(shares)} elements")
+            shares = shares * elements
+        heat = self.load_factor**2 * self.system.thermal_energy(self.time)
+        return share_of(float(shares.sum()), self.strain_energy, heat)
+
+    def shear_fields(self) -> tuple[ShearForm, Fields]:
+        """The form that says what leaving shear out changes, and this state's fields in it; for theory `kirchhoff`."""
+        form = ShearForm(self.system, self.time)
+        return form, form.of_state(self.q, self.change if self.linear else None, self.load_factor)
 
     @property
     def rest_share(self) -> float:

@@ -447,6 +447,8 @@ def add_adaptive(add: Any, s: Scene) -> None:
     add("carried", sk.carried, state=s.solution, system=s.finer, acceleration=0 * s.solution.q, settle=True, backend="auto",
         takes="acceleration:none")  # fmt: skip
     add("goal_estimate", sk.goal_estimate, state=s.solution, quantity=sk.Displacement(at), backend="auto")
+    add("theory_error", sk.theory_error, solution=s.solution, quantity=sk.Displacement(at), backend="auto",
+        takes="quantity:none")  # fmt: skip
     add("residual", sk.residual, state=s.solution, backend="auto")
     add("recovery", sk.recovery, solution=s.solution)
     for name in ("stress_indicator", "nodal_measure"):

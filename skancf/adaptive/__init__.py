@@ -12,12 +12,14 @@ from skancf.adaptive.regions import find_regions
 from skancf.adaptive.result import AdaptiveResult, Level, Outcome
 from skancf.adaptive.stability import BucklingLoad
 from skancf.adaptive.stress import nodal_measure, stress_indicator, stress_regions
+from skancf.adaptive.theory_error import TheoryError, theory_error
 from skancf.adaptive.transfer import transfer
 from skancf.adaptive.vibration import Eigenfrequency
 
 __all__ = [
     "AdaptiveResult", "AllElements", "Below", "BucklingLoad", "Carried", "Change", "Displacement", "Doerfler",
-    "Eigenfrequency", "Estimate", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never", "Outcome", "Quantity",
-    "Reaction", "Rotation", "SectionForce", "StrainEnergy", "adapt", "carried", "drift", "find_regions", "goal_estimate",
-    "no_limit", "nodal_measure", "recovery", "residual", "stress_indicator", "stress_regions", "transfer",
+    "Eigenfrequency", "Estimate", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never", "Outcome",
+    "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy", "TheoryError", "adapt", "carried", "drift",
+    "find_regions", "goal_estimate", "no_limit", "nodal_measure", "recovery", "residual", "stress_indicator",
+    "stress_regions", "theory_error", "transfer",
 ]  # fmt: skip

@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 from skancf.adaptive.estimate import Estimate, goal_estimate, value_of
 from skancf.adaptive.quantities import Quantity
+from skancf.adaptive.theory_error import TheoryError, theory_error_or_why
 from skancf.adaptive.transfer import transfer
 from skancf.assembly.system import System
 from skancf.checks import Check
@@ -53,6 +54,9 @@ class Analysis(Protocol):
     def estimate(self, answer: Answer) -> Estimate:
         """Its error and where it comes from."""
 
+    def theory_error(self, answer: Answer) -> TheoryError:
+        """What the theory leaves out of it."""
+
 
 @dataclass(frozen=True)
 class StaticAnalysis:
@@ -95,3 +99,6 @@ class StaticAnalysis:
 
     def estimate(self, answer: Answer) -> Estimate:
         return goal_estimate(answer.state, self.quantity, backend=self.backend)
+
+    def theory_error(self, answer: Answer) -> TheoryError:
+        return theory_error_or_why(answer.state, self.quantity, self.backend)

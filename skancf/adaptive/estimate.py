@@ -91,7 +91,7 @@ def goal_estimate(state: Solution, quantity: Quantity, *, backend: str = "auto")
     value = value_of(quantity, state)
     with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected
-        gradient = _gradient_of(quantity, better)
+        gradient = gradient_of(quantity, better)
         weight = enriched.solve(gradient)
         smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
@@ -126,5 +126,5 @@ def value_of(quantity: Quantity, state: Solution) -> float:
     return number("quantity.value", called("quantity.value", quantity.value, state))
 
 
-def _gradient_of(quantity: Quantity, state: Solution) -> np.ndarray:
+def gradient_of(quantity: Quantity, state: Solution) -> np.ndarray:
     return vector("quantity.gradient", called("quantity.gradient", quantity.gradient, state), state.system.n_dofs)

@@ -176,11 +176,11 @@ class _Run:
         _, answer, estimate = self.best
         if outcome is not Outcome.REACHED and abs(answer.value) < estimate.bar:
             message += ". The value is zero within its error bar: say by atol how near to zero is near enough"
-        if answer.found is None:
-            judge(answer.state)
+        left_out = self.analysis.theory_error(answer) if hasattr(self.analysis, "theory_error") else None
+        judge(answer.state, left_out, answer.found is None)
         return AdaptiveResult(
             answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), outcome,
-            ". ".join(part for part in (message, self._met()) if part), self.quantity.unit, answer.checks,
+            ". ".join(part for part in (message, self._met()) if part), self.quantity.unit, answer.checks, left_out,
         )  # fmt: skip
 
     def _met(self) -> str:

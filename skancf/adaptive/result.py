@@ -5,6 +5,7 @@ from enum import Enum
 
 import numpy as np
 
+from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
@@ -103,6 +104,9 @@ class AdaptiveResult:
         Of a problem in SI units.
     checks : tuple of Check
         Of the state on that mesh.
+    theory_error : TheoryError or None
+        By how much transverse shear, which theory `kirchhoff` leaves out, would change the value: no part of the error bar,
+        which is that of the mesh. None of an analysis of the user's own.
     """
 
     value: float
@@ -114,6 +118,7 @@ class AdaptiveResult:
     message: str
     unit: str
     checks: tuple[Check, ...] = ()
+    theory_error: TheoryError | None = None
 
     @property
     def reached(self) -> bool:
@@ -122,9 +127,17 @@ class AdaptiveResult:
 
     def __str__(self) -> str:
         n = self.solution.system.n_dofs
-        return f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit} ({n} nodal coordinates; {self.outcome.value})".replace(
-            "  ", " "
-        )
+        said = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit} {self._left_out()}"
+        return f"{said} ({n} nodal coordinates; {self.outcome.value})".replace("  ", " ")
+
+    def _left_out(self) -> str:
+        """What the theory leaves out, in words."""
+        error = self.theory_error
+        if error is None or error.value == 0:
+            return ""
+        if error.value != error.value:
+            return "(mesh), and what the theory leaves out cannot be told"
+        return f"(mesh), and the theory leaves out about {error.value:+.2g} {self.unit}".rstrip()
 
     def table(self) -> str:
         """One line for each mesh."""

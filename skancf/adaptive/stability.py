@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
 from skancf.adaptive.vibration import softening
 from skancf.arguments import whole
 from skancf.assembly.system import System
@@ -77,3 +78,7 @@ class StabilityAnalysis:
             moved = moved_along(Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
             left = enriched.left(shares)
             return Estimate(value, (factor - value) / (1 - left), shares, moved, left)
+
+    def theory_error(self, answer: Answer) -> TheoryError:
+        """From shear."""
+        return of_eigenvalue(answer.value, float(answer.found.theory_errors[self.quantity.number]))

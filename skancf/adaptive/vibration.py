@@ -9,14 +9,14 @@ from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.enriched import Enriched, Refined
 from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.quantities import StrainEnergy
+from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
 from skancf.arguments import flag, whole
 from skancf.assembly.system import System
 from skancf.errors import InputError
-from skancf.linear import BlockMatrix, DirectSolver
+from skancf.linear import BlockMatrix, DirectSolver, factor_shifted
 from skancf.solution import Solution
 from skancf.statics.eigen_checks import require_checks
 from skancf.statics.modes import Modes, modes, moved_along
-from skancf.statics.soft import factor_shifted
 from skancf.statics.tangents import state_tangent
 
 
@@ -83,6 +83,11 @@ class VibrationAnalysis:
             weight = enriched.solve(softening(enriched.system, enriched.corrected.q, enriched.up(shape)))
             of_state = enriched.shares(enriched.residual * enriched.surplus(weight))
             return replace(estimate, indicators=estimate.indicators + _per_eigenvalue(answer.value, value) * of_state)
+
+    def theory_error(self, answer: Answer) -> TheoryError:
+        """From shear and the rotary inertia of the normals."""
+        found, mode = answer.found
+        return of_eigenvalue(answer.value, float(found.theory_errors[mode]))
 
     def _about(self, refined: Refined, answer: Answer, rest: Solution | None) -> Estimate:
         found, mode = answer.found

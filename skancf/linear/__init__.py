@@ -8,9 +8,10 @@ from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.pattern import BlockPattern
 from skancf.linear.skew import SkewSolver
+from skancf.linear.softest import factor_shifted, soft_motions
 from skancf.linear.solver import BACKENDS, DirectSolver, available_backends, check_backend
 
 __all__ = [
     "BACKENDS", "BlockMatrix", "BlockPattern", "Constraints", "DirectSolver", "SkewSolver", "available_backends",
-    "check_backend",
+    "check_backend", "factor_shifted", "soft_motions",
 ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import eigh
@@ -26,6 +27,7 @@ from skancf.statics.eigen_checks import (
     pair_check,
     warn_of_failures,
 )
+from skancf.statics.left_out import buckling_changes, warn_of_changes
 from skancf.statics.modes import (
     ROUNDING,
     check_tolerance,
@@ -73,6 +75,18 @@ class BucklingResult:
     message: str = ""
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    @cached_property
+    def theory_errors(self) -> np.ndarray:
+        r"""By which part of itself transverse shear, which theory `kirchhoff` leaves out, would change each load factor.
+
+        Shape (n,).
+
+        .. math:: \frac{\lambda_{\text{with}}}{\lambda} - 1 \approx \frac{1}{1 + F(\phi, \phi)} - 1
+
+        with the form F of :mod:`skancf.thinness.form`; zero in theory `full`.
+        """
+        return buckling_changes(self.linear, self.shapes)
 
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""
@@ -140,7 +154,9 @@ def buckling(
     note = group_note("load factor", 1.0 / np.abs(inverse), n, cut)
     warn_of_failures(checks)
     linear = Solution(system, start + answer, linear=True, small=answer)
-    return BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
+    result = BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
+    warn_of_changes("buckling load", result.theory_errors)
+    return result
 
 
 def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:

@@ -1,6 +1,7 @@
 """Small free vibrations about an equilibrium."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from skancf.arguments import whole
 from skancf.assembly.system import System
 from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, number, positive
-from skancf.linear import BlockMatrix, Constraints, DirectSolver
+from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.solution import Solution, require_same_mesh
 from skancf.statics.asked import check_asked
@@ -27,7 +28,7 @@ from skancf.statics.eigen_checks import (
     pair_check,
     warn_of_failures,
 )
-from skancf.statics.soft import factor_shifted
+from skancf.statics.left_out import frequency_changes, warn_of_changes
 from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.thinness import warn_if_mass_is_off
 
@@ -68,6 +69,20 @@ class Modes:
     state: Solution
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    @cached_property
+    def theory_errors(self) -> np.ndarray:
+        r"""By which part of itself transverse shear and the rotary inertia of the normals, which theory `kirchhoff` leaves
+        out, would change each frequency, (n,): to first order in each, with the form F of :mod:`skancf.thinness.form`,
+
+        .. math:: \frac{\omega_{\text{with}}}{\omega} - 1, \qquad
+            \omega_{\text{with}}^2 \approx \frac{\omega^2}{(1 + F(\phi, \phi) / \omega^2) \,
+            (1 + \int \rho \tfrac{h^3}{12} |\nabla \phi|^2)},
+
+        where stresses of the state take no part in the first factor. Zero in theory `full`, NaN for motions without
+        stiffness and unstable ones.
+        """
+        return frequency_changes(self.state, self.eigenvalues, self.shapes)
 
     @property
     def omega(self) -> np.ndarray:
@@ -133,7 +148,9 @@ def modes(
     n_rigid, n_unstable = int((values == 0).sum()), int((values < 0).sum())
     warn_of_failures(checks)
     note = group_note("mode", values, n, gap_after(values, n) or cut)
-    return Modes(first.values, first.shapes, n_rigid, n_unstable, state, note, checks)
+    found = Modes(first.values, first.shapes, n_rigid, n_unstable, state, note, checks)
+    warn_of_changes("frequency", found.theory_errors)
+    return found
 
 
 class Pairs(NamedTuple):

@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.linear import BlockMatrix, DirectSolver
+from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
 from skancf.statics.newton import NewtonResult, System, factored, largest_turn
-from skancf.statics.soft import factor_shifted, soft_motions
 from skancf.statics.stopping import Pull, work
 from skancf.statics.tangents import is_skew
 

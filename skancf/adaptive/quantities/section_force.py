@@ -71,12 +71,12 @@ class SectionForce(Smooth):
         return "N/m" if self.component.startswith("N") else "N"
 
     def _value(self, state: Solution, q: np.ndarray) -> float:
-        elements, points, weights = self._weights(state.system)
+        elements, points, weights = self.weights(state.system)
         forces = state.system.section_forces(q, points, state.load_factor, state.time)
         return float(np.vdot(forces[elements, self._row], weights))
 
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
-        elements, points, weights = self._weights(state.system)
+        elements, points, weights = self.weights(state.system)
         of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
         of_all[:, self._row] = weights
         return state.system.assembly.section_force_gradient(q.reshape(-1, 4, 3), elements, points, of_all).ravel()
@@ -85,7 +85,7 @@ class SectionForce(Smooth):
     def _row(self) -> int:
         return COMPONENTS.index(self.component)
 
-    def _weights(self, system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def weights(self, system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Elements (m,), local points (2, n) and weights (m, n) that sum to one."""
         geometry = system.geometry
         if self.at is not None:

@@ -121,20 +121,24 @@ class ThinAssembly(CompiledAssembly):
                 energy += (0.5 if k == l else 1.0) * float(np.vdot(counted[:, k], law * counted[:, l]))
         return energy
 
-    def section_strains(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """Membrane strains and curvature changes in the local frame at points (2, n): (n_elements, 6, n)."""
+    def section_strains(self, q: np.ndarray, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """Membrane strains and curvature changes in the local frame at points (2, n): (n_elements, 6, n), of some or all."""
         geometry, theory = self.geometry, self.geometry.theory
-        change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
-        plain = self._plain(np.arange(geometry.n_elements))
+        elements = np.arange(geometry.n_elements) if elements is None else elements
+        now, before = geometry.local(q, elements), geometry.undeformed_local[elements]
+        change = theory.strains(now, points) - theory.strains(before, points)
+        plain = self._plain(elements)
         if theory.assumed and len(plain):
-            now, before = geometry.local(q, plain), geometry.undeformed_local[plain]
-            change[plain] = PLAIN.strains(now, points) - PLAIN.strains(before, points)
-        jets = theory.jets(geometry.undeformed_local, points)
-        turn, _ = covariant_to_local(jets, geometry.tangents(points), geometry.side)
+            change[plain] = PLAIN.strains(now[plain], points) - PLAIN.strains(before[plain], points)
+        jets = theory.jets(before, points)
+        turn, _ = covariant_to_local(jets, geometry.tangents(points, elements), geometry.side[elements])
         return np.asarray(np.einsum("ikep,ekp->eip", turn, change))
 
-    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
-        forces = np.einsum("ij,ejp->eip", self.section.abd(), self.section_strains(q, points))
+    def section_forces(
+        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None
+    ) -> np.ndarray:
+        """As the protocol has it, of all elements or of some, (m,)."""
+        forces = np.einsum("ij,ejp->eip", self.section.abd(), self.section_strains(q, points, elements))
         if temperature is not None:
             forces = forces - np.moveaxis(self.section.thermal_resultants(*temperature), 0, 1)
         return np.asarray(forces)

@@ -1,0 +1,163 @@
+"""The error of a number that leaving shear out makes, from thin fields alone."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from skancf.adaptive.estimate import check_quantity, gradient_of, value_of
+from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
+from skancf.arguments import STATE, instance
+from skancf.errors import InputError
+from skancf.linear import DirectSolver, SkewSolver, check_backend
+from skancf.solution import Solution
+from skancf.statics.newton import skew_part
+from skancf.thinness import Fields, ShearForm, moment_rates
+
+SOUND = 0.2
+"""Part of a number up to which the estimate is good; beyond it terms of second order count, and only its size is meant."""
+
+
+@dataclass(frozen=True)
+class TheoryError:
+    """By how much leaving transverse shear out changes a number.
+
+    Attributes
+    ----------
+    value : float
+        The number of a plate with shear less that of the thin theory, to first order, in the unit of the quantity. NaN where
+        it cannot be told.
+    share : float
+        That over the number; NaN where that is zero.
+    sound : bool
+        Is it an estimate to count on, not an order of magnitude only?
+    note : str
+        Why it is not, or cannot be told.
+    """
+
+    value: float
+    share: float
+    sound: bool = True
+    note: str = ""
+
+
+NOTHING = TheoryError(0.0, 0.0)
+
+
+def unknown(why: str) -> TheoryError:
+    """That it cannot be told."""
+    return TheoryError(float("nan"), float("nan"), False, why)
+
+
+def theory_error(solution: Solution, quantity: Quantity | None = None, *, backend: str = "auto") -> TheoryError:
+    r"""By how much transverse shear, which theory `kirchhoff` leaves out, would change a number.
+
+    With the dual weight z of the number, the answer to :math:`\partial J / \partial q` with the tangent of the state,
+
+    .. math:: J_{\text{with shear}} - J \approx F(u, z), \qquad U_{\text{with shear}} - U \approx F(u, z) - \tfrac12 F(u, u)
+
+    for a quantity and for the strain energy, with the form F of :mod:`skancf.thinness.form`. Nothing thick is computed; it
+    takes one solve, for the energy of a small-deflection answer under loads alone, where z = u, none. It is good while it is
+    less than a fifth of the number. In theory `full` it is zero.
+
+    Parameters
+    ----------
+    solution : Solution
+        An equilibrium.
+    quantity : Quantity, optional
+        Default: the strain energy.
+
+    Raises
+    ------
+    InputError
+        For a section force at a point, whose dual weight is too singular; take its mean over two elements or more each way,
+        ``SectionForce(..., within=...)``. For a state of a motion, and what is no state or quantity.
+    SingularMatrix
+        Where the tangent of the state is singular.
+
+    Examples
+    --------
+    >>> sk.theory_error(sk.solve_linear(system), sk.Displacement(at=(0.5, 0.5))).share
+    """
+    instance("solution", solution, Solution, STATE)
+    check_backend(backend)
+    quantity = StrainEnergy() if quantity is None else quantity
+    check_quantity(quantity)
+    if not solution.system.geometry.theory.twist:
+        return NOTHING
+    if solution.velocity is not None or solution.time is not None:
+        raise InputError("the error of the theory is that of an equilibrium, and this is a state of a motion; give one of "
+                         "solve or solve_linear")  # fmt: skip
+    if isinstance(quantity, SectionForce) and quantity.at is not None:
+        raise InputError(f"SectionForce({quantity.component!r}, at={quantity.at}): what the theory leaves out of a section "
+                         "force at a point cannot be told by its dual weight, which is too singular there; give a mean over "
+                         "two elements or more each way, SectionForce(..., within=((x0, x1), (y0, y1)))")  # fmt: skip
+    form, fields = solution.shear_fields()
+    change = form.product(fields, _dual(form, solution, quantity, backend))
+    if isinstance(quantity, StrainEnergy):
+        change -= 0.5 * form.product(fields, fields)
+    return judged(change, value_of(quantity, solution), _coarse(quantity, solution))
+
+
+def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
+    """:func:`theory_error`, or the reason why there is none."""
+    try:
+        return theory_error(solution, quantity, backend=backend)
+    except Exception as none:  # a user's quantity may fail in many ways, and the rest of a result is there
+        return unknown(str(none))
+
+
+def of_eigenvalue(value: float, share: float) -> TheoryError:
+    """That of a frequency or buckling load, of which a part changes."""
+    return judged(value * share, value) if np.isfinite(share) else unknown("the motion has no stiffness, or is not stable")
+
+
+def judged(change: float, value: float, note: str = "") -> TheoryError:
+    """A change of a number as its error, said to be of an order of magnitude only where it is large."""
+    if change == 0:
+        return replace(NOTHING, sound=not note, note=note)
+    share = change / value if value else float("nan")
+    if not abs(change) < SOUND * abs(value):
+        large = f"of an order of magnitude only, as it is no less than {SOUND:g} of the number"
+        note = f"{note}; {large}" if note else large
+    return TheoryError(change, share, not note, note)
+
+
+def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fields:
+    """Fields of the dual weight."""
+    system = state.system
+    at = system.undeformed if state.linear else state.q
+    if isinstance(quantity, StrainEnergy) and _is_loaded_alone(state):
+        weight = state.change
+    else:
+        weight = _weight(state, at, gradient_of(quantity, state), backend)
+        if hasattr(quantity, "lift"):
+            weight = weight - quantity.lift(state)
+    return form.fields(moment_rates(system, at, weight))
+
+
+def _is_loaded_alone(state: Solution) -> bool:
+    """Is the dual weight of the energy the answer itself? In small deflections without moved supports and free strains."""
+    system = state.system
+    return state.linear and not system.prescribed().any() and system.held_back(None) is None
+
+
+def _weight(state: Solution, at: np.ndarray, gradient: np.ndarray, backend: str) -> np.ndarray:
+    system = state.system
+    tangent = system.stiffness() if state.linear else system.tangent(at, factor=state.load_factor)
+    skew = None if state.linear else skew_part(system, at, state.load_factor)
+    with DirectSolver(system.pattern, system.constraints, backend) as solver:
+        solver.factor(tangent)
+        return SkewSolver(tangent, None if skew is None else -skew, solver).solve(gradient)
+
+
+def _coarse(quantity: Any, state: Solution) -> str:
+    """That a mean is over too few elements."""
+    if not (isinstance(quantity, SectionForce) and quantity.within is not None):
+        return ""
+    geometry, (elements, _, _) = state.system.geometry, quantity.weights(state.system)
+    corners = geometry.mesh.p[:, geometry.mesh.t[:, elements]]
+    starts = corners.min(axis=1) / np.ptp(geometry.mesh.p, axis=1)[:, None]
+    if min(len(np.unique(np.round(start, 9))) for start in starts) >= 2:
+        return ""
+    return "of an order of magnitude only, as the mean is over one element across"

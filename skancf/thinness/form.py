@@ -1,0 +1,183 @@
+r"""What leaving shear out changes, from thin fields alone.
+
+With the shear forces Q that balance the moments M of a thin state u, and those of the weight z of a number J, the answer to
+:math:`\partial J / \partial q` with the tangent of the state,
+
+.. math::
+    F(u, z) = \int_A Q(u) \cdot S^{-1} Q(z) \, dA + \int_\Gamma c\, M_{nt}(u) M_{nt}(z)
+        - \gamma_t(u) M_{nt}(z) - M_{nt}(u) \gamma_t(z) \; ds,
+        \qquad c^2 = \frac{(S^{-1})_{tt}}{D_{66} - D_{16}^2 / D_{11}}
+
+is J of the plate that yields to shear less J of the thin one, to first order. S is the transverse shear stiffness
+:math:`k G t` and :math:`\gamma = S^{-1} Q`. :math:`\Gamma` is the part of the boundary where directors tilt along it: free
+edges and soft supports (outward normal n, tangent t). The twisting moment of the thin theory is zero there in a plate with
+shear; it dies away in a layer of the width :math:`\sqrt{D_{66} / S_{tt}}`, a third of the thickness of one material. The
+bending stiffness is that of :math:`D - B A^{-1} B` in the frame n, t of the edge; in the layer neither :math:`M_{nn}` nor
+:math:`Q_n` changes, so that a part of what resists twisting and sliding gives way.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.functions import values_at
+from skancf.history import amplitude
+from skancf.loads import EdgeMoment
+from skancf.theories.kirchhoff import local_frame
+from skancf.thinness.forces import BILINEAR, balancing, coupled
+from skancf.thinness.moments import Moments, moments_of, moments_of_small
+from skancf.thinness.rim import rim_of
+from skancf.vectors import cross
+
+REACH = 0.8
+"""Widths of an edge layer, about a quarter of the thickness, within which of a singular point the fields of the thin theory
+are not counted: by measurement, docs/measure/theory_error.py."""
+N_EDGE = 3
+"""Gauss points on each edge."""
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Of a state or a weight: shear forces Q (n_elements, 2, 4) at the points :data:`BILINEAR`, and along the edges the
+    twisting moment M_nt and the shear strain g_t, (n_facets, n)."""
+
+    Q: np.ndarray
+    twisting: np.ndarray
+    sliding: np.ndarray
+
+
+class ShearForm:
+    """The form F on a system of theory `kirchhoff`."""
+
+    def __init__(self, system: System, time: float | None = None):
+        self.system, self.geometry, self.time = system, system.geometry, time
+        rim = rim_of(system)
+        self._facets, self._strong = rim.tilting, rim.strong(time)
+        section = system.problem.section
+        self._compliance = np.linalg.inv(section.shear_stiffness())
+        points, weights = BILINEAR
+        jets = self.geometry.theory.jets(self.geometry.undeformed_local, points)
+        areas = np.linalg.norm(cross(jets[0], jets[1]), axis=0) * weights
+        self._areas = areas * self._counts(self.geometry.parameters(points))
+        self._elements, self._points, lengths = self.geometry.edge_quadrature(self._facets, N_EDGE)
+        self._lengths = lengths * self._counts(self.geometry.parameters(self._points, self._elements))
+
+    def _counts(self, at: np.ndarray) -> np.ndarray:
+        """Which places (2, ...) of the parameter plane are so far from singular points that thin fields mean something."""
+        places, reach = np.asarray(self.geometry.surface.position(*at)), REACH * self._width
+        out = np.ones(at.shape[1:], dtype=bool)
+        for point in self._strong.T:
+            out &= ((places - point[:, None, None]) ** 2).sum(axis=0) > reach**2
+        return out
+
+    @cached_property
+    def _frame(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tangents and outward normals (2, m, n) of the edges in the local frame, and that frame, (3, 3, m, n)."""
+        geometry, elements = self.geometry, self._inner[0]
+        if not len(elements):
+            return np.zeros((2, 0, N_EDGE)), np.zeros((2, 0, N_EDGE)), np.zeros((3, 3, 0, N_EDGE))
+        points, side = self._inner[1], geometry.side[elements]
+        jets = geometry.theory.jets(geometry.undeformed_local[elements], points)
+        frame = local_frame(jets, geometry.tangents(points, elements), side)
+        e, slopes = (np.stack([np.stack([self._picked(c) for c in v]) for v in vectors]) for vectors in (frame, jets[:2]))
+        tangents = geometry.edge_points(self._facets, N_EDGE)[1] * geometry.side[self._elements][:, None]
+        t = np.einsum("aimn,mg,gimn->amn", e[:2], tangents, slopes)
+        t = t / np.linalg.norm(t, axis=0)
+        return t, np.stack([t[1], -t[0]]), e
+
+    @cached_property
+    def _inner(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Elements (k,) at the edges, points (2, p) of all their sides, and for each facet its element among them, (m,), and
+        its points among those, (m, n): values at all of them are found at once."""
+        elements, row = np.unique(self._elements, return_inverse=True)
+        middle = np.round(2 * self._points.mean(axis=2)).astype(int) @ [3, 1]
+        _, first, side = np.unique(middle, return_index=True, return_inverse=True)
+        points = self.geometry.inside(np.hstack([np.empty((2, 0)), *self._points[first]]))
+        return elements, points, row, N_EDGE * side[:, None] + np.arange(N_EDGE)
+
+    def _picked(self, values: np.ndarray) -> np.ndarray:
+        """Values (m, n) of the edges from those (k, p) of their elements."""
+        _, _, row, column = self._inner
+        return np.asarray(values[row[:, None], column])
+
+    def _at_edges(self, quantity: Callable[[np.ndarray, np.ndarray], np.ndarray], n: int) -> np.ndarray:
+        """A quantity (k, n, p) of points and elements, at the points of all edges: (n, m, points)."""
+        elements, points, _, _ = self._inner
+        if not len(elements):
+            return np.zeros((n, 0, N_EDGE))
+        return np.stack([self._picked(one) for one in quantity(points, elements).swapaxes(0, 1)])
+
+    def fields(self, moments: Moments) -> Fields:
+        """Of moments that balance without forces between the edges."""
+        inside = self.geometry.inside(BILINEAR[0])
+        M = moments(BILINEAR[0], None)
+        Q = balancing(self.geometry, M, inside)
+        t, n, _ = self._frame
+        at_edges = self._at_edges(moments, 3)
+        twisting = n[0] * t[0] * at_edges[0] + n[1] * t[1] * at_edges[1] + (n[0] * t[1] + n[1] * t[0]) * at_edges[2]
+        forces = self._at_edges(lambda points, elements: balancing(self.geometry, M[elements], points, elements), 2)
+        return Fields(Q, twisting, self._sliding(forces))
+
+    def of_state(self, q: np.ndarray, change: np.ndarray | None, factor: float) -> Fields:
+        """Of a state under its loads, with a ``change`` of a small-deflection answer.
+
+        Eccentric weight takes part in the balance, and moments on edges twist them.
+        """
+        of, at = (moments_of, q) if change is None else (moments_of_small, change)
+        out, couple = self.fields(of(self.system, at, factor, self.time)), self.system.couple(self.time)
+        Q, sliding = out.Q, out.sliding
+        if couple is not None:
+            Q = Q + factor * coupled(self.geometry, q, self.geometry.inside(BILINEAR[0]), couple)
+            forces = self._at_edges(lambda points, elements: coupled(self.geometry, q, points, couple, elements), 2)
+            sliding = sliding + factor * self._sliding(forces)
+        return Fields(Q, out.twisting - factor * self._applied, sliding)
+
+    def _sliding(self, forces: np.ndarray) -> np.ndarray:
+        """Shear strain along the edges (m, n) of shear forces there, (2, m, n)."""
+        return np.asarray(np.einsum("amn,ab,bmn->mn", self._frame[0], self._compliance, forces))
+
+    @property
+    def _applied(self) -> np.ndarray:
+        """Twisting moments that loads apply along the edges, (n_facets, n): t . (m x e3) of a moment m."""
+        out, (t, _, e) = np.zeros(self._lengths.shape), self._frame
+        along = np.einsum("amn,aimn->imn", t, e[:2])
+        for load in (load for load in self.system.problem.loads if isinstance(load, EdgeMoment)):
+            here = np.isin(self._facets, self.geometry.facets_on(load.where))
+            at = self.geometry.parameters(self._points[here], self._elements[here])
+            m = amplitude(load.history, self.time) * values_at("moment", load.moment, at, 3)
+            out[here] += (along[:, here] * cross(m, e[2][:, here])).sum(axis=0)
+        return out
+
+    def product(self, one: Fields, two: Fields) -> float:
+        """F of two."""
+        return float(self.shares(one, two).sum())
+
+    def shares(self, one: Fields, two: Fields) -> np.ndarray:
+        """What each element has in F, (n_elements,)."""
+        inside = np.einsum("eip,ij,ejp,ep->e", one.Q, self._compliance, two.Q, self._areas)
+        along = self._layer * one.twisting * two.twisting - one.sliding * two.twisting - one.twisting * two.sliding
+        return inside + np.bincount(self._elements, (along * self._lengths).sum(axis=1), minlength=len(inside))
+
+    @property
+    def _bending(self) -> np.ndarray:
+        """D - B A^-1 B, (3, 3)."""
+        abd = self.system.problem.section.abd()
+        return np.asarray(abd[3:, 3:] - abd[3:, :3] @ np.linalg.solve(abd[:3, :3], abd[:3, 3:]))
+
+    @property
+    def _width(self) -> float:
+        """Of an edge layer, in the mean over both directions (m)."""
+        return float(np.sqrt(self._bending[2, 2] * np.trace(self._compliance) / 2))
+
+    @cached_property
+    def _layer(self) -> np.ndarray:
+        """c, (n_facets, n)."""
+        t, n, _ = self._frame
+        twist = np.stack([n[0] * t[0], n[1] * t[1], n[0] * t[1] + n[1] * t[0]])
+        bend = np.stack([n[0] ** 2, n[1] ** 2, 2 * n[0] * n[1]])
+        D66, D16, D11 = (np.einsum("amn,ab,bmn->mn", one, self._bending, two)
+                         for one, two in ((twist, twist), (twist, bend), (bend, bend)))  # fmt: skip
+        return np.asarray(np.sqrt(np.einsum("amn,ab,bmn->mn", t, self._compliance, t) / (D66 - D16**2 / D11)))

@@ -1,0 +1,71 @@
+"""Moments of thin states, and of small changes about them."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.assembly.unstressed import derivative
+from skancf.theories.kirchhoff import covariant_to_local
+from skancf.theories.kirchhoff_point import DOUBLED, FIRST, SECOND, dot, dual, unit_normal
+
+Moments = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
+"""Moments (m, 3, n) at local points (2, n) of elements (m,), None for all of them."""
+
+
+def moments_of(system: System, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> Moments:
+    """Those of nodal coordinates q, the temperature change counted with ``factor``."""
+    assembly: Any = system.assembly
+
+    def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
+        heat = system.temperature(points, time)
+        if heat is not None:
+            heat = factor * (heat if elements is None else heat[:, elements])
+        return np.asarray(assembly.section_forces(q.reshape(-1, 4, 3), points, heat, elements)[:, 3:])
+
+    return moments
+
+
+def moments_of_small(system: System, change: np.ndarray, factor: float = 1.0, time: float | None = None) -> Moments:
+    """Those of a small-deflection answer that is a change from the undeformed coordinates."""
+    rates = moment_rates(system, system.undeformed, change)
+
+    def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
+        out, heat = rates(points, elements), system.temperature(points, time)
+        if heat is None:
+            return out
+        held = system.problem.section.thermal_resultants(*(factor * (heat if elements is None else heat[:, elements])))
+        return np.asarray(out - np.moveaxis(held[3:], 0, 1))
+
+    return moments
+
+
+def moment_rates(system: System, q: np.ndarray, change: np.ndarray) -> Moments:
+    """Their derivative along a change of the nodal coordinates q."""
+    abd = system.problem.section.abd()
+    if abd[:3, 3:].any():  # with the assumed membrane strains that bending is coupled to
+        return lambda points, elements: derivative(lambda v: moments_of(system, v)(points, elements), q, change)
+    geometry, theory = system.geometry, system.geometry.theory
+
+    def local(v: np.ndarray, elements: np.ndarray) -> np.ndarray:
+        return geometry.local(v.reshape(-1, 4, 3), elements)
+
+    def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
+        pick = np.arange(geometry.n_elements) if elements is None else elements
+        moved, before = theory.jets(local(change, pick), points), theory.jets(geometry.undeformed_local[pick], points)
+        now = before if q is system.undeformed else theory.jets(local(q, pick), points)
+        turn = covariant_to_local(before, geometry.tangents(points, pick), geometry.side[pick])[0][3:, 3:]
+        return np.asarray(np.einsum("ij,jkep,kep->eip", abd[3:, 3:], turn, _curvature_rates(now, moved), optimize=True))
+
+    return moments
+
+
+def _curvature_rates(jet: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Of the covariant curvature changes 11, 22, 12 (doubled), (3, m, n): see :mod:`skancf.theories.kirchhoff_point`."""
+    n, duals = unit_normal(jet), dual(jet)
+    tilts = [dot(n, moved[g]) for g in FIRST]
+    return np.stack([
+        -c * (dot(n, moved[ab]) - sum(dot(jet[ab], duals[g]) * tilts[g] for g in FIRST))
+        for ab, c in zip(SECOND, DOUBLED, strict=True)
+    ])  # fmt: skip

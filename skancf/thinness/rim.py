@@ -1,0 +1,145 @@
+"""Where on its rim a plate lets its directors tilt, and near which points the thin theory means nothing."""
+
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.errors import InputError
+from skancf.supports import Dashpot
+from skancf.supports.conditions import R_X, R_Y, R
+from skancf.surfaces import normal
+
+FREE, MIRROR, SUPPORTED, CLAMPED = range(4)
+"""Kinds of edges: one for a rotation about the edge that is held, and two for a deflection that is."""
+HELD = 1 - 1e-6
+"""Part of a unit vector that is prescribed."""
+COUPLED = 0.05
+"""D16 over the root of D11 D66 from which on it counts."""
+MORE = np.radians(2.0)
+"""By how much the angle of a corner has to be larger than one without a singularity."""
+
+
+@dataclass(frozen=True)
+class Rim:
+    """The boundary of a system by how it is held.
+
+    Attributes
+    ----------
+    system : System
+    facets : (m,) int array
+    held : (n_nodes, 4) bool array
+        Nodal vectors whose part along the undeformed normal is prescribed.
+    kinds : (m,) int array
+        :data:`FREE`, :data:`MIRROR`, :data:`SUPPORTED` or :data:`CLAMPED`: what both ends of a facet hold. A mirror is a
+        symmetry, or a guided edge.
+    """
+
+    system: System
+    facets: np.ndarray
+    held: np.ndarray
+    kinds: np.ndarray
+
+    @property
+    def tilting(self) -> np.ndarray:
+        """Facets along which directors tilt freely: free and elastic edges, and soft supports, (k,).
+
+        The thin nodes do not know it of a support; one with the attribute ``kind`` of value ``"hard"`` keeps the tilt.
+        """
+        out = (self.kinds == FREE) | (self.kinds == SUPPORTED)
+        for support, _, facets in self._placed:
+            if getattr(support, "kind", None) == "hard":
+                out &= ~np.isin(self.facets, facets)
+        return np.asarray(self.facets[out])
+
+    @cached_property
+    def _placed(self) -> list[tuple[Any, np.ndarray, np.ndarray]]:
+        """Supports with a place, its nodes and facets; not those of the user's own whose ``where`` means something else."""
+        out = []
+        for support in self.system.problem.supports:
+            with suppress(InputError):
+                if hasattr(support, "where"):
+                    out.append((support, *self.system.geometry.points_and_facets(support.where)))
+        return out
+
+    def strong(self, time: float | None) -> np.ndarray:
+        """Positions (3, k) of points about which the energy of the thin theory's shear forces has no limit.
+
+        Those are corners, and forces, moments and supports at single points.
+        """
+        geometry = self.system.geometry
+        loads = [at for at in (load.places(time) for load in self.system.loads) if at.shape[1] == 1]
+        return np.asarray(geometry.surface.position(*np.hstack([geometry.points[:, self._corners | self._single], *loads])))
+
+    @cached_property
+    def _angles(self) -> np.ndarray:
+        """Of the material about each node, in space (rad), (n_nodes,)."""
+        geometry = self.system.geometry
+        corners, slopes = geometry.mesh.p[:, geometry.mesh.t], np.stack(geometry.surface.derivatives(*geometry.mesh.p))
+        one, two = (
+            np.einsum("dce,dice->ice", np.roll(corners, shift, axis=1) - corners, slopes[:, :, geometry.mesh.t])
+            for shift in (-1, 1)
+        )
+        with np.errstate(invalid="ignore", divide="ignore"):
+            cosines = (one * two).sum(axis=0) / np.linalg.norm(one, axis=0) / np.linalg.norm(two, axis=0)
+        nodes = geometry.ties.node_of[geometry.mesh.t]
+        own = nodes >= 0  # hanging nodes are no corners
+        return np.bincount(nodes[own], np.arccos(np.clip(cosines, -1, 1))[own], minlength=geometry.n_nodes)
+
+    @property
+    def _corners(self) -> np.ndarray:
+        """Nodes of the boundary where it is singular, (n_nodes,).
+
+        By the largest angle that is not (Williams 1952): 180 degrees between edges of one kind, 90 where one is supported
+        and not all, or all and the boundary turns, none between a clamped and a free edge. A mirror doubles the angle. Where
+        bending along an edge twists the plate, right angles between supports are what larger ones are without that.
+        """
+        n = self.system.geometry.n_nodes
+        ends = self.system.geometry.ends(self.facets)
+        counts = np.stack([np.bincount(ends[:, self.kinds == kind].ravel(), minlength=n) for kind in range(4)])
+        free, _, supported, clamped = counts > 0
+        angles = self._angles * np.where(counts[MIRROR] == 1, 2, 1)
+        turns = np.abs(angles - np.pi) > MORE
+        mixed = free.astype(int) + supported + clamped > 1
+        out = turns & (angles > np.pi + MORE)
+        out |= supported & (mixed | turns) & (angles > (0 if self._couples else np.pi / 2 + MORE))
+        out |= clamped & free
+        return out & (counts.sum(axis=0) > 0) & (counts[MIRROR] < 2)
+
+    @property
+    def _couples(self) -> bool:
+        """Does the section couple bending and twisting along its axes?"""
+        D = self.system.problem.section.abd()[3:, 3:]
+        return bool((D[:2, 2] ** 2 > COUPLED**2 * D[2, 2] * D.diagonal()[:2]).any())
+
+    @property
+    def _single(self) -> np.ndarray:
+        """Nodes held or sprung on their own, (n_nodes,), but not the free corners of up to 90 degrees that only rest: there
+        the thin theory carries the force by its twisting moment."""
+        geometry = self.system.geometry
+        out, (one, two) = np.zeros(geometry.n_nodes, dtype=bool), geometry.ends(np.arange(geometry.mesh.facets.shape[1]))
+        for support, nodes, facets in self._placed:
+            if isinstance(support, Dashpot):
+                continue
+            alone = np.isin(np.arange(geometry.n_nodes), np.setdiff1d(nodes, geometry.ends(facets)))
+            pairs = alone[one] & alone[two] & (one != two)
+            alone[np.concatenate([one[pairs], two[pairs]])] = False
+            out |= alone
+        on_edges = np.isin(np.arange(geometry.n_nodes), geometry.ends(self.facets[self.kinds >= SUPPORTED]))
+        resting = ~self.held[:, R_X] & (self._angles < np.pi / 2 + MORE)
+        return out & ~on_edges & ~resting
+
+
+def rim_of(system: System) -> Rim:
+    """The rim of a system, by its constraints."""
+    geometry, facets = system.geometry, system.geometry.boundary
+    with np.errstate(invalid="ignore", divide="ignore"):
+        n = np.nan_to_num(normal(geometry.surface, *geometry.points).T)  # none at a pole
+    held = np.einsum("na,nkab,nb->nk", n, system.constraints.of_vectors(), n) > HELD
+    ends, (x, y) = geometry.ends(facets), np.abs(geometry.facet_directions(facets))
+    across = np.where(y > x, R_X, R_Y)
+    deflection, rotation = ((held[ends, kind] & (ends >= 0)).all(axis=0) for kind in (R, across))
+    return Rim(system, facets, held, 2 * deflection + rotation)

@@ -1,0 +1,64 @@
+r"""What shear and the rotary inertia of the normal do to eigenvalues of the thin theory.
+
+With the energy E of a shape :math:`\phi` without the stresses of the state, the compliance of shear is in series with that
+of bending: E falls to :math:`E / (1 + F(\phi, \phi) / E)`. The mass grows by the rotary inertia of the normals.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from skancf.assembly.system import System
+from skancf.errors import InputError, SingularMatrix
+from skancf.linear import DirectSolver, factor_shifted, soft_motions
+from skancf.thinness.form import ShearForm
+from skancf.thinness.moments import moment_rates
+
+
+def product_of(form: ShearForm, q: np.ndarray, shape: np.ndarray) -> float:
+    """F of a small motion (n_dofs,) about a state q with itself."""
+    fields = form.fields(moment_rates(form.system, q, shape))
+    return form.product(fields, fields)
+
+
+def rotary_inertia(system: System, q: np.ndarray, shape: np.ndarray) -> float:
+    r""":math:`\int \rho z^2 dz \int |\delta n|^2 dA`, which a small motion adds to :math:`\phi \cdot M \phi`."""
+    geometry, section = system.geometry, system.problem.section
+    local, rates = (geometry.local(v.reshape(-1, 4, 3)) for v in (q, shape))
+    points = geometry.theory.quadrature[0]
+    turned = geometry.theory.normal_rates(local, rates, points, geometry.side)
+    inertia = float(section.density @ np.diff(section.z**3)) / 3
+    return inertia * float(((turned**2).sum(axis=1) * system.assembly.areas).sum())
+
+
+def with_shear(value: float, energy: float, product: float, rotary: float = 0.0) -> float:
+    r"""An eigenvalue :math:`\lambda = \omega^2` of a shape of unit modal mass with shear, from E and F, and with the rotary
+    inertia."""
+    return (value - product / (1 + product / energy)) / (1 + rotary)
+
+
+def first_share(system: System) -> float:
+    """By which part shear and rotary inertia change the energy of the first vibration that is no rigid motion.
+
+    Raises
+    ------
+    InputError
+        Where some motion has neither stiffness nor mass.
+    """
+    stiffness: Any = system.stiffness()
+    rigid = len(system.free_rigid_motions())
+    with DirectSolver(system.pattern, system.constraints) as solver:
+        try:
+            factor_shifted(solver, stiffness, system.mass)
+        except SingularMatrix as none:
+            raise InputError(f"theory = 'auto' judges by the first vibration, and there is none ({none}); name the theory, "
+                             "'kirchhoff' or 'full'") from none  # fmt: skip
+        values, shapes = soft_motions(system, solver, stiffness, rigid + SPARE, ITERATIONS)
+    first = np.argsort(values)[min(rigid, len(values) - 1)]
+    value, shape, start = float(values[first]), shapes[first], system.undeformed
+    product = product_of(ShearForm(system), start, shape)
+    return (1 + product / value) * (1 + rotary_inertia(system, start, shape)) - 1
+
+
+SPARE, ITERATIONS = 3, 10
+"""Motions beside the rigid ones, and inverse iterations, for the first of them."""

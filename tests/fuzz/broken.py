@@ -14,6 +14,7 @@ from skancf.dynamics.steps import LocalError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
 from skancf.statics import cascade, equilibrium
+from skancf.thinness.form import ShearForm
 
 Patch = Any
 """pytest's monkeypatch."""
@@ -160,6 +161,11 @@ def _bars_too_small(patch: Patch) -> None:
     patch.setattr(Estimate, "bar", property(lambda self: 0.6 * keep(self)))
 
 
+def _half_of_shear(patch: Patch) -> None:
+    keep = ShearForm.product
+    patch.setattr(ShearForm, "product", lambda self, *rest: 0.5 * keep(self, *rest))
+
+
 BROKEN = [
     ("balance", _reactions_too_large), ("balance", _forces_by_the_axes_of_space), ("moments", _slopes_held_by_space),
     ("clapeyron", _energy_too_large), ("reciprocity", _answers_by_the_order_of_nodes),
@@ -172,6 +178,6 @@ BROKEN = [
     ("energy of motions", _stresses_that_feed), ("energy of motions", _a_force_from_nowhere),
     ("small motions", _loads_that_do_not_scale), ("motions in units", _loads_that_do_not_scale),
     ("motions in a frame", _forces_by_the_axes_of_space), ("restarted motions", _states_without_what_was_before),
-    ("asked error", _errors_made_small), ("bars", _bars_too_small),
+    ("asked error", _errors_made_small), ("bars", _bars_too_small), ("theory", _half_of_shear),
 ]  # fmt: skip
 """Properties and what breaks the library so that they fail."""

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from hypothesis import strategies as st
 
 import skancf as sk
-from fuzz import bars, conditions, invariance, linear, motion, moving, nonlinear, vibration, wrong
+from fuzz import bars, conditions, invariance, linear, motion, moving, nonlinear, theory, vibration, wrong
 from fuzz.bodies import AFFINE, among
 from fuzz.cases import EVERYTHING, NONLINEAR, UNITS, Frame, Range, cases, framed, free_bodies, parted
 
@@ -70,6 +70,7 @@ PROPERTIES = {
     "restarted motions": Property(moving.motions(steps=among(10)), motion.restart, 8),
     "asked error": Property(moving.motions(among(sk.EnergyMomentum()), spin=False), motion.asked, 12),
     "bars": Property(bars.asked(), bars.holds, 12),
+    "theory": Property(theory.asked(), theory.holds, 5),
     "refusals": Property(wrong.statements(), wrong.refused, 100),
 }  # fmt: skip
 

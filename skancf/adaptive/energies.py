@@ -3,6 +3,7 @@
 import numpy as np
 
 from skancf.assembly.system import System
+from skancf.assembly.unstressed import of_change
 from skancf.solution import Solution
 
 Strained = tuple[np.ndarray, np.ndarray]
@@ -11,15 +12,7 @@ Strained = tuple[np.ndarray, np.ndarray]
 
 def small(system: System, change: np.ndarray, q: np.ndarray | None = None) -> Strained:
     """Of a change of the coordinates q, the undeformed ones by default, to first order."""
-    start = system.undeformed if q is None else q
-    at = system.assembly.stresses(start.reshape(-1, 4, 3), None, keep_strains=True)
-    size = float(np.abs(change).max())
-    if not size > 0:
-        return np.zeros_like(at[0]), np.zeros_like(at[1])
-    scale = float(np.abs(system.undeformed).max()) / size  # so that strains have the digits of those of the whole body
-    moved = system.assembly.stresses(start.reshape(-1, 4, 3), scale * change.reshape(-1, 4, 3), keep_strains=True)
-    strains, stresses = ((a - b) / scale for a, b in zip(moved, at, strict=True))
-    return strains, stresses
+    return of_change(system.assembly, (system.undeformed if q is None else q).reshape(-1, 4, 3), change)
 
 
 def of_state(state: Solution) -> Strained:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.between import Interpolation, ancestors_in
-from skancf.adaptive.energies import Strained, virtual_work
+from skancf.adaptive.energies import Strained, energies, virtual_work
 from skancf.adaptive.grow import LEFT, SMALLEST, SMALLEST_LARGE, may_be_quartered
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
@@ -35,6 +35,8 @@ CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
 ROUNDING = np.finfo(float).eps / 4
 """Of the product of a row of a matrix, relative to the sum of the sizes of its terms."""
+NOTHING = 1e-6
+"""Part of the largest that a number can be, by the energies of answer and weight, below which it is zero."""
 NEAR = 1e-4
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
@@ -253,13 +255,16 @@ class Enriched(Refined):
             \sum_K \Bigl| \int_K \sigma(u) : \varepsilon(z) \Bigr| \Bigr),
 
         with the forces that hold back a free strain among the loads. Where supports are displaced, it is the second alone.
+        But no less than a millionth of :math:`2 \sqrt{U(u)\, U(z)}`, which no quantity exceeds: where nothing contributes,
+        as to the membrane force of a bent flat plate, rounding is judged by that.
         """
         system, inside = self.system, float(np.abs(virtual_work(answer, weight)).sum())
+        least = NOTHING * 2 * float(np.sqrt(energies(answer).sum() * energies(weight).sum()))
         if system.constraints.fixed_part(system.prescribed()).any():
-            return inside
+            return max(inside, least)
         force = system.external_force(system.undeformed if self.state.linear else self.corrected.q)
         at_nodes = np.abs((smooth * force).reshape(-1, 12).sum(axis=1)).sum()
-        return min(inside, abs(self.state.load_factor) * float(at_nodes))
+        return max(min(inside, abs(self.state.load_factor) * float(at_nodes)), least)
 
     @property
     def corrected(self) -> Solution:

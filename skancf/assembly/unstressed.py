@@ -38,16 +38,16 @@ class ByStrains:
 
     def product(self, vector: np.ndarray) -> np.ndarray:
         """Internal force of a small change, (n_dofs,)."""
-        large, power = self._large(vector)
-        stresses = self._assembly.stresses(self._undeformed, large, keep_strains=False)[1]
+        large, power = enlarged(vector)
+        stresses = self._assembly.stresses(self._undeformed, large.reshape(-1, 4, 3), keep_strains=False)[1]
         stresses -= self._stresses
         force = np.ldexp(self._assembly.force_of(self._undeformed, stresses).ravel(), -power)
         return force if self._foundation is None else force + self._foundation @ vector
 
     def energy(self, vector: np.ndarray) -> float:
         """Strain energy of a small change, half of the sum of stress times strain."""
-        large, power = self._large(vector)
-        strains, stresses = self._assembly.stresses(self._undeformed, large, keep_strains=True)
+        large, power = enlarged(vector)
+        strains, stresses = self._assembly.stresses(self._undeformed, large.reshape(-1, 4, 3), keep_strains=True)
         energy = 0.5 * float(np.ldexp(np.vdot(strains - self._strains, stresses - self._stresses), -2 * power))
         return energy if self._foundation is None else energy + self._foundation.energy(vector)
 
@@ -60,10 +60,20 @@ class ByStrains:
     def _strains(self) -> np.ndarray:
         return self._assembly.stresses(self._undeformed, None, keep_strains=True)[0]
 
-    def _large(self, vector: np.ndarray) -> tuple[np.ndarray, int]:
-        size = float(np.abs(vector).max(initial=0.0))
-        power = LARGE - int(np.frexp(size)[1]) if np.isfinite(size) else 0
-        return np.ldexp(vector, power).reshape(self._undeformed.shape), power
+
+def enlarged(vector: np.ndarray) -> tuple[np.ndarray, int]:
+    """A vector times a power of two, and the power."""
+    size = float(np.abs(vector).max(initial=0.0))
+    power = LARGE - int(np.frexp(size)[1]) if np.isfinite(size) else 0
+    return np.ldexp(vector, power), power
+
+
+def of_change(assembly: Assembly, at: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Strains and stresses of a small change of nodal coordinates (n_nodes, 4, 3), to first order."""
+    large, power = enlarged(change.reshape(at.shape))
+    rest, moved = (assembly.stresses(at, step, keep_strains=True) for step in (None, large))
+    strains, stresses = (np.ldexp(b - a, -power) for a, b in zip(rest, moved, strict=True))
+    return strains, stresses
 
 
 def derivative(quantity: Callable[[np.ndarray], np.ndarray], at: np.ndarray, change: np.ndarray) -> np.ndarray:

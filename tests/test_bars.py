@@ -259,7 +259,6 @@ ZEROS = {
     "of a roof": (roof, sk.SectionForce("M12", at=(12.0, radians(90)))),
     "of supports that move": (lifted, sk.SectionForce("M12", at=(0.3, 0.35))),
     "at a free edge of supports that move": (lifted, sk.SectionForce("M11", at=(1.0, 0.35))),
-    "stretch of a bent plate": (lambda: plate(RECTANGLE, [CLAMPED]), sk.SectionForce("N22", at=(0.3, 0.2))),
     "pull at the edge of a bent plate": (lambda: plate(RECTANGLE, [HARD]), sk.Reaction("left", direction=(1, 0, 0))),
     "of heat": (hot, sk.Displacement((1.0, 0.35), (0, 1, 0))),
     "stress of free heat": (hot_and_free, sk.SectionForce("N11", at=(0.4, 0.3))),
@@ -280,10 +279,10 @@ def test_zeros_are_reached(name):
 
 @pytest.mark.parametrize("quantity", [sk.SectionForce("N11", at=(0.31, 0.22)), sk.Displacement((0.31, 0.22), (1, 0, 0))])
 def test_what_nothing_contributes_to_is_zero_at_once(quantity):
-    """In-plane quantities of a plate that bends: only an absolute accuracy has a meaning."""
+    """In-plane quantities of a plate that bends: rounding is judged by the energies of answer and weight."""
     found = sk.adapt(plate(RECTANGLE, [HARD]), quantity, 1e-3, linear=True, max_levels=3)
-    assert found.is_zero and found.error_bar < 1e-12 and len(found.levels) == 1
-    assert goal_estimate(found.solution, quantity).scale < 1e-12
+    assert found.reached and found.is_zero and found.error_bar < 1e-12 and len(found.levels) == 1
+    assert found.error_bar < 1e-6 * goal_estimate(found.solution, quantity).scale
 
 
 def test_the_size_of_contributions():

@@ -18,6 +18,7 @@ from skancf.functions import Noted, is_ours
 from skancf.loads import Load
 from skancf.loads.acting import Acting
 from skancf.materials import Damping, Laminate, Law, Section, section_of
+from skancf.materials.shear import warn_if_layers_bend_alone
 from skancf.memory import SYSTEM, require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
@@ -147,6 +148,8 @@ class Problem:
         require_vectors(self.surface, mesh.p[:, mesh.t].mean(axis=1))
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)
+        if not theory.twist:
+            warn_if_layers_bend_alone(self.section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
         assembly = assemble(geometry, self.section)
         constraints, prescription = constrain(assembly.geometry, self.supports)
         loads = [_acting(load, assembly) for load in self.loads]

@@ -24,6 +24,7 @@ import numpy as np
 from mistaken_problems import add_problems
 
 import skancf as sk
+from skancf.adaptive.rings import Halvings
 
 SECONDS = 60.0
 """Longest that any of the calls may take; the slowest valid one takes a fifth of a second."""
@@ -447,7 +448,8 @@ def add_adaptive(add: Any, s: Scene) -> None:
     add("transfer", sk.transfer, state=s.solution, system=s.finer)
     add("carried", sk.carried, state=s.solution, system=s.finer, acceleration=0 * s.solution.q, settle=True, backend="auto",
         takes="acceleration:none")  # fmt: skip
-    add("goal_estimate", sk.goal_estimate, state=s.solution, quantity=sk.Displacement(at), backend="auto")
+    add("goal_estimate", sk.goal_estimate, state=s.solution, quantity=sk.Displacement(at), backend="auto",
+        halvings=Halvings(np.empty((2, 0)), np.empty(0)))  # fmt: skip
     add("theory_error", sk.theory_error, solution=s.solution, quantity=sk.Displacement(at), backend="auto",
         takes="quantity:none")  # fmt: skip
     add("residual", sk.residual, state=s.solution, backend="auto")

@@ -259,6 +259,8 @@ ZEROS = {
     "of a roof": (roof, sk.SectionForce("M12", at=(12.0, radians(90)))),
     "of supports that move": (lifted, sk.SectionForce("M12", at=(0.3, 0.35))),
     "at a free edge of supports that move": (lifted, sk.SectionForce("M11", at=(1.0, 0.35))),
+    "pull on all supports of a bent plate": (
+        lambda: plate(RECTANGLE, [sk.SimpleSupport("boundary")]), sk.Reaction("boundary", direction=(1, 0, 0))),
     "pull at the edge of a bent plate": (lambda: plate(RECTANGLE, [HARD]), sk.Reaction("left", direction=(1, 0, 0))),
     "of heat": (hot, sk.Displacement((1.0, 0.35), (0, 1, 0))),
     "stress of free heat": (hot_and_free, sk.SectionForce("N11", at=(0.4, 0.3))),

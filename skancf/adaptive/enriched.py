@@ -81,11 +81,13 @@ class Refined:
     def left(self, halved: Halvings) -> np.ndarray:
         """Part of what each element contributes to an error that is left on the refined mesh, (n_elements,).
 
-        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two; at singular points
-        no less than the power of what one halving leaves there.
+        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two, and in elements at a
+        pole, whose membrane strains are no assumed ones; at singular points no less than the power of what one halving leaves
+        there.
         """
-        coarse, fine = self.coarse.mesh.leaves, self.system.mesh.leaves
-        left = np.full(len(coarse), LEFT[self.system.geometry.theory.twist])
+        coarse, fine, geometry = self.coarse.mesh.leaves, self.system.mesh.leaves, self.coarse.geometry
+        left = np.full(len(coarse), LEFT[geometry.theory.twist])
+        left[np.isin(geometry.ties.node_of[geometry.mesh.t], list(geometry.ties.poles)).any(axis=0)] = LEFT[False]
         deepest = np.zeros(len(coarse), dtype=int)
         np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
         there, once = halved.of(coarse, self.points)
@@ -255,16 +257,18 @@ class Enriched(Refined):
             \sum_K \Bigl| \int_K \sigma(u) : \varepsilon(z) \Bigr| \Bigr),
 
         with the forces that hold back a free strain among the loads. Where supports are displaced, it is the second alone.
-        But no less than a millionth of :math:`2 \sqrt{U(u)\, U(z)}`, which no quantity exceeds: where nothing contributes,
-        as to the membrane force of a bent flat plate, rounding is judged by that.
+        But no less than a millionth of the most that it could be, :math:`2 \sqrt{U(u)\, U(z)}` or
+        :math:`\sum_i |\lambda z_i|\, |F_i|`: where nothing contributes, as to the membrane force of a bent flat plate,
+        rounding is judged by that.
         """
         system, inside = self.system, float(np.abs(virtual_work(answer, weight)).sum())
         least = NOTHING * 2 * float(np.sqrt(energies(answer).sum() * energies(weight).sum()))
         if system.constraints.fixed_part(system.prescribed()).any():
             return max(inside, least)
         force = system.external_force(system.undeformed if self.state.linear else self.corrected.q)
-        at_nodes = np.abs((smooth * force).reshape(-1, 12).sum(axis=1)).sum()
-        return max(min(inside, abs(self.state.load_factor) * float(at_nodes)), least)
+        factor, sizes = abs(self.state.load_factor), [np.linalg.norm(v.reshape(-1, 4, 3), axis=2) for v in (smooth, force)]
+        at_nodes = factor * float(np.abs((smooth * force).reshape(-1, 12).sum(axis=1)).sum())
+        return max(min(inside, at_nodes), least, NOTHING * factor * float((sizes[0] * sizes[1]).sum()))
 
     @property
     def corrected(self) -> Solution:

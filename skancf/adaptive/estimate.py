@@ -132,6 +132,7 @@ def goal_estimate(
     """
     check_state("state", state, backend)
     check_quantity(quantity)
+    instance("halvings", halvings, Halvings, "what an estimate on a coarser mesh found, its halvings")
     value = value_of(quantity, state)
     with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected

@@ -81,9 +81,9 @@ class Refined:
     def left(self, halved: Halvings) -> np.ndarray:
         """Part of what each element contributes to an error that is left on the refined mesh, (n_elements,).
 
-        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two, and in elements at a
-        pole, whose membrane strains are no assumed ones; at singular points no less than the power of what one halving leaves
-        there.
+        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two, and in elements at
+        a pole, whose membrane strains are no assumed ones; at singular points no less than the power of what one halving
+        leaves there.
         """
         coarse, fine, geometry = self.coarse.mesh.leaves, self.system.mesh.leaves, self.coarse.geometry
         left = np.full(len(coarse), LEFT[geometry.theory.twist])
@@ -250,25 +250,20 @@ class Enriched(Refined):
         return abs(float(weight @ left)) + float(noise + ROUNDING * np.abs(gradient) @ np.abs(stored))
 
     def scale(self, smooth: np.ndarray, weight: Strained, answer: Strained) -> float:
-        r"""Sum of the sizes of what makes a quantity: of what loads do on the dual weight z node by node, or of the work of
-        the answer's stresses on its strains element by element, whichever is less,
+        r"""Sum of the sizes of what makes a quantity, the work of the answer's stresses on the strains of the dual weight in
+        the elements,
 
-        .. math:: S = \min \Bigl( \sum_i |\lambda z_i \cdot F_i|,\
-            \sum_K \Bigl| \int_K \sigma(u) : \varepsilon(z) \Bigr| \Bigr),
+        .. math:: S = \sum_K \Bigl| \int_K \sigma(u) : \varepsilon(z) \Bigr| .
 
-        with the forces that hold back a free strain among the loads. Where supports are displaced, it is the second alone.
         But no less than a millionth of the most that it could be, :math:`2 \sqrt{U(u)\, U(z)}` or
         :math:`\sum_i |\lambda z_i|\, |F_i|`: where nothing contributes, as to the membrane force of a bent flat plate,
         rounding is judged by that.
         """
-        system, inside = self.system, float(np.abs(virtual_work(answer, weight)).sum())
-        least = NOTHING * 2 * float(np.sqrt(energies(answer).sum() * energies(weight).sum()))
-        if system.constraints.fixed_part(system.prescribed()).any():
-            return max(inside, least)
+        system, factor = self.system, abs(self.state.load_factor)
         force = system.external_force(system.undeformed if self.state.linear else self.corrected.q)
-        factor, sizes = abs(self.state.load_factor), [np.linalg.norm(v.reshape(-1, 4, 3), axis=2) for v in (smooth, force)]
-        at_nodes = factor * float(np.abs((smooth * force).reshape(-1, 12).sum(axis=1)).sum())
-        return max(min(inside, at_nodes), least, NOTHING * factor * float((sizes[0] * sizes[1]).sum()))
+        sizes = [np.linalg.norm(v.reshape(-1, 4, 3), axis=2) for v in (smooth, force)]
+        most = [2 * np.sqrt(energies(answer).sum() * energies(weight).sum()), factor * (sizes[0] * sizes[1]).sum()]
+        return max(float(np.abs(virtual_work(answer, weight)).sum()), NOTHING * float(max(most)))
 
     @property
     def corrected(self) -> Solution:

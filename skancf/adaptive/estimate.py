@@ -40,9 +40,8 @@ class Estimate:
         What the unresolved residual of that state may do to the value: rounding of the linear solve, and Newton's rest.
     scale : float
         Sum of the sizes of what contributes to the value: one that is much smaller is zero, as its contributions cancel.
-        They are those of loads at the nodes, :math:`\sum_i |z_i \cdot F_i|`, or of the work of the answer's stresses on the
-        strains of z in the elements, if that is less or supports move; or a size that the quantity knows. 0 where nothing
-        contributes, and of frequencies and buckling loads.
+        They are those of the work of the answer's stresses on the strains of z in the elements, or a size that the quantity
+        knows. 0 of frequencies and buckling loads.
     halvings : Halvings
         What one halving of the elements at singular points leaves of their part in the error.
     nested : bool

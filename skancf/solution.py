@@ -198,7 +198,9 @@ class Solution:
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
         heat = self._heat(points)
-        return np.zeros(6) if heat is None else self.system.problem.section.thermal_strain(z, *heat)
+        section = self.system.problem.section
+        free = section.thermal_strain if self.system.geometry.theory.twist else section.thermal_strain_of_one_director
+        return np.zeros(6) if heat is None else free(z, *heat)
 
     def _heat(self, points: np.ndarray) -> np.ndarray | None:
         """Temperature change T0 and T1, (2, n_elements, n), or None."""

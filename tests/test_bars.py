@@ -422,3 +422,52 @@ def test_moments_at_places_of_no_node_against_the_series():
         for rtol in (1e-2, 1e-3):
             found = sk.adapt(plate(RECTANGLE, [HARD]), sk.SectionForce("M11", at=at), rtol, linear=True)
             assert found.reached and efficiency(found, truth) < 4
+
+
+def series_of_a_sector(r: float, angle: float) -> float:
+    """Deflection on the axis of a sector of radius 1 on hard hinges, D = q = 1."""
+    w = 0.0
+    for m in range(1, 400, 2):
+        k = m * pi / angle
+        load = 4 / (m * pi) / ((16 - k**2) * (4 - k**2))
+        # w = P r^4 + A r^k + B r^(k + 2) with w = 0 and M_r = w'' + nu (w' - k^2 w) = 0 at r = 1.
+        bend = [s * (s - 1) + NU * (s - k**2) for s in (4, k, k + 2)]
+        b = -load * (bend[0] - bend[1]) / (bend[2] - bend[1])
+        w += (load * r**4 + (-load - b) * r**k + b * r ** (k + 2)) * np.sin(m * pi / 2)
+    return w
+
+
+@pytest.mark.parametrize("degrees", [75, 150, 165])
+def test_bars_of_a_sector_with_an_obtuse_tip(degrees):
+    """There energies grow inwards in the rings of a first mesh; hinges that lean against each other are weak corners."""
+    angle = radians(degrees)
+    problem = plate(sk.AnnulusSector(0.0, 1.0, angle), [HARD])
+    right = series_of_a_sector(0.5, angle)
+    found = sk.adapt(problem, sk.Displacement((0.5, angle / 2)), 0.05, linear=True, max_levels=5)
+    for number, level in enumerate(found.levels):
+        assert level.bar > (FIRST if not number else LATER) * abs(right - level.value)
+
+
+def test_marks_of_other_kinds():
+    """A list and a mask count; what is no number of an element is refused."""
+    class Marks:
+        def __init__(self, what):
+            self.what = what
+
+        def marked(self, indicators):
+            return self.what(indicators)
+
+    problem, quantity = plate(RECTANGLE, [CLAMPED]), sk.StrainEnergy()
+    runs = [
+        sk.adapt(problem, quantity, 1e-9, linear=True, max_levels=2, marking=Marks(what), coarsening=sk.Never())
+        for what in (lambda i: [0, 2], lambda i: np.isin(np.arange(len(i)), [0, 2]), lambda i: [-1], lambda i: 0.5)
+    ]
+    assert len(runs[0].levels) == len(runs[1].levels) == 2 and runs[0].value == runs[1].value
+    assert all(run.outcome is Outcome.FAILED and "give an array of numbers" in run.message for run in runs[2:])
+
+
+def test_a_mode_in_which_no_node_moves():
+    """Of one clamped element only the twists are free."""
+    problem = plate(RECTANGLE, [CLAMPED], [])
+    found = sk.adapt(problem, sk.Eigenfrequency(), 1e-2, mesh=sk.meshes.uniform(RECTANGLE, 2, 1))
+    assert found.reached

@@ -327,3 +327,15 @@ def test_where_it_does_not_hold():
         on([half], 1.0)
         on([half, half])
         on([sk.Layer(STIFF, 0.04), sk.Layer(SOFT, 0.04)])
+
+
+def test_an_open_shell_that_is_warm_keeps_its_shape():
+    """Uniform heat makes a similar body, whatever the surface that its layers are told from."""
+    surface, law = sk.CylinderSector(1.0, 1.0, 1.1), sk.Isotropic(1e9, 0.3, 1.0, expansion=1e-5)
+    section = sk.Laminate([sk.Layer(law, 0.05)], offset=0.02)
+    held = [sk.Clamp((0.0, 0.0))]
+    problem = sk.Problem(surface, None, section, held, [sk.Temperature(10.0)])
+    found = sk.solve_linear(problem.on(sk.meshes.uniform(surface, 4, 6), "kirchhoff"))
+    far = np.array([1.0, 1.1])
+    grown = 1e-4 * (found.system.geometry.surface.position(*far[:, None]) - surface.position(*np.zeros((2, 1))))[:, 0]
+    assert np.allclose(found.displacement(tuple(far)), grown, atol=2e-3 * np.linalg.norm(grown))

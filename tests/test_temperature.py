@@ -254,3 +254,25 @@ def test_section_forces_of_the_three_dimensional_law():
     law = sk.Isotropic(E, NU, 2000.0, kind="3d", expansion=ALPHA)
     solution = sk.solve(system_on("full", PLATE, JUST_HELD, sk.Temperature(50.0), material=law), rtol=1e-12).unwrap()
     assert np.abs(solution.section_forces(INSIDE)).max() < 1e-9 * E * T * ALPHA * 50.0
+
+
+def test_a_free_plate_with_a_gradient_has_no_stress_across():
+    """Strain 33 of theory `full` is one through the thickness: if laws do not couple it, the mean of the free one."""
+    load = sk.Temperature(0.0, 5000.0)
+    solution = sk.solve_linear(system_on("full", PLATE, JUST_HELD, load))
+    held = solution.system.thermal_energy()
+    assert abs(solution.strain_energy) < 1e-9 * held
+    for z in ("top", "bottom"):
+        assert np.abs(solution.stresses(INSIDE, z)).max() < 1e-9 * E * ALPHA * 5000.0 * T
+
+
+def test_bimetals_have_one_energy_in_both_theories():
+    """Free to bend and to expand; that of lamination theory, to rounding."""
+    layers = [sk.Layer(sk.Isotropic(E, 0.25, 1.0, expansion=ALPHA), 0.004),
+              sk.Layer(sk.Isotropic(0.3 * E, 0.35, 1.0, expansion=-ALPHA), 0.007)]  # fmt: skip
+    thin, full = (
+        sk.solve_linear(system_on(theory, PLATE, JUST_HELD, sk.Temperature(7.0, 300.0), material=sk.Laminate(layers),
+                                  thickness=None)).strain_energy
+        for theory in ("kirchhoff", "full")
+    )  # fmt: skip
+    assert thin > 0 and full == pytest.approx(thin, rel=1e-9)

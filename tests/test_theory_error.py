@@ -352,3 +352,13 @@ def test_bending_that_twists(edges):
     true = coupled_ritz.energy(edges, D, S) / coupled_ritz.energy(edges, D, None, 10) - 1
     assert solution.shear_share == pytest.approx(true, rel=0.1)
     assert D[2][2] - D[0][2] ** 2 / D[0][0] < 0.6 * D[2][2]
+
+
+def test_the_energy_of_edge_moments_has_its_own_weight():
+    """The dual weight of the energy is the answer itself: moments that twist an edge count in both."""
+    surface = sk.Rectangle(1.0, 0.7)
+    law = sk.Isotropic(70e9, 0.3, 2700.0)
+    problem = sk.Problem(surface, 0.05, law, [sk.Clamp("left")], [sk.EdgeMoment("right", (2e3, 0.0, 0.0))])
+    solution = sk.solve_linear(problem.on(sk.meshes.uniform(surface, 8, 6), "kirchhoff"))
+    assert solution.shear_share > 0.02
+    assert sk.theory_error(solution).share == pytest.approx(solution.shear_share, rel=1e-9)

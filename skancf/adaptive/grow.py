@@ -1,6 +1,7 @@
 """From indicators to the next mesh."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.singular import SAME_POINT, images
 from skancf.assembly.geometry import Geometry
+from skancf.errors import InputError, shown
 from skancf.functions import called
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
@@ -40,6 +42,21 @@ def may_be_quartered(leaves: Leaves, surface: Surface, smallest: float = SMALLES
     return np.asarray(lengths > 1.5 * np.where(at_pole, max(smallest, POLE), smallest) * extent)
 
 
+def _numbers(name: str, marked: Any, n: int) -> np.ndarray:
+    """Numbers of elements that a policy of the user's own gave, ascending; a mask of all n elements counts too."""
+    try:
+        found = np.atleast_1d(np.asarray(marked))
+    except ValueError:
+        found = np.array(None)
+    if found.dtype == bool and found.shape == (n,):
+        return np.flatnonzero(found)
+    if found.ndim == 1 and not found.size:
+        return np.empty(0, dtype=int)
+    if found.ndim != 1 or found.dtype.kind not in "iu" or found.min() < 0 or found.max() >= n:
+        raise InputError(f"{name}.marked gives {shown(marked)}: give an array of numbers of elements, from 0 to {n - 1}")
+    return np.unique(found).astype(int)
+
+
 @dataclass(frozen=True)
 class Growth:
     """Which elements are quartered and which are merged.
@@ -66,12 +83,13 @@ class Growth:
         mesh: MeshQuadTree = geometry.mesh
         leaves = mesh.leaves
         room = self.room(leaves, geometry.surface)
-        marked = called("marking", self.refine.marked, np.where(room, indicators, 0.0))
+        marked = _numbers("marking", called("marking", self.refine.marked, np.where(room, indicators, 0.0)), len(leaves))
         marked = marked[room[marked]]
         finer = leaves.refined(marked)
         if 0 < marked.size < len(leaves):
             finer = self._again(geometry, finer, indicators, float(indicators[marked].min()), points, halvings)
-        small = finer.find(leaves.cells.take(called("coarsening", self.coarsen.marked, indicators)))
+        merged = _numbers("coarsening", called("coarsening", self.coarsen.marked, indicators), len(leaves))
+        small = finer.find(leaves.cells.take(merged))
         return mesh.regrown(finer).coarsened(small[small >= 0])
 
     def room(self, leaves: Leaves, surface: Surface) -> np.ndarray:

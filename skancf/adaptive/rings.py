@@ -115,4 +115,6 @@ def left_by(of_answer: np.ndarray, of_weight: np.ndarray, last: int) -> float:
     products = of_answer[last - 2 : last + 1] * of_weight[last - 2 : last + 1]
     if not (products > 0).all():
         return LEAST
-    return float(np.clip(np.sqrt(products[1:] / products[:-1]).min(), LEAST, MOST))
+    ratios = np.sqrt(products[1:] / products[:-1])
+    # Energies that grow inwards are those of a part of the answer which the rings outside do not have yet.
+    return float(np.clip(ratios.min() if ratios.max() < 1 else ratios.max(), LEAST, MOST))

@@ -133,7 +133,9 @@ def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fiel
         weight = _weight(state, at, gradient_of(quantity, state), backend)
         if hasattr(quantity, "lift"):
             weight = weight - quantity.lift(state)
-    return form.fields(moment_rates(system, at, weight))
+    fields = form.fields(moment_rates(system, at, weight))
+    # The weight of the energy is the answer to the loads themselves, eccentric weight and moments on edges among them.
+    return form.loaded(fields, state.q, state.load_factor) if isinstance(quantity, StrainEnergy) else fields
 
 
 def _is_loaded_alone(state: Solution) -> bool:

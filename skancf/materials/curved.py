@@ -83,7 +83,16 @@ class CurvedSection:
 
     def _own_free(self, own: np.ndarray, heat: np.ndarray) -> np.ndarray:
         """The same of the neutral surface and its curvatures, for :meth:`_heat`: (..., 6)."""
-        return np.asarray(heat @ self._flat[1].T + np.einsum("...i,ikt,...t->...k", own, self.rates.free, heat))
+        free = np.asarray(heat @ self._flat[1].T + np.einsum("...i,ikt,...t->...k", own, self.rates.free, heat))
+        # What is between both surfaces grows by w, and the reference surface moves less by that along its normal, which
+        # changes its curvature by w b b: of second order in b, but so is a change of shape by z0 / R of -alpha T b.
+        layer = self.own.layer_at([np.clip(0.0, *self.own.z[[0, -1]])])
+        by_strain, by_heat = (part[0] for part in self._levers(np.zeros(1), layer))
+        grown = free @ by_strain + heat @ by_heat
+        one, two, both = np.moveaxis(own, -1, 0)
+        squared = np.stack([one**2 + both**2, two**2 + both**2, 2 * both * (one + two)], axis=-1)
+        free[..., 3:] -= grown[..., None] * squared
+        return free
 
     def energy_left(self, b: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         """Energy per area of the reference surface of layers that hold each other at those strains, (...) (J/m2)."""

@@ -220,6 +220,21 @@ class Section:
         change = temperature_mid + np.asarray(z, dtype=float) * temperature_gradient
         return self.expansion[self.layer_at(z)] * change[..., None]
 
+    def thermal_strain_of_one_director(self, z: Any, temperature_mid: Any, temperature_gradient: Any = 0.0) -> np.ndarray:
+        r"""The same for theory `full`, whose strain 33 is one through the thickness: (..., 6).
+
+        Where laws do not couple 33 to others, its free strain is the mean, weighted by C33: the rest would be stress S33
+        that nothing can relax. It does no work on any motion.
+        """
+        free = self.thermal_strain(z, temperature_mid, temperature_gradient)
+        if np.delete(self.stiffness[:, 2], 2, axis=1).any():
+            return free
+        weights = self.stiffness[:, 2, 2]
+        first, second, _ = self._powers() @ (weights * self.expansion[:, 2])
+        free = free.copy()
+        free[..., 2] = (first * temperature_mid + second * temperature_gradient) / (weights @ self.thicknesses)
+        return free
+
     def shear_stiffness(self) -> np.ndarray:
         """Transverse shear stiffness k G t for 13 and 23, (2, 2) (N/m); the laws hold the shear correction factor k.
 

@@ -127,13 +127,17 @@ class ShearForm:
         Eccentric weight takes part in the balance, and moments on edges twist them.
         """
         of, at = (moments_of, q) if change is None else (moments_of_small, change)
-        out, couple = self.fields(of(self.system, at, factor, self.time)), self.system.couple(self.time)
-        Q, sliding = out.Q, out.sliding
+        return self.loaded(self.fields(of(self.system, at, factor, self.time)), q, factor)
+
+    def loaded(self, fields: Fields, q: np.ndarray, factor: float) -> Fields:
+        """Fields of moments that balance the system's loads: its eccentric weight, and moments on its edges."""
+        couple = self.system.couple(self.time)
+        Q, sliding = fields.Q, fields.sliding
         if couple is not None:
             Q = Q + factor * coupled(self.geometry, q, self.geometry.inside(BILINEAR[0]), couple)
             forces = self._at_edges(lambda points, elements: coupled(self.geometry, q, points, couple, elements), 2)
             sliding = sliding + factor * self._sliding(forces)
-        return Fields(Q, out.twisting - factor * self._applied, sliding)
+        return Fields(Q, fields.twisting - factor * self._applied, sliding)
 
     def _sliding(self, forces: np.ndarray) -> np.ndarray:
         """Shear strain along the edges (m, n) of shear forces there, (2, m, n)."""

@@ -59,17 +59,16 @@ class FullAssembly(CompiledAssembly):
         section = self.section
         z, _, layer = section.points(self.theory.n_thickness)
         to_local, volume = self._through_thickness()
-        temperature = (middle + np.multiply.outer(z, gradient)) * volume
-        free = np.einsum("zpq,zq->zp", section.stiffness[layer], section.expansion[layer])
-        return np.ascontiguousarray(np.einsum("zpkev,zp,zev->ekv", to_local, free, temperature, optimize=True))
+        free = np.stack([section.thermal_strain_of_one_director(depth, middle, gradient) for depth in z])
+        stress = np.einsum("zpq,zevq,zev->zevp", section.stiffness[layer], free, volume)
+        return np.ascontiguousarray(np.einsum("zpkev,zevp->ekv", to_local, stress, optimize=True))
 
     def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
         section = self.section
         z, _, layer = section.points(self.theory.n_thickness)
         _, volume = self._through_thickness()
-        expansion = section.expansion[layer]
-        square = np.einsum("zp,zpq,zq->z", expansion, section.stiffness[layer], expansion)
-        return float(0.5 * np.einsum("z,zev,zev->", square, (middle + np.multiply.outer(z, gradient)) ** 2, volume))
+        free = np.stack([section.thermal_strain_of_one_director(depth, middle, gradient) for depth in z])
+        return float(0.5 * np.einsum("zevp,zpq,zevq,zev->", free, section.stiffness[layer], free, volume, optimize=True))
 
     def _through_thickness(self) -> tuple[np.ndarray, np.ndarray]:
         """From the strains to those in the local frame, and volumes, at all integration points: the layers' points first."""
@@ -81,7 +80,7 @@ class FullAssembly(CompiledAssembly):
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
         def elastic(depth: float) -> np.ndarray:
-            free = np.zeros(6) if temperature is None else self.section.thermal_strain(depth, *temperature)
+            free = np.zeros(6) if temperature is None else self.section.thermal_strain_of_one_director(depth, *temperature)
             return self.strains(q, points, depth, temperature) - free
 
         return self._resultants(elastic, points)

@@ -142,7 +142,8 @@ def with_shear_of_equilibrium(section: Section) -> Section:
 
     A shear strain that is constant through the thickness has the energy of :math:`S = \sum k G t`. The shear rows and
     columns of all layers are multiplied by the symmetric J with :math:`J S J = K`; one matrix for both directions and all
-    layers, so that the frame does not matter and laws stay positive definite.
+    layers, so that laws stay positive definite. K itself is that of cylindrical bending along the axes of the surface: of
+    layers with fibres along several directions it is no tensor, and another frame has another one, by some per cent.
     """
     if (section.stiffness == section.stiffness[0]).all():
         return section

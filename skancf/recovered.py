@@ -139,10 +139,8 @@ def _along(geometry: Geometry, start: np.ndarray, end: np.ndarray) -> np.ndarray
 
 def _near(geometry: Geometry, apart: np.ndarray) -> np.ndarray:
     """Which differences (n, 2) of places are none, across a seam too."""
-    extent = np.ptp(geometry.mesh.p, axis=1)
-    for axis, (low, high) in geometry.closed_bounds().items():
-        apart[:, axis] -= (high - low) * np.round(apart[:, axis] / (high - low))
-    return np.asarray(np.abs(apart / extent).max(axis=1) < ON)
+    apart = apart - geometry.whole_turns(apart.T).T
+    return np.asarray(np.abs(apart / np.ptp(geometry.mesh.p, axis=1)).max(axis=1) < ON)
 
 
 def reentrant_corners(geometry: Geometry) -> dict[int, float]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from skancf.arguments import STATE, flag, instance, plain, system_like, text
 from skancf.assembly.patches import averaging_nodes
-from skancf.assembly.probe import places_of, probe
+from skancf.assembly.probe import normal_rates, normals, probe
 from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
@@ -102,39 +102,25 @@ class Solution:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
         out = probe(self.system, at) @ self.q.reshape(-1, 3)
         if depth := self._depth(z):
-            out = out + depth * (self._undeformed._normals(at) + self._tilts(at) if self.linear else self._normals(at))
+            out = out + depth * (normals(self.system, at, self.system.undeformed) + self._tilts(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def rotation(self, at: Any) -> np.ndarray:
         """Angle between the normal (director) and the undeformed one at points (2,) or (n, 2): () or (n,) (rad)."""
-        before = self._undeformed._normals(at)
+        before = normals(self.system, at, self.system.undeformed)
         if self.linear:
             angle = np.linalg.norm(np.cross(before, self._tilts(at)), axis=1)
         else:
-            n = self._normals(at)
+            n = normals(self.system, at, self.q)
             angle = np.arctan2(np.linalg.norm(np.cross(before, n), axis=1), (before * n).sum(axis=1))
         return angle[0] if np.ndim(at) == 1 else angle
 
-    @property
-    def _undeformed(self) -> "Solution":
-        return Solution(self.system, self.system.undeformed)
-
     def _tilts(self, at: Any) -> np.ndarray:
         """Changes of directors or unit normals (n, 3), of a small-deflection answer to first order."""
+        start = self.system.undeformed
         if self.linear:
-            return self.system.rate(lambda q: self._normals(at, q), self.change)
-        return self._normals(at) - self._undeformed._normals(at)
-
-    def _normals(self, at: Any, q: np.ndarray | None = None) -> np.ndarray:
-        """Directors or unit normals (n, 3) at points of the parameter plane."""
-        geometry, out = self.system.geometry, []
-        nodal = (self.q if q is None else q).reshape(-1, 4, 3)
-        for place in places_of(at):
-            element, point = geometry.locate(place)
-            local = geometry.local(nodal, np.array([element]))
-            inside = geometry.inside(point[:, None])
-            out.append(geometry.theory.normals(local, inside, geometry.side[[element]])[0, :, 0])
-        return np.array(out)
+            return normal_rates(self.system, at, start, self.change)
+        return normals(self.system, at, self.q) - normals(self.system, at, start)
 
     def strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Green-Lagrange strain in the local frame at points (2, n) of every element and depth z: (n_elements, n, 6).

@@ -87,7 +87,7 @@ class Refined:
         """
         coarse, fine, geometry = self.coarse.mesh.leaves, self.system.mesh.leaves, self.coarse.geometry
         left = np.full(len(coarse), LEFT[geometry.theory.twist])
-        left[np.isin(geometry.ties.node_of[geometry.mesh.t], list(geometry.ties.poles)).any(axis=0)] = LEFT[False]
+        left[geometry.at_poles] = LEFT[False]
         deepest = np.zeros(len(coarse), dtype=int)
         np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
         there, once = halved.of(coarse, self.points)

@@ -148,7 +148,7 @@ class AdaptiveResult:
         error = self.theory_error
         if error is None or error.value == 0:
             return ""
-        if error.value != error.value:
+        if np.isnan(error.value):
             return " (mesh), and what the theory leaves out cannot be told"
         return f" (mesh), and the theory leaves out about {error.value:+.2g} {self.unit}".rstrip()
 

@@ -208,8 +208,7 @@ def nodes_at(geometry: Geometry, at: Any) -> np.ndarray:
 def same_point(geometry: Geometry, one: Any, two: Any) -> bool:
     """Are two points of the parameter plane one, across the seam of a closed parameter and at a pole too?"""
     apart, extent = finite("at", one) - finite("at", two), np.ptp(geometry.mesh.p, axis=1)
-    for axis, (low, high) in geometry.closed_bounds().items():
-        apart[axis] -= (high - low) * np.round(apart[axis] / (high - low))
+    apart = apart - geometry.whole_turns(apart)
     if np.linalg.norm(apart / extent) < SAME_POINT:
         return True
     at = [np.asarray(geometry.surface.position(*geometry.within(finite("at", p))[:, None]))[:, 0] for p in (one, two)]

@@ -176,6 +176,11 @@ class Geometry(Places):
         out[regular] = -bending[regular] @ np.linalg.solve(metric[regular], slopes[regular])
         return out
 
+    @property
+    def at_poles(self) -> np.ndarray:
+        """Which elements have a corner at a pole, (n_elements,)."""
+        return np.asarray(np.isin(self.ties.node_of[self.mesh.t], list(self.ties.poles)).any(axis=0))
+
     def dense_map(self, element: int) -> np.ndarray:
         """From the nodal vectors of an element, corner by corner, to its local vectors: (16, 16)."""
         maps, out = self.maps, np.zeros((16, 16))
@@ -294,6 +299,13 @@ class Geometry(Places):
         for axis, (low, high) in self.closed_bounds().items():
             outside = (out[axis] < low) | (out[axis] > high)
             out[axis] = np.where(outside, low + (out[axis] - low) % (high - low), out[axis])
+        return out
+
+    def whole_turns(self, apart: np.ndarray) -> np.ndarray:
+        """Whole turns of closed parameters in differences (2, ...) of points; zero along others."""
+        out = np.zeros_like(apart)
+        for axis, (low, high) in self.closed_bounds().items():
+            out[axis] = (high - low) * np.round(apart[axis] / (high - low))
         return out
 
     def edge_points(self, facets: np.ndarray, n: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -125,8 +125,7 @@ def _rows(
     pair = np.repeat(np.arange(len(members)), sizes)
     entry = means.indptr[members][pair] + np.arange(len(pair)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
     away = at[:, means.indices[entry]] - middle[:, patch[pair]]
-    for axis, (low, high) in geometry.closed_bounds().items():
-        away[axis] -= (high - low) * np.round(away[axis, :, :1] / (high - low))
+    away -= geometry.whole_turns(away[:, :, :1])
     first = np.cumsum(sizes) - sizes
     scale = np.maximum.reduceat(np.abs(away).max(axis=2), first[starts], axis=1)
     asked = _functionals(_powers(away / scale[:, patch[pair], None])) * FACTORS

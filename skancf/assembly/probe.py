@@ -1,5 +1,6 @@
-"""Values at points of the parameter plane, as weights of nodal vectors."""
+"""Values at points of the parameter plane: positions as weights of nodal vectors, and normals."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -26,3 +27,22 @@ def probe(system: System, at: Any) -> sp.csr_matrix:
     point, row, column, value = geometry.local_entries(elements)
     shape = (len(elements), 4 * geometry.n_nodes)
     return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)
+
+
+def normals(system: System, at: Any, q: np.ndarray) -> np.ndarray:
+    """Directors or unit normals (n, 3) at points of the parameter plane, (2,) or (n, 2)."""
+    return _at_places(system, at, system.geometry.theory.normals, q)
+
+
+def normal_rates(system: System, at: Any, q: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Their rates (n, 3) for rates of the nodal coordinates q."""
+    return _at_places(system, at, system.geometry.theory.normal_rates, q, rates)
+
+
+def _at_places(system: System, at: Any, field: Callable[..., np.ndarray], *vectors: np.ndarray) -> np.ndarray:
+    geometry, out = system.geometry, []
+    for place in places_of(at):
+        element, point = geometry.locate(place)
+        local = [geometry.local(v.reshape(-1, 4, 3), np.array([element])) for v in vectors]
+        out.append(field(*local, geometry.inside(point[:, None]), geometry.side[[element]])[0, :, 0])
+    return np.array(out)

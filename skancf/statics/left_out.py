@@ -4,10 +4,8 @@ import numpy as np
 
 from skancf.errors import warn
 from skancf.solution import Solution
+from skancf.statics.depth import THICK
 from skancf.thinness import ShearForm, product_of, rotary_inertia, with_shear
-
-MUCH = 0.05
-"""From this part of an energy, of the square of a frequency or of a buckling load on, what is left out is warned of."""
 
 
 def frequency_changes(state: Solution, eigenvalues: np.ndarray, shapes: np.ndarray) -> np.ndarray:
@@ -23,7 +21,7 @@ def frequency_changes(state: Solution, eigenvalues: np.ndarray, shapes: np.ndarr
     form, elastic = ShearForm(system), eigenvalues
     if not np.array_equal(state.q, start):
         plain = system.stiffness() if state.linear else system.tangent(at, np.zeros_like(system.stresses(start)), factor=0.0)
-        elastic = np.array([shape @ (plain @ shape) for shape in shapes])
+        elastic = np.array([2 * plain.energy(shape) for shape in shapes])
     out = np.full(len(eigenvalues), np.nan)
     for k in np.flatnonzero((eigenvalues > 0) & (elastic > 0)):
         value, shape = float(eigenvalues[k]), shapes[k]
@@ -44,7 +42,7 @@ def buckling_changes(linear: Solution, shapes: np.ndarray) -> np.ndarray:
 
 def warn_of_changes(what: str, changes: np.ndarray) -> None:
     """A warning where theory `kirchhoff` leaves much out of a ``"frequency"`` or ``"buckling load"``, (n,) of them."""
-    much = MUCH / 2 if what == "frequency" else MUCH
+    much = THICK / 2 if what == "frequency" else THICK  # a frequency is a root
     if not (np.abs(changes) > much).any():
         return
     worst = int(np.nanargmax(np.abs(changes)))

@@ -56,7 +56,7 @@ def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSecti
     """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
     points, weights = geometry.theory.quadrature
     # Covariant strains grow with the distance from a pole and its square, which the assumed ones beside it cannot.
-    at_pole = np.asarray(np.isin(geometry.ties.node_of[geometry.mesh.t], list(geometry.ties.poles)).any(axis=0))
+    at_pole = geometry.at_poles
     plain = at_pole if geometry.theory.assumed else np.ones_like(at_pole)
     key, rounding = _shape_key(geometry)
     representative, shape = classes(np.hstack([key, plain[:, None]]), rounding)

@@ -17,9 +17,9 @@ import numpy as np
 
 import skancf as sk
 from skancf.adaptive.grow import Growth
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.maps import local_maps
 from skancf.elements.nodal import nodal_jacobian
+from skancf.layout.geometry import Geometry
+from skancf.layout.maps import local_maps
 from skancf.linear import BlockPattern, DirectSolver
 from skancf.theories import Kirchhoff
 

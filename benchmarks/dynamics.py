@@ -54,7 +54,7 @@ def run(n: int, theory: str, rule: object, dt: float) -> tuple[float, float, flo
     return seconds / iterations, iterations / len(loop.steps), sum(s.factorisations for s in loop.steps) / len(loop.steps)
 
 
-def corners(theory: str) -> tuple[sk.assembly.system.System, float]:
+def corners(theory: str) -> tuple[sk.system.System, float]:
     """The plate of the paper, and the length of its run (s)."""
     surface = sk.Rectangle(1.0, 1.0)
     problem = sk.Problem(surface, 0.05, sk.Isotropic(0.2e6, 0.0, 2000.0), [sk.Pin("corners")],
@@ -62,7 +62,7 @@ def corners(theory: str) -> tuple[sk.assembly.system.System, float]:
     return problem.on(sk.meshes.uniform(surface, 12, 12), theory), 0.3
 
 
-def cantilever(theory: str) -> tuple[sk.assembly.system.System, float]:
+def cantilever(theory: str) -> tuple[sk.system.System, float]:
     """A strip that a force bends by half of its length."""
     surface = sk.Rectangle(0.2, 0.02)
     push = sk.PointForce((0.2, 0.01), (0.0, 0.0, 3.0), history=sk.Ramp(0.05))
@@ -73,7 +73,7 @@ def cantilever(theory: str) -> tuple[sk.assembly.system.System, float]:
 BODIES = {"plate on four corners, 12 x 12": (corners, (2e-2, 5e-3)), "cantilever, 16 x 2": (cantilever, (2e-3, 5e-4))}
 
 
-def timed(system: sk.assembly.system.System, end: float, dt: float, rule: sk.dynamics.rule.Rule) -> tuple[float, sk.Motion]:
+def timed(system: sk.system.System, end: float, dt: float, rule: sk.dynamics.rule.Rule) -> tuple[float, sk.Motion]:
     """Milliseconds per step, of the processor, and the run."""
     began = time.process_time()
     motion = sk.simulate(system, end, dt=dt, rule=rule, progress=False, balance=None)

@@ -23,8 +23,8 @@ import numpy as np
 import skancf as sk
 from benchmarks.machine import clock, facts, forget_peak, peak_memory, resident_memory, with_threads, write
 from skancf.adaptive.transfer import transfer
-from skancf.assembly.system import System
 from skancf.linear import BlockMatrix, DirectSolver, available_backends
+from skancf.system.system import System
 
 ROOT, COARSE = 5, 10
 """Elements along a side: of the trees, and of the mesh on which the state is solved for."""

@@ -9,12 +9,10 @@ import numpy as np
 import skfem
 
 from skancf.arguments import MESH, having, instance, plain
-from skancf.assembly.constrain import constrain
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.protocols import Assembly
-from skancf.assembly.system import System, assemble
 from skancf.errors import InputError, positive, shown, warn
 from skancf.functions import Noted, is_ours
+from skancf.layout.constrain import constrain
+from skancf.layout.geometry import Geometry
 from skancf.loads import Load
 from skancf.loads.acting import Acting
 from skancf.materials import Damping, Laminate, Law, Section, section_of
@@ -25,6 +23,8 @@ from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.surfaces.asked import require_surface, require_vectors
+from skancf.system.system import System, assemble
+from skancf.terms.protocols import Assembly
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
 from skancf.thinness import Choice, choose, warn_if_full_is_off
 

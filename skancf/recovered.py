@@ -16,13 +16,13 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from skancf.assembly.full.assembly import BENDING, FullAssembly
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.patches import STENCIL, Cuts, Patches
-from skancf.assembly.places import NONE
-from skancf.assembly.system import System
 from skancf.errors import InputError, finite
+from skancf.layout.geometry import Geometry
+from skancf.layout.patches import STENCIL, Cuts, Patches
+from skancf.layout.places import NONE
 from skancf.materials import Section
+from skancf.system.system import System
+from skancf.terms.shells.full import BENDING, FullAssembly
 
 IN_PLANE = [0, 1, 5]
 ON = 1e-8

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import STATE, flag, instance, plain, system_like, text
-from skancf.assembly.patches import averaging_nodes
-from skancf.assembly.probe import normal_rates, normals, probe
-from skancf.assembly.system import System
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
+from skancf.layout.patches import averaging_nodes
 from skancf.materials import Section
 from skancf.recovered import section_forces, strain_excess
+from skancf.system.probe import normal_rates, normals, probe
+from skancf.system.system import System
 from skancf.thinness import BILINEAR, FREE, Fields, ShearForm, share_of, shear_forces
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")

@@ -157,7 +157,7 @@ def test_a_mesh_without_a_tree_is_refused():
 
 
 def test_the_mass_is_assembled_once_for_each_mesh(monkeypatch):
-    from skancf.assembly.system import System
+    from skancf.system.system import System
 
     count, gathered = [], System.gathered_mass
     monkeypatch.setattr(System, "gathered_mass", lambda self, *a: count.append(id(self)) or gathered(self, *a))

@@ -7,8 +7,8 @@ import pytest
 from problems import SURFACES
 
 import skancf as sk
-from skancf.assembly import hanging
 from skancf.errors import InputError
+from skancf.layout import hanging
 from skancf.meshes import quadtree, uniform
 
 MATERIAL = sk.Isotropic(1e6, 0.3, 2000.0)
@@ -449,7 +449,7 @@ def test_forces_on_unknowns_are_those_on_all_nodes(theory, rng):
 
 @theories
 def test_threads_do_not_change_a_bit(theory, monkeypatch, rng):
-    from skancf.assembly import schedule
+    from skancf.kernels import schedule
 
     found, q = [], None
     for threads in ("1", "2"):

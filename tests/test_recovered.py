@@ -8,9 +8,9 @@ import pytest
 from reference import elastica
 
 import skancf as sk
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.patches import STENCIL, Cuts, Patches, means_beside_hanging_nodes
 from skancf.elements.reference import CORNERS
+from skancf.layout.geometry import Geometry
+from skancf.layout.patches import STENCIL, Cuts, Patches, means_beside_hanging_nodes
 from skancf.recovered import cuts, gradient
 from skancf.theories import Full
 

@@ -10,10 +10,10 @@ from reference import navier
 import skancf as sk
 from skancf.adaptive import Doerfler, nodal_measure, recovery, stress_indicator
 from skancf.adaptive.recovery import recovered
-from skancf.assembly.geometry import Geometry
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError
+from skancf.layout.geometry import Geometry
 from skancf.theories import Full, Kirchhoff
 
 NU, THICKNESS = 0.3, 0.01

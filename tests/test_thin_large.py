@@ -10,7 +10,7 @@ from problems import hemisphere as hemisphere_problem
 from reference import elastica, sze, von_karman
 
 import skancf as sk
-from skancf.assembly.system import System
+from skancf.system.system import System
 
 TWENTIETHS = sk.HalveAndGrow(first=0.05, growth=1.0)
 EIGHTHS = sk.HalveAndGrow(first=1 / 8, growth=1.0)

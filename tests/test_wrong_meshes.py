@@ -8,8 +8,8 @@ import pytest
 import skfem
 
 import skancf as sk
-from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError
+from skancf.layout.geometry import Geometry
 from skancf.meshes import check_mesh, graded, quadtree, tensor, uniform
 from skancf.meshes.snap import onto_bounds
 from skancf.theories import theory_named

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 import skancf as sk
-from skancf.assembly.system import System
+from skancf.system.system import System
 
 TABLES = Path(__file__).resolve().parent.parent / "decisions"
 THEORIES = ("kirchhoff", "full")

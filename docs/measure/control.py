@@ -21,7 +21,7 @@ import numpy as np
 from tables import write
 
 import skancf as sk
-from skancf.assembly.system import System
+from skancf.system.system import System
 
 ALUMINIUM, STEEL = sk.Isotropic(70e9, 0.3, 2700.0), sk.Isotropic(210e9, 0.3, 7850.0)
 Motions = Iterator[tuple[str, sk.Problem, tuple[int, int], float, dict]]

@@ -17,7 +17,7 @@ from skfem.utils import mpc
 from tables import write
 
 import skancf as sk
-from skancf.assembly.hanging import Hanging
+from skancf.layout.hanging import Hanging
 from skancf.meshes import MeshQuadTree
 from skancf.theories import Kirchhoff
 

@@ -20,11 +20,11 @@ sys.path.insert(0, str(ROOT))  # for the meshes of the benchmark
 import skancf as sk  # noqa: E402
 import skancf.statics.cascade as cascade  # noqa: E402
 from benchmarks.solvers import graded, shell, uniform  # noqa: E402
-from skancf.assembly.system import System  # noqa: E402
 from skancf.linear import DirectSolver, available_backends, dissection  # noqa: E402
 from skancf.linear.pardiso import ANALYSE, RELEASE, _Handle  # noqa: E402
 from skancf.linear.rslab import Rslab  # noqa: E402
 from skancf.statics import equilibrium  # noqa: E402
+from skancf.system.system import System  # noqa: E402
 
 COUNT_ENTRIES = 17
 GATES = (0.0, 1e-4, 1e-3, 1e-2)

@@ -14,9 +14,9 @@ from math import pi, radians
 from pathlib import Path
 
 import skancf as sk
-from skancf.assembly.system import System
 from skancf.linear import DirectSolver
 from skancf.statics import newton
+from skancf.system.system import System
 
 TABLE = Path(__file__).resolve().parent.parent / "decisions" / "load_steps.csv"
 

@@ -20,10 +20,10 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
-from skancf.assembly.thin import sections
 from skancf.elements.quad_ancf import square_quadrature
+from skancf.terms.shells import kirchhoff_sections as sections
 from skancf.theories import kirchhoff
-from skancf.theories.kirchhoff_point import gradient
+from skancf.theories.kirchhoff.point import gradient
 
 HERE = Path(__file__).resolve().parent.parent
 PLAIN = sk.Kirchhoff(assumed=False)

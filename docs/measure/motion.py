@@ -17,11 +17,11 @@ from tables import write
 import skancf as sk
 from skancf.adaptive.between import Interpolation
 from skancf.adaptive.carry import carried
-from skancf.assembly.system import System
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import StepSolver
 from skancf.linear import DirectSolver
 from skancf.meshes import MeshQuadTree, quadtree, uniform
+from skancf.system.system import System
 
 ALUMINIUM = sk.Isotropic(70e9, 0.3, 2700.0)
 PLATE = sk.Rectangle(1.0, 0.8)

@@ -28,7 +28,7 @@ KILLS, END, EVERY = 20, 0.2, 3
 TABLE = Path(__file__).resolve().parent.parent / "theory" / "restart.csv"
 
 
-def plate() -> sk.assembly.system.System:
+def plate() -> sk.system.System:
     """A cantilever that is pulled up by its end, and a load that moves over it."""
     surface = sk.Rectangle(1.0, 1.0)
     path = sk.Path([0.0, END], [(0.1, 0.2), (0.9, 0.8)])

@@ -15,8 +15,8 @@ from skfem import MeshQuad
 from tables import write
 
 import skancf as sk
-from skancf.assembly.system import System
 from skancf.linear import BlockMatrix
+from skancf.system.system import System
 
 STEEL = sk.Isotropic(210e9, 0.3, 7850.0)
 PLATE = sk.Rectangle(1.5, 0.6)

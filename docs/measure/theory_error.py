@@ -18,7 +18,7 @@ import numpy as np
 import skfem
 
 import skancf as sk
-from skancf.assembly.system import System
+from skancf.system.system import System
 from skancf.thinness import form
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -20,7 +20,7 @@ from scipy.special import ellipk
 from tables import write
 
 import skancf as sk
-from skancf.assembly.system import System
+from skancf.system.system import System
 
 PICTURE = Path(__file__).resolve().parent.parent / "pictures" / "spinning.png"
 RULES = {

@@ -9,12 +9,12 @@ from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, theory_error_or_why
 from skancf.adaptive.transfer import transfer
-from skancf.assembly.system import System
 from skancf.checks import Check
 from skancf.solution import Solution
 from skancf.statics.cascade import REACHED
 from skancf.statics.equilibrium import equilibrium, small_deflection
 from skancf.statics.newton import Status
+from skancf.system.system import System
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.recovery import recovery
 from skancf.adaptive.stress import face_stress
 from skancf.arguments import PROBLEM, flag, having, instance, whole
-from skancf.assembly.system import System
 from skancf.errors import InputError, NoLimit, OutOfDepth, number, positive, shown
 from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
@@ -20,6 +19,7 @@ from skancf.problem import Problem
 from skancf.solution import Solution
 from skancf.statics.causes import require_support
 from skancf.statics.depth import warn_without_time
+from skancf.system.system import System
 from skancf.theories import Theory
 
 INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {

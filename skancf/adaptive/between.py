@@ -5,8 +5,8 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError
+from skancf.layout.geometry import Geometry
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 

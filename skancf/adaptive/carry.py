@@ -18,11 +18,11 @@ import numpy as np
 from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
-from skancf.assembly.system import System
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.errors import vector
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
+from skancf.system.system import System
 
 SOFTEST = {True: 1e-3, False: 1e-5}
 r""":math:`\sigma` over the squared frequency of the residual, in theory `kirchhoff` and in `full`."""

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from skancf.assembly.system import System
-from skancf.assembly.unstressed import of_change
 from skancf.solution import Solution
+from skancf.system.system import System
+from skancf.system.unstressed import of_change
 
 Strained = tuple[np.ndarray, np.ndarray]
 """Strains and stresses with their weights, (n_elements, n_strains, n_points) each."""

@@ -18,7 +18,6 @@ from skancf.adaptive.grow import LEFT, SMALLEST, SMALLEST_LARGE, may_be_quartere
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
 from skancf.adaptive.singular import images, nodes_at, singular_points, touching
-from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
@@ -26,6 +25,7 @@ from skancf.solution import Solution
 from skancf.statics.equilibrium import equilibrium
 from skancf.statics.newton import newton, skew_part
 from skancf.statics.stopping import work
+from skancf.system.system import System
 
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""

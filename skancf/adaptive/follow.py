@@ -11,7 +11,6 @@ from skancf.adaptive.grow import LEFT, may_be_quartered
 from skancf.adaptive.marking import check_indicators
 from skancf.adaptive.recovery import recovery
 from skancf.arguments import function, plain, whole
-from skancf.assembly.system import System
 from skancf.dynamics import MeshEvent
 from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
@@ -20,6 +19,7 @@ from skancf.functions import called
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.solution import Solution
+from skancf.system.system import System
 
 EARLY, AIM = 0.5, 0.25
 """Of the asked squared error: how much there may be before elements are quartered, and how much should be left then."""

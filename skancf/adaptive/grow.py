@@ -9,9 +9,9 @@ from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.singular import SAME_POINT, images
-from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, shown
 from skancf.functions import called
+from skancf.layout.geometry import Geometry
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.surfaces import Surface

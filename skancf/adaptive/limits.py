@@ -15,11 +15,11 @@ from skancf.adaptive.singular import (
     reentrant_corners,
     same_point,
 )
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import System
 from skancf.errors import finite, unit_vector
+from skancf.layout.geometry import Geometry
 from skancf.loads import PointForce
 from skancf.supports import Clamp, NoRotation
+from skancf.system.system import System
 
 ALONG_TOO = 1e-6
 """Product of the parts of two unit vectors that counts."""

@@ -24,14 +24,14 @@ from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
 from skancf.adaptive.unbounded import why_without_limit
 from skancf.arguments import MESH, instance
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import System
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, number
 from skancf.functions import called
+from skancf.layout.geometry import Geometry
 from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.system.system import System
 from skancf.theories import Theory
 
 BELOW = Below(0.01)

@@ -10,8 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.dynamics.initial import rigid_rates
+from skancf.system.system import System
 
 ROUNDING = 1e-14
 """Of momenta, relative to the sum of the sizes of their parts."""

@@ -9,12 +9,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.arguments import STATE, instance
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.patches import averaging_nodes
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
+from skancf.layout.geometry import Geometry
+from skancf.layout.patches import averaging_nodes
 from skancf.solution import Solution
-from skancf.theories.kirchhoff import legendre
+from skancf.theories.kirchhoff.theory import legendre
 
 SINGULAR = 1e-8
 """Of the largest eigenvalue of a fit: a smaller one is of a polynomial that vanishes at all places around the node."""

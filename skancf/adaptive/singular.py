@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.quantities import SectionForce
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import System
 from skancf.errors import InputError, finite, unit_vector
+from skancf.layout.geometry import Geometry
 from skancf.loads import DiskForce, PointForce
 from skancf.meshes.forest import Leaves
 from skancf.recovered import reentrant_corners
 from skancf.supports import Clamp, NoRotation, Pin, SimpleSupport, Symmetry
 from skancf.supports.conditions import R_X, R_Y, edges, single_points
 from skancf.surfaces import normal
+from skancf.system.system import System
 
 SAME_POINT = 1e-8
 """Of the extent of the mesh: two points of the parameter plane closer than this are one."""

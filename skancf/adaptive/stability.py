@@ -11,13 +11,13 @@ from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
 from skancf.adaptive.vibration import softening
 from skancf.arguments import whole
-from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.solution import Solution
 from skancf.statics.buckling import buckling
 from skancf.statics.eigen_checks import require_checks
 from skancf.statics.modes import moved_along
 from skancf.statics.tangents import geometric_stiffness
+from skancf.system.system import System
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.carry import carried
 from skancf.arguments import STATE, SYSTEM, instance
-from skancf.assembly.system import System
 from skancf.solution import Solution
+from skancf.system.system import System
 
 
 def transfer(state: Solution, system: System) -> Solution:

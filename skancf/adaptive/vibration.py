@@ -14,13 +14,13 @@ from skancf.adaptive.quantities import StrainEnergy
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
 from skancf.arguments import flag, whole
-from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted
 from skancf.solution import Solution
 from skancf.statics.eigen_checks import require_checks
 from skancf.statics.modes import Modes, modes, moved_along
 from skancf.statics.tangents import state_tangent
+from skancf.system.system import System
 
 
 @dataclass(frozen=True)

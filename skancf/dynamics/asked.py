@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.dynamics.run import Run, Settings
+from skancf.system.system import System
 from skancf.version import __version__
 
 CLOSE = 1e-9

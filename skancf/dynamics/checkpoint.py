@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import SYSTEM, instance, whole
-from skancf.assembly.system import System
 from skancf.atomic import AnyPath, as_path, check_folder, reason
 from skancf.dynamics.asked import Asked, asked_problem
 from skancf.dynamics.ledger import SUMS, Book, Forces
@@ -26,6 +25,7 @@ from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import Effort
 from skancf.errors import InputError, SkancfError
+from skancf.system.system import System
 
 N_NUMBERS = 12
 """In a state."""

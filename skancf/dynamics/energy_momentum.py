@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.system import System
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.state import State
 from skancf.errors import InputError, number
 from skancf.linear import BlockMatrix
+from skancf.system.system import System
 
 LEAST = 1 / 3
 """The smallest spectral radius that a real dissipation has."""
@@ -34,7 +34,7 @@ class EnergyMomentum(ImplicitMidpoint):
     A body that turns at a constant strain loses nothing.
 
     In theory `full` strains are quadratic in q and :math:`D\varepsilon` is their gradient at the middle; in `kirchhoff` it
-    is the :func:`~skancf.theories.kirchhoff_point.discrete_gradient` at each integration point.
+    is the :func:`~skancf.theories.kirchhoff.point.discrete_gradient` at each integration point.
 
     Parameters
     ----------

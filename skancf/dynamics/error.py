@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import StepSolver
+from skancf.system.system import System
 
 ADDING = np.pi / 2
 """Errors of an oscillation's steps add up all of a cosine without its sign, of which they measure 2 / pi."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.dynamics.state import State
+from skancf.system.system import System
 from skancf.vectors import cross_matrix, rotation, sum_of_cross
 
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from skancf.assembly.system import System
+from skancf.system.system import System
 
 SAMPLES = 4096
 """Times in a run at which a function is looked at; a pulse between two of them is not seen."""

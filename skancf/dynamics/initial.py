@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import System
 from skancf.errors import InputError, finite, vector
+from skancf.layout.geometry import Geometry
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.loads.acting import over_elements, values_at
+from skancf.system.system import System
 
 R, R_X, R_Y, FOURTH = range(4)
 

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.errors import InputError, finite
+from skancf.system.system import System
 from skancf.vectors import sum_of_cross
 
 

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import function
-from skancf.assembly.probe import probe
-from skancf.assembly.system import System
 from skancf.checks import Check
 from skancf.dynamics.between import Between
 from skancf.dynamics.ledger import Ledger
 from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
 from skancf.solution import Solution
+from skancf.system.probe import probe
+from skancf.system.system import System
 
 
 class MotionStatus(Enum):

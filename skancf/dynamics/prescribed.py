@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.errors import InputError
+from skancf.system.system import System
 
 
 def prescribed_rate(system: System, time: float, moment: float) -> np.ndarray:

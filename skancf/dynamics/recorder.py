@@ -5,12 +5,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.dynamics.between import Between
 from skancf.dynamics.motion import Stretch
 from skancf.dynamics.state import State
 from skancf.functions import called
 from skancf.solution import Solution
+from skancf.system.system import System
 
 Quantity = Callable[[Solution], Any]
 

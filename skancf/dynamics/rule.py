@@ -9,9 +9,9 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.dynamics.state import State
 from skancf.linear import BlockMatrix
+from skancf.system.system import System
 
 
 class Rule(ABC):

@@ -7,7 +7,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from skancf.arguments import flag
-from skancf.assembly.system import System
 from skancf.atomic import reason
 from skancf.checks import Check, failures
 from skancf.dynamics.error import Measure
@@ -24,6 +23,7 @@ from skancf.dynamics.steps import FADING, Attempt, StepControl
 from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
 from skancf.progress import Progress
+from skancf.system.system import System
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.atomic import reason, replacing
 from skancf.dynamics.asked import Asked
 from skancf.dynamics.ledger import COLUMNS, Book, MeshEvent
@@ -19,6 +18,7 @@ from skancf.dynamics.motion import Step
 from skancf.dynamics.recorder import Knot, Recorder
 from skancf.errors import InputError, SkancfError
 from skancf.meshes import quadtree_file
+from skancf.system.system import System
 
 FORMAT = "skancf run 3"
 RUN, STATE, PIECE, MESH = "run.npz", "state.npz", "piece_{:06d}.npz", "mesh_{:06d}.npz"

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import choice, function, having, mapping, whole
-from skancf.assembly.system import System
 from skancf.atomic import AnyPath
 from skancf.dynamics.asked import asked_of
 from skancf.dynamics.checkpoint import Checkpoint
@@ -26,6 +25,7 @@ from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.statics.asked import check_asked
+from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
 
 

@@ -6,7 +6,6 @@ from enum import IntEnum
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
-from skancf.assembly.system import System
 from skancf.dynamics.acceleration import Anderson
 from skancf.dynamics.first_guess import advanced
 from skancf.dynamics.rule import Rule
@@ -15,6 +14,7 @@ from skancf.dynamics.turning import TurningFactors
 from skancf.errors import SingularMatrix
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.statics.stopping import ROUNDING
+from skancf.system.system import System
 
 MAX_ITERATIONS = 25
 EASY = 4

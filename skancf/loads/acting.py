@@ -5,14 +5,14 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from skancf import functions
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.protocols import Assembly
 from skancf.errors import vector
 from skancf.history import History, amplitude, check_history
+from skancf.layout.geometry import Geometry
+from skancf.terms.protocols import Assembly
 
 
 class Acting:
-    """A load on a given mesh; a kind of load overrides what it has. See :class:`skancf.assembly.protocols.Loading`."""
+    """A load on a given mesh; a kind of load overrides what it has. See :class:`skancf.terms.protocols.Loading`."""
 
     history: History | None = None
 
@@ -67,7 +67,7 @@ class Load(Protocol):
     """What a problem knows of a load."""
 
     def on(self, assembly: Assembly) -> Any:
-        """The load on a given mesh: see :class:`skancf.assembly.protocols.Loading`."""
+        """The load on a given mesh: see :class:`skancf.terms.protocols.Loading`."""
 
 
 class Spread(NamedTuple):

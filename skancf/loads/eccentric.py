@@ -4,11 +4,11 @@ from functools import cached_property
 
 import numpy as np
 
-from skancf.assembly import local
-from skancf.assembly.protocols import Assembly
 from skancf.history import History, amplitude
+from skancf.kernels import gather
 from skancf.loads.acting import DeadLoad
-from skancf.theories.kirchhoff_point import dot, dual, unit_normal
+from skancf.terms.protocols import Assembly
+from skancf.theories.kirchhoff.point import dot, dual, unit_normal
 
 
 class DeadLoadOnNormals(DeadLoad):
@@ -57,4 +57,4 @@ class DeadLoadOnNormals(DeadLoad):
         others -= 0.5 * np.einsum("ep,glep,iep,lbp->geibp", dot(s, n), metric, n, self.slopes, optimize=True)
         half = np.einsum("gap,iep,gejbp->eiajb", self.slopes, n, others, optimize=True).reshape(-1, 48, 48)
         elements = np.arange(self.geometry.n_elements, dtype=np.int32)
-        local.add_local(elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)
+        gather.add_local(elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)

@@ -8,12 +8,12 @@ import numpy as np
 import skfem
 
 from skancf.arguments import plain
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.protocols import Assembly
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, vector
 from skancf.history import History
+from skancf.layout.geometry import Geometry
 from skancf.loads.acting import DeadLoad, Spread, check_distributed, values_at
+from skancf.terms.protocols import Assembly
 
 
 @dataclass(frozen=True)

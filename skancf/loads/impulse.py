@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.protocols import Assembly
 from skancf.errors import number, vector
 from skancf.functions import is_function
 from skancf.loads.acting import Acting, point_forces
 from skancf.loads.edge import on_edges
+from skancf.terms.protocols import Assembly
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly import local
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, vector
 from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
+from skancf.kernels import gather
+from skancf.layout.geometry import Geometry
 from skancf.loads.acting import Acting
-from skancf.theories.kirchhoff_point import R1, R2, dual, unit_normal
+from skancf.terms.protocols import Assembly
+from skancf.theories.kirchhoff.point import R1, R2, dual, unit_normal
 from skancf.vectors import cross
 
 ROUNDING = 1e-12
@@ -179,7 +179,7 @@ class MomentOnDirectors(Acting):
     ) -> None:
         blocks = self._blocks(q, time)
         symmetric = self._matrices(factor * (blocks + blocks.swapaxes(1, 2)) / 2)
-        local.add_local(self.elements, symmetric, self.geometry.maps, slots, out)
+        gather.add_local(self.elements, symmetric, self.geometry.maps, slots, out)
 
     def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
         blocks = self._blocks(q, time)
@@ -232,7 +232,7 @@ class MomentOnNormals(Acting):
         left = np.einsum("mgan,gjmn->majn", self.slopes, duals).reshape(len(self.slopes), 48, -1)
         right = np.einsum("mlbn,lmn,imn->mibn", self.slopes, c, n).reshape(len(self.slopes), 48, -1)
         half = (left @ right.swapaxes(1, 2)).reshape(-1, 16, 3, 3, 16).transpose(0, 3, 1, 2, 4).reshape(-1, 48, 48)
-        local.add_local(self.elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)
+        gather.add_local(self.elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)
 
     def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
         n, duals, m, _ = self._surface(q, time)

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, shown, vector
 from skancf.functions import called, is_function
 from skancf.history import History, amplitude, check_history
+from skancf.layout.geometry import Geometry
 from skancf.loads.acting import Acting, Spread, check_distributed
 from skancf.loads.edge import on_line
+from skancf.terms.protocols import Assembly
 
 Place = Callable[[float], Any]
 """A point (x, y) of the parameter plane as a function of time."""

@@ -6,12 +6,12 @@ from math import pi
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, vector
 from skancf.history import History, check_history
+from skancf.layout.geometry import Geometry
 from skancf.loads.acting import DeadLoad, point_forces
 from skancf.loads.pole import covered_pole
+from skancf.terms.protocols import Assembly
 
 SINGULAR, CLOSE, NEWTON = 1e-9, 1e-9, 30
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.geometry import Geometry
 from skancf.elements.quad_ancf import gauss
+from skancf.layout.geometry import Geometry
 
 SAME = 1e-9
 """Of the radius of a disk, how near to a pole is at it."""

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly import local
-from skancf.assembly.pressure_kernel import pressure_stiffness
-from skancf.assembly.protocols import Assembly
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import number
 from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
+from skancf.kernels import gather
 from skancf.loads.acting import Acting
+from skancf.loads.pressure_kernel import pressure_stiffness
+from skancf.terms.protocols import Assembly
 
 EXACT = 5
 
@@ -145,7 +145,7 @@ class VaryingPressure(Acting):
     ) -> None:
         full = self._matrices(q, time)
         elements = np.arange(self.geometry.n_elements, dtype=np.int32)
-        local.add_local(elements, factor * (full + full.swapaxes(1, 2)) / 2, self.geometry.maps, slots, out)
+        gather.add_local(elements, factor * (full + full.swapaxes(1, 2)) / 2, self.geometry.maps, slots, out)
 
     def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
         full = self._matrices(q, time)

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.protocols import Assembly
 from skancf.errors import vector
 from skancf.history import History, check_history
 from skancf.loads.acting import Acting, DeadLoad, check_distributed, over_elements, values_at
 from skancf.loads.eccentric import DeadLoadOnNormals
+from skancf.terms.protocols import Assembly
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, finite
 from skancf.functions import is_function, values_at
 from skancf.history import History, amplitude, check_history
 from skancf.loads.acting import Acting
+from skancf.terms.protocols import Assembly
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import LinearOperator
 
 from skancf.arguments import choice
-from skancf.assembly.system import System
 from skancf.checks import Check
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
@@ -38,6 +37,7 @@ from skancf.statics.modes import (
     nth,
 )
 from skancf.statics.tangents import geometric_stiffness, warn_if_skew
+from skancf.system.system import System
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.checks import Check, failures
 from skancf.errors import SingularMatrix
 from skancf.linear import DirectSolver
@@ -20,6 +19,7 @@ from skancf.statics.relax import Relaxation
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 from skancf.statics.tangents import SYMMETRIC_ONLY, is_skew
 from skancf.statics.verify import checks_of, verify
+from skancf.system.system import System
 
 UNSTABLE = (
     "the equilibrium is not stable: its tangent has {} negative eigenvalue(s), and the first one came between load factor "

@@ -7,10 +7,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from skancf.arguments import instance, plain, whole
-from skancf.assembly.probe import probe
 from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
 from skancf.statics.stopping import Constraint
+from skancf.system.probe import probe
 
 # A displacement so small against the largest coordinate that moves with the load is none: rounding in thin plates is 1e-12.
 STILL = 1e-9

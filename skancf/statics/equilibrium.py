@@ -5,7 +5,6 @@ import warnings
 import numpy as np
 
 from skancf.arguments import instance
-from skancf.assembly.system import System
 from skancf.errors import DidNotConverge, OutOfDepth, number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
@@ -19,6 +18,7 @@ from skancf.statics.newton import OPEN, Status
 from skancf.statics.path import traced
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 from skancf.statics.verify import Balance, unmet
+from skancf.system.system import System
 
 OPEN_LINEAR = (
     "the linear answer lost digits: {} is {:.1e}, more than {:.0e}. Elements may be too small, or too thin for their "

@@ -9,7 +9,6 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh
 
 from skancf.arguments import whole
-from skancf.assembly.system import System
 from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
@@ -30,6 +29,7 @@ from skancf.statics.eigen_checks import (
 )
 from skancf.statics.left_out import frequency_changes, warn_of_changes
 from skancf.statics.tangents import state_tangent, warn_if_skew
+from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
 
 # An eigenvalue that is no larger than so many roundings of the terms of which it is the sum is zero: rigid motions of free

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.checks import Check, failures
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, shown
 from skancf.linear import DirectSolver
@@ -20,6 +19,7 @@ from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
 from skancf.statics.stopping import ROUNDING
 from skancf.statics.verify import Balance, checks_of
+from skancf.system.system import System
 
 FIRST_TURN = 0.5
 """Largest change of a slope in the first step by arc length, relative to the slope's length."""

@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.linear import DirectSolver
 from skancf.statics.controls import Measure
 from skancf.statics.newton import NewtonResult, along_load, factored, newton
 from skancf.statics.stopping import Constraint
+from skancf.system.system import System
 
 # Cosine between an increment and the tangents at its ends, below which it is not trusted to lie on one smooth branch.
 SHARP = 0.8

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.errors import OutOfDepth
 from skancf.linear import BlockMatrix
 from skancf.solution import Solution
 from skancf.statics.newton import skew_part
+from skancf.system.system import System
 
 # A skew part so small against the stiffness is rounding, of edges that are held or lie in a plane of symmetry.
 ROUNDING = 1e-12

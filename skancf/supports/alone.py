@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.geometry import Geometry
 from skancf.errors import shown, warn
+from skancf.layout.geometry import Geometry
 from skancf.supports.conditions import Edges, edges, single_points, space_tangent
 
 STRAIGHT = 0.87

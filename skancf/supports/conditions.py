@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError
+from skancf.layout.geometry import Geometry
+from skancf.terms.protocols import Assembly
 from skancf.vectors import cross
 
 R, R_X, R_Y, FOURTH = range(4)

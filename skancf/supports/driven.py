@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
+from skancf.layout.geometry import Geometry
 from skancf.supports.conditions import FOURTH, R, Row, Support, condition, edges
 
 

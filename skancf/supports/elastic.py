@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.protocols import Assembly
 from skancf.errors import InputError, positive, unit_vector, vector
 from skancf.functions import is_function, values_at
+from skancf.layout.geometry import Geometry
 from skancf.supports.conditions import Support
+from skancf.terms.protocols import Assembly
 
 
 def check_factors(name: str, value: Any) -> None:

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, shown, unit_vector, warn
+from skancf.layout.geometry import Geometry
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import (
     FOURTH,

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError
+from skancf.layout.geometry import Geometry
 from skancf.surfaces import normal
 from skancf.vectors import cross
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebpts2, chebvander
 
 from skancf.arguments import plain
-from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function, values_at
 from skancf.history import History, check_history
+from skancf.layout.geometry import Geometry
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import (
     FOURTH,

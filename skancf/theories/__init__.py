@@ -1,8 +1,8 @@
 """Theories: which strains are made of the position field."""
 
 from skancf.errors import InputError, shown
-from skancf.theories.full import Full
-from skancf.theories.kirchhoff import Kirchhoff
+from skancf.theories.full.theory import Full
+from skancf.theories.kirchhoff.theory import Kirchhoff
 from skancf.theories.theory import Theory
 
 ALL: dict[str, type] = {"full": Full, "kirchhoff": Kirchhoff}

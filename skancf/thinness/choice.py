@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from skancf.assembly.system import System
 from skancf.errors import InputError, SingularMatrix
+from skancf.system.system import System
 from skancf.thinness.form import ShearForm
 from skancf.thinness.vibration import first_share
 

@@ -4,9 +4,9 @@ import warnings
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.errors import OutOfDepth, warn
 from skancf.materials import Section
+from skancf.system.system import System
 
 
 def warn_if_mass_is_off(system: System) -> None:

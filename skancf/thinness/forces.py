@@ -2,12 +2,12 @@ r"""Transverse shear forces of a thin state, from the equilibrium of its moments
 
 import numpy as np
 
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import System
 from skancf.elements.nodal import nodal_jacobian
 from skancf.elements.quad_ancf import square_quadrature
-from skancf.theories.kirchhoff import legendre, local_frame
-from skancf.theories.kirchhoff_point import dual
+from skancf.layout.geometry import Geometry
+from skancf.system.system import System
+from skancf.theories.kirchhoff.point import dual
+from skancf.theories.kirchhoff.theory import legendre, local_frame
 
 BILINEAR = square_quadrature(2)
 """Points where the moments are taken, and their weights."""

@@ -22,11 +22,11 @@ from functools import cached_property
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.functions import values_at
 from skancf.history import amplitude
 from skancf.loads import EdgeMoment
-from skancf.theories.kirchhoff import local_frame
+from skancf.system.system import System
+from skancf.theories.kirchhoff.theory import local_frame
 from skancf.thinness.forces import BILINEAR, balancing, coupled
 from skancf.thinness.moments import Moments, moments_of, moments_of_small
 from skancf.thinness.rim import rim_of

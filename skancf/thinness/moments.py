@@ -5,10 +5,10 @@ from typing import Any, cast
 
 import numpy as np
 
-from skancf.assembly.system import System
-from skancf.assembly.unstressed import derivative
-from skancf.theories.kirchhoff import covariant_to_local
-from skancf.theories.kirchhoff_point import DOUBLED, FIRST, SECOND, dot, dual, unit_normal
+from skancf.system.system import System
+from skancf.system.unstressed import derivative
+from skancf.theories.kirchhoff.point import DOUBLED, FIRST, SECOND, dot, dual, unit_normal
+from skancf.theories.kirchhoff.theory import covariant_to_local
 
 Moments = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
 """Moments (m, 3, n) at local points (2, n) of elements (m,), None for all of them."""
@@ -60,7 +60,7 @@ def moment_rates(system: System, q: np.ndarray, change: np.ndarray) -> Moments:
 
 
 def _curvature_rates(jet: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """Of the covariant curvature changes 11, 22, 12 (doubled), (3, m, n): see :mod:`skancf.theories.kirchhoff_point`."""
+    """Of the covariant curvature changes 11, 22, 12 (doubled), (3, m, n): see :mod:`skancf.theories.kirchhoff.point`."""
     n, duals = unit_normal(jet), dual(jet)
     tilts = [dot(n, moved[g]) for g in FIRST]
     return np.stack([

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.errors import InputError
 from skancf.supports import Dashpot
 from skancf.supports.conditions import R_X, R_Y, R
 from skancf.surfaces import normal
+from skancf.system.system import System
 
 FREE, MIRROR, SUPPORTED, CLAMPED = range(4)
 """Kinds of edges: one for a rotation about the edge that is held, and two for a deflection that is."""

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from skancf.assembly.system import System
 from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver, factor_shifted, soft_motions
+from skancf.system.system import System
 from skancf.thinness.form import ShearForm
 from skancf.thinness.moments import moment_rates
 

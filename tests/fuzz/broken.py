@@ -7,13 +7,13 @@ import numpy as np
 
 import skancf as sk
 from skancf.adaptive.estimate import Estimate
-from skancf.assembly.system import System
 from skancf.dynamics import checkpoint
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.steps import LocalError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
 from skancf.statics import cascade, equilibrium
+from skancf.system.system import System
 from skancf.thinness.form import ShearForm
 
 Patch = Any

@@ -6,9 +6,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from skancf.arguments import STATE, instance, plain
-from skancf.assembly.system import System
 from skancf.errors import unit_vector
 from skancf.solution import Solution
+from skancf.system.system import System
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import plain
-from skancf.assembly.geometry import Geometry
 from skancf.errors import InputError, unit_vector, vector
+from skancf.layout.geometry import Geometry
 from skancf.solution import Solution
 
 PARALLEL = 1e-6

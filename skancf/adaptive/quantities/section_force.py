@@ -7,11 +7,11 @@ import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import STATE, choice, instance, plain
-from skancf.assembly.geometry import Geometry
-from skancf.assembly.system import System
 from skancf.errors import InputError, finite, vector
+from skancf.layout.geometry import Geometry
 from skancf.recovered import gradient, section_forces
 from skancf.solution import Solution
+from skancf.system.system import System
 
 COMPONENTS = ("N11", "N22", "N12", "M11", "M22", "M12")
 

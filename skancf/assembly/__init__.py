@@ -1,5 +1,0 @@
-"""From problem and mesh to a system: local vectors, tables, kernels, sparsity."""
-
-from skancf.assembly.system import System
-
-__all__ = ["System"]

@@ -1,0 +1,1 @@
+"""Which unknowns there are: nodes of a mesh on a surface, what they are tied to, and which are held."""

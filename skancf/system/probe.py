@@ -1,0 +1,48 @@
+"""Values at points of the parameter plane: positions as weights of nodal vectors, and normals."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from skancf.errors import InputError, finite
+from skancf.system.system import System
+
+
+def places_of(at: Any) -> np.ndarray:
+    """Points of the parameter plane (n, 2), of one (2,) or a list of them."""
+    places = finite("at", at)
+    if places.ndim not in (1, 2) or places.shape[-1] != 2:
+        raise InputError(f"at of shape {places.shape}: give a point (x, y) of the parameter plane, or a list of them")
+    return places.reshape(-1, 2)
+
+
+def probe(system: System, at: Any) -> sp.csr_matrix:
+    """Weights (n, 4 n_nodes) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
+    vectors."""
+    geometry = system.geometry
+    elements, local = geometry.locate_all(places_of(at).T)
+    table = geometry.theory.position_table(local.T)[0]
+    point, row, column, value = geometry.local_entries(elements)
+    shape = (len(elements), 4 * geometry.n_nodes)
+    return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)
+
+
+def normals(system: System, at: Any, q: np.ndarray) -> np.ndarray:
+    """Directors or unit normals (n, 3) at points of the parameter plane, (2,) or (n, 2)."""
+    return _at_places(system, at, system.geometry.theory.normals, q)
+
+
+def normal_rates(system: System, at: Any, q: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Their rates (n, 3) for rates of the nodal coordinates q."""
+    return _at_places(system, at, system.geometry.theory.normal_rates, q, rates)
+
+
+def _at_places(system: System, at: Any, field: Callable[..., np.ndarray], *vectors: np.ndarray) -> np.ndarray:
+    geometry, out = system.geometry, []
+    for place in places_of(at):
+        element, point = geometry.locate(place)
+        local = [geometry.local(v.reshape(-1, 4, 3), np.array([element])) for v in vectors]
+        out.append(field(*local, geometry.inside(point[:, None]), geometry.side[[element]])[0, :, 0])
+    return np.array(out)

@@ -1,0 +1,112 @@
+"""What a system knows of a theory on a mesh, of loads, and of prescribed coordinates."""
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from skancf.kernels.schedule import Schedule
+from skancf.layout.geometry import Geometry
+from skancf.materials import Section
+
+
+class Assembly(Protocol):
+    """A theory on a mesh. Nodal vectors q and forces have the shape (n_nodes, 4, 3); stresses hold the weights."""
+
+    geometry: Geometry
+    section: Section
+    sections: Any
+    schedule: Schedule
+
+    @property
+    def areas(self) -> np.ndarray:
+        """Weights times area of the undeformed elements at the integration points, (n_elements, n_points)."""
+
+    def internal_force(self, q: np.ndarray) -> np.ndarray:
+        """Derivative of the strain energy."""
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Forces that do the work of given stresses (n_elements, n_strains, n_points)."""
+
+    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Forces f of given stresses with f . (q1 - q0) = stresses . (strains(q1) - strains(q0)) and no moment."""
+
+    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
+
+    def tangent(
+        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
+    ) -> None:
+        """Add the tangent with given stresses to the upper blocks ``out``; ``plain``: with no membrane strain assumed."""
+
+    @property
+    def mass_shapes(self) -> np.ndarray:
+        """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
+
+    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Stresses that hold back a temperature change T0 + z T1, each (n_elements, n_points)."""
+
+    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
+        """Energy of those stresses on the free strain of the temperature change, the largest it can have."""
+
+    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
+        """N and M in the local frame at points (2, n) of every element, (n_elements, 6, n).
+
+        The temperature change is T0 and T1 there, (2, n_elements, n), or None.
+        """
+
+    def section_force_gradient(
+        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
+    ) -> np.ndarray:
+        """Derivative (n_nodes, 4, 3) of the sum of weights (m, 6, n) times N and M at points (2, n) of elements (m,)."""
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+        """Strain in the local frame at a depth (n_elements, n, 6), temperature as in :meth:`section_forces`."""
+
+
+class Loading(Protocol):
+    """A load on a given mesh; :class:`skancf.loads.acting.Acting` has the defaults.
+
+    ``q`` has the shape (n_nodes, 4, 3); a time of None means the full amplitude.
+    """
+
+    def histories(self) -> list[Any]:
+        """Its functions of time, among them None for one that is constant."""
+
+    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+        """External force (n_nodes, 4, 3) in the configuration q."""
+
+    def add_stiffness(
+        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
+    ) -> None:
+        """Add the symmetric part of minus the force's derivative, times ``factor``, to the upper blocks ``out``."""
+
+    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
+        """Elements (m,) and skew parts (m, 48, 48) of minus the force's derivative, component by component; or None."""
+
+    def initial_stresses(self, time: float | None) -> np.ndarray | None:
+        """Stresses (n_elements, n_strains, n_points) that hold back a free strain; None if there are none."""
+
+    def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray | None:
+        """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
+
+    def couple(self, time: float | None) -> np.ndarray | None:
+        """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
+
+    def places(self, time: float | None) -> np.ndarray:
+        """Points (2, n) of the parameter plane at which it acts at a time, if it is at some only; else (2, 0)."""
+
+    def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
+        """A time (s) and the impulse (n_nodes, 4, 3) that acts then; None of what acts all the time."""
+
+    def weight(self) -> np.ndarray | None:
+        """Nodal forces (n_nodes, 4, 3) of a weight that changes with neither time nor configuration; None of any other."""
+
+
+class Prescription(Protocol):
+    """Prescribed coordinates in time."""
+
+    def histories(self) -> list[Any]:
+        """Its functions of time, among them None for one that is constant."""
+
+    def values(self, time: float | None) -> np.ndarray:
+        """Change of the prescribed coordinates from the undeformed state, (n_dofs,), zero along free directions."""

@@ -1,0 +1,1 @@
+"""A theory on a mesh: forces, stresses and tangents of all elements."""

@@ -1,0 +1,162 @@
+"""Theory `full` on a mesh: forces, stresses, tangents, and strains at any point."""
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from skancf.kernels.schedule import Schedule
+from skancf.layout.geometry import Geometry
+from skancf.materials import Section
+from skancf.materials.curved import require_one_side
+from skancf.materials.parallel import TRACE, principal_curvatures, sums
+from skancf.materials.section import ROUNDING
+from skancf.terms.shells.full_sections import Sections, build_sections
+from skancf.terms.shells.shell import CompiledAssembly
+from skancf.theories.full import kernels, residual_kernel, tangent_kernel
+from skancf.theories.full.theory import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, D, Full, covariant_to_local, jet_table, strain
+
+ALL, BENDING = slice(None), slice(3, N_IN_PLANE)
+"""All strains, and those with slopes of the director."""
+
+
+class FullAssembly(CompiledAssembly):
+    """See :class:`skancf.terms.protocols.Assembly`."""
+
+    residual_kernel, stress_kernel, tangent_kernel = residual_kernel.residual, kernels.stresses, tangent_kernel.tangent
+
+    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+        super().__init__(geometry, section, schedule)
+        self.theory = cast(Full, geometry.theory)
+        self.sections = build_sections(geometry, section)
+        if abs(section.z[0] + section.z[-1]) > ROUNDING * section.thickness:
+            require_one_side(principal_curvatures(self._curvature(self.theory.quadrature[0])), section.z[[0, -1]])
+        self._rule = _rule(self.theory, self.sections)
+        parts = self.sections
+        self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(residual_kernel.force_of, q, stresses, self._rule, self.geometry.maps, self._elements, out)
+        return out
+
+    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        return self.force_of(0.5 * (q0 + q1), stresses)  # strains are quadratic
+
+    @cached_property
+    def mass_shapes(self) -> np.ndarray:
+        r, d = self.geometry.theory.position_table(self.geometry.theory.quadrature[0])
+        m0, m1, m2 = np.moveaxis(self.sections.moments, 1, 0)
+        return (
+            np.einsum("ap,bp,sp->sab", r, r, m0)
+            + np.einsum("ap,bp,sp->sab", r, d, m1)
+            + np.einsum("ap,bp,sp->sab", d, r, m1)
+            + np.einsum("ap,bp,sp->sab", d, d, m2)
+        )
+
+    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        section = self.section
+        z, _, layer = section.points(self.theory.n_thickness)
+        to_local, volume = self._through_thickness()
+        free = np.stack([section.thermal_strain_of_one_director(depth, middle, gradient) for depth in z])
+        stress = np.einsum("zpq,zevq,zev->zevp", section.stiffness[layer], free, volume)
+        return np.ascontiguousarray(np.einsum("zpkev,zevp->ekv", to_local, stress, optimize=True))
+
+    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
+        section = self.section
+        z, _, layer = section.points(self.theory.n_thickness)
+        _, volume = self._through_thickness()
+        free = np.stack([section.thermal_strain_of_one_director(depth, middle, gradient) for depth in z])
+        return float(0.5 * np.einsum("zevp,zpq,zevq,zev->", free, section.stiffness[layer], free, volume, optimize=True))
+
+    def _through_thickness(self) -> tuple[np.ndarray, np.ndarray]:
+        """From the strains to those in the local frame, and volumes, at all integration points: the layers' points first."""
+        geometry, (points, weights) = self.geometry, self.geometry.theory.quadrature
+        z, thicknesses, _ = self.section.points(self.theory.n_thickness)
+        jets = geometry.theory.jets(geometry.undeformed_local, points)
+        to_local, volume = covariant_to_local(jets, geometry.tangents(points), z)
+        return to_local, volume * weights * thicknesses[:, None, None]
+
+    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
+        def elastic(depth: float) -> np.ndarray:
+            free = np.zeros(6) if temperature is None else self.section.thermal_strain_of_one_director(depth, *temperature)
+            return self.strains(q, points, depth, temperature) - free
+
+        return self._resultants(elastic, points)
+
+    def bending_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """The part of the section forces (n_elements, 6, n) that slopes of the director make."""
+        return self._resultants(lambda depth: self.bending_strains(q, points, depth), points)
+
+    def _resultants(self, elastic: Callable[[float], np.ndarray], points: np.ndarray) -> np.ndarray:
+        """N and M (n_elements, 6, n) at points of elastic strains (n_elements, n, 6) at a depth."""
+        z, w, layer = self.section.points(2)
+        stress = [elastic(depth) @ self.section.stiffness[k] for depth, k in zip(z.tolist(), layer, strict=True)]
+        plane = np.stack(stress)[..., [0, 1, 5]]
+        plane = plane - z[:, None, None, None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
+        return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
+
+    def _shorter(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """What lengths at a height take from a stress 11, 22, 12 per length of the reference surface: (m, n, 3, 3) (1/m)."""
+        b = self._curvature(points, elements)
+        return (b @ TRACE)[..., None, None] * np.eye(3) - 0.5 * sums(b).swapaxes(-1, -2)
+
+    def _curvature(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """Undeformed curvatures 11, 22, 12 in the local frame at points (2, n) of elements: (m, n, 3) (1/m)."""
+        geometry = self.geometry
+        jets = geometry.theory.jets(geometry.undeformed_local[slice(None) if elements is None else elements], points)
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), np.zeros(1))
+        doubled = np.einsum("ikep,kep->epi", to_local[0][[0, 1, 5], :3], strain(jets)[3:6])
+        return np.asarray(-doubled / [1.0, 1.0, 2.0])
+
+    def section_force_gradient(
+        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray, part: slice = ALL
+    ) -> np.ndarray:
+        geometry, theory = self.geometry, self.theory
+        z, w, layer = self.section.points(2)
+        jets = theory.jets(geometry.undeformed_local[elements], points)
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), z)
+        plane = np.stack([w[k] * (weights[:, :3] + z[k] * weights[:, 3:]) for k in range(len(z))])
+        shorter = self._shorter(points, elements)
+        plane = plane - z[:, None, None, None] * np.einsum("enij,zein->zejn", shorter, plane)
+        laws = self.section.stiffness[layer][:, [0, 1, 5]]
+        stresses = np.zeros((len(elements), N_STRAINS, points.shape[1]))
+        stresses[:, part] = np.einsum("zvken,zcv,zecn->ekn", to_local[:, :, part], laws, plane, optimize=True)
+        return geometry.nodal(theory.strain_forces(geometry.local(q, elements), points, stresses), elements)
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+        return self._strains(q, points, z, ALL)
+
+    def bending_strains(self, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
+        """The part of :meth:`strains` that slopes of the director make."""
+        return self._strains(q, points, z, BENDING)
+
+    def _strains(self, q: np.ndarray, points: np.ndarray, z: float, part: slice) -> np.ndarray:
+        geometry, theory = self.geometry, self.geometry.theory
+        change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
+        jets = theory.jets(geometry.undeformed_local, points)
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.array([z]))
+        return np.einsum("vken,ekn->env", to_local[0][:, part], change[:, part], optimize=True)
+
+
+def _rule(theory: Full, sections: Sections) -> kernels.Rule:
+    inside, sampled = jet_table(theory.quadrature[0]), jet_table(theory.samples)
+    interpolation, rows = theory.sampling()
+    position = np.ascontiguousarray(inside[[R1, R2], :12].swapaxes(0, 1))
+    director = np.ascontiguousarray(inside[[D1, D2], 12:].swapaxes(0, 1))
+    k, l = sections.pairs.T
+    return kernels.Rule(
+        position=position,
+        director=director,
+        position_columns=np.ascontiguousarray(inside[[R1, R2]].swapaxes(1, 2).reshape(-1, 16)),
+        director_columns=np.ascontiguousarray(director.reshape(4, -1).T),
+        jets=np.ascontiguousarray(inside[[R1, R2, D1, D2]].transpose(2, 0, 1)),
+        sample_position=np.ascontiguousarray(sampled[[R1, R2], :12].transpose(0, 2, 1)),
+        sample_director=np.ascontiguousarray(sampled[[D1, D2, D], 12:].transpose(0, 2, 1)),
+        interpolation=interpolation,
+        plain=not theory.assumed,
+        sample_rows=rows,
+        pairs=sections.pairs,
+        coupled=bool(((k < N_IN_PLANE) & (l >= N_IN_PLANE)).any()),
+    )

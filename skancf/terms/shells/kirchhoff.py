@@ -1,0 +1,181 @@
+"""Theory `kirchhoff` on a mesh: forces, stresses, tangents, and strains at any point."""
+
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+
+from skancf.kernels.schedule import Schedule
+from skancf.layout.geometry import Geometry
+from skancf.materials import Section
+from skancf.materials.curved import CurvedSection
+from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
+from skancf.terms.shells.kirchhoff_sections import build_thin_sections, local_curvature
+from skancf.terms.shells.shell import CompiledAssembly
+from skancf.theories.kirchhoff import between_kernel, kernels, tangent_kernel
+from skancf.theories.kirchhoff.theory import KEPT, Kirchhoff, covariant_to_local, jet_table, legendre
+
+PLAIN = Kirchhoff(assumed=False)
+ROUNDING = 1e-13
+"""Of the metric, what a difference of two strains leaves."""
+
+
+class ThinAssembly(CompiledAssembly):
+    """See :class:`skancf.terms.protocols.Assembly`."""
+
+    residual_kernel, stress_kernel, tangent_kernel = kernels.residual, kernels.stresses, tangent_kernel.tangent
+
+    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+        super().__init__(geometry, section, schedule)
+        self.curved = CurvedSection(section)
+        self.sections = build_thin_sections(geometry, self.curved)
+        self.curved.check(self.sections.curvature)
+        theory = cast(Kirchhoff, geometry.theory)
+        points, weights = theory.quadrature
+        table = jet_table(points)
+        kept = np.ascontiguousarray(np.hstack([legendre(points, numbers) for numbers in KEPT]).T)
+        projections = np.stack([np.stack([np.eye(points.shape[1])] * 3), theory.interpolation(points)])
+        self._rule = kernels.Rule(
+            table=np.ascontiguousarray(table.transpose(1, 0, 2).reshape(16, -1)),
+            jets=np.ascontiguousarray(table.transpose(0, 2, 1).reshape(-1, 16)),
+            slopes=np.ascontiguousarray(table[:2].transpose(2, 0, 1).reshape(-1, 16)),
+            projections=projections,
+            transposed=np.ascontiguousarray(projections.swapaxes(2, 3)),
+            kept=kept,
+            fit=kept * weights,
+            pairs=self.sections.pairs,
+        )
+        parts = self.sections
+        self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.assumed, parts.rest)
+
+    @property
+    def plain_elements(self) -> kernels.Elements:
+        """Elements whose membrane strains are taken as they are."""
+        return self._elements._replace(assumed=np.zeros_like(self._elements.assumed))
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(kernels.force_of, q, stresses, self._rule, self.geometry.maps, out)
+        return out
+
+    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(between_kernel.force_between, q0, q1, stresses, self._rule, self.geometry.maps, out)
+        return out
+
+    @cached_property
+    def mass_shapes(self) -> np.ndarray:
+        table = self.geometry.theory.position_table(self.geometry.theory.quadrature[0])[0]
+        return np.einsum("ap,bp,sp->sab", table, table, self.sections.moments[:, 0])
+
+    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        return self._held_back(self._free_strains(middle, gradient))
+
+    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
+        strains, sections = self._free_strains(middle, gradient), self.sections
+        left = self.curved.energy_left(sections.curvature[sections.shape], middle, gradient)
+        return float(0.5 * np.vdot(strains, self._held_back(strains)) + np.vdot(self.areas, left))
+
+    def _free_strains(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Covariant strains (n_elements, 6, n_points) that a temperature change makes without section forces."""
+        sections = self.sections
+        free = self.curved.free_strains(sections.curvature[sections.shape], middle, gradient)
+        turn = np.moveaxis(sections.turn[sections.shape], 3, 1)
+        return np.moveaxis(np.linalg.solve(turn, free[..., None])[..., 0], 1, 2)
+
+    def _held_back(self, strains: np.ndarray) -> np.ndarray:
+        """Stresses (n_elements, 6, n_points) of covariant strains, assumed as those of a motion are.
+
+        So that a free expansion, whose strains no polynomial may hold, is free of stress.
+        """
+        sections = self.sections
+        projection = self._rule.projections[sections.assumed[sections.shape]]
+        k, l = sections.pairs.T
+        law = np.zeros((len(sections.law), 6, 6, strains.shape[2]))
+        law[:, k, l] = law[:, l, k] = sections.law
+        law, rest = law[sections.shape], sections.rest[sections.shape]
+        hat = strains.copy()
+        hat[:, :3] = np.einsum("ecsp,ecs->ecp", projection, strains[:, :3])
+        stress = np.einsum("eklp,elp->ekp", law, hat)
+        extra = np.einsum("ek,eklp,el,elp->ekp", rest, law[:, :3, :3], rest, (strains - hat)[:, :3], optimize=True)
+        stress[:, :3] = extra + np.einsum("ecsp,ecp->ecs", projection, stress[:, :3] - extra)
+        return np.ascontiguousarray(stress)
+
+    def membrane_strains(self, q: np.ndarray) -> np.ndarray:
+        """Membrane strains as they are, not assumed, at the integration points: covariant, (n_elements, 3, n_points)."""
+        geometry, points = self.geometry, self.geometry.theory.quadrature[0]
+        before = PLAIN.strains(geometry.undeformed_local, points)[:, :3]
+        change = PLAIN.strains(geometry.local(q), points)[:, :3] - before
+        rounding = np.abs(change) < ROUNDING * np.abs(before).max(axis=(1, 2), keepdims=True)
+        return np.asarray(np.where(rounding & (change.imag == 0), 0.0, change))
+
+    def rest_energy(self, strains: np.ndarray) -> float:
+        """Energy of what the assumed ones leave out of such strains, with the small factors that it counts with."""
+        sections = self.sections
+        projection = self._rule.projections[sections.assumed[sections.shape]]
+        rest = strains - np.einsum("ecsp,ecs->ecp", projection, strains)
+        counted = sections.rest[sections.shape][:, :, None] * rest
+        energy = 0.0
+        for law, (k, l) in zip(sections.law[sections.shape].swapaxes(0, 1), sections.pairs, strict=True):
+            if max(k, l) < 3:
+                energy += (0.5 if k == l else 1.0) * float(np.vdot(counted[:, k], law * counted[:, l]))
+        return energy
+
+    def section_strains(
+        self, q: np.ndarray, points: np.ndarray, elements: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """At points (2, n) of all elements or of some, (m,): membrane strains and curvature changes in the local frame
+        (m, n, 6), and undeformed curvatures (m, n, 3)."""
+        geometry, theory = self.geometry, self.geometry.theory
+        elements = np.arange(geometry.n_elements) if elements is None else elements
+        now, before = geometry.local(q, elements), geometry.undeformed_local[elements]
+        change = theory.strains(now, points) - theory.strains(before, points)
+        plain = self._plain(elements)
+        if theory.assumed and len(plain):
+            change[plain] = PLAIN.strains(now[plain], points) - PLAIN.strains(before[plain], points)
+        turn, b = self._frame(points, elements)
+        return np.asarray(np.einsum("ikep,ekp->epi", turn, change)), b
+
+    def _frame(self, points: np.ndarray, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """At points (2, n) of elements: from covariant strains to local ones (6, 6, m, n), and curvatures (m, n, 3)."""
+        geometry = self.geometry
+        jets = geometry.theory.jets(geometry.undeformed_local[elements], points)
+        turn, _ = covariant_to_local(jets, geometry.tangents(points, elements), geometry.side[elements])
+        return turn, local_curvature(jets, turn)
+
+    def section_forces(
+        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None
+    ) -> np.ndarray:
+        """As the protocol has it, of all elements or of some, (m,)."""
+        strains, b = self.section_strains(q, points, elements)
+        if temperature is not None:
+            strains = strains - self.curved.free_strains(b, *temperature)
+        forces = self.curved.forces(b, (self.curved.law(b) @ strains[..., None])[..., 0])
+        return np.asarray(forces.swapaxes(1, 2))
+
+    def section_force_gradient(
+        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
+    ) -> np.ndarray:
+        geometry, theory = self.geometry, cast(Kirchhoff, self.geometry.theory)
+        turn, b = self._frame(points, elements)
+        law = self.curved.forces(b[..., None, :], self.curved.law(b))  # rows are symmetric to columns
+        stresses = np.einsum("ikep,epij,ejp->ekp", turn, law, weights, optimize=True)
+        local = geometry.local(q, elements)
+        forces = theory.strain_forces(local, points, stresses)
+        plain = self._plain(elements)
+        forces[plain] = PLAIN.strain_forces(local[plain], points, stresses[plain])
+        return geometry.nodal(forces, elements)
+
+    def _plain(self, elements: np.ndarray) -> np.ndarray:
+        """Which of some elements take their membrane strains as they are, as positions among them."""
+        return np.flatnonzero(self.sections.assumed[self.sections.shape[elements]] == 0)
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+        parts, b = self.section_strains(q, points)
+        free = np.zeros(6) if temperature is None else self.section.thermal_strain(z, *temperature)
+        out = free + np.zeros((*b.shape[:-1], 6), parts.dtype)
+        elastic = self.curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]
+        out[:, :, IN_PLANE] += elastic
+        # The others follow from S33 = S23 = S13 = 0.
+        out[:, :, OUT_OF_PLANE] += elastic @ self.section.condensed(z).T
+        return out

@@ -1,0 +1,108 @@
+"""Undeformed thin elements sorted into classes of equal shape, with what each class needs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from skancf.layout.geometry import Geometry
+from skancf.materials.curved import CurvedSection
+from skancf.memory import require_shapes
+from skancf.terms.shells.classes import classes, rounding_of
+from skancf.theories.kirchhoff.point import DOUBLED, dot, strain
+from skancf.theories.kirchhoff.theory import covariant_to_local, local_frame, rest_factors
+
+
+@dataclass(frozen=True)
+class ThinSections:
+    """Per class of equal undeformed elements; weights of the integration points are included.
+
+    Attributes
+    ----------
+    shape : (n_elements,) int array
+        Class of each element.
+    reference : (n_shapes, 6, n_points) array
+        Undeformed strains.
+    pairs : (n_pairs, 2) int array
+        Entries k <= l of the law of the covariant strains that are not zero in some class.
+    law : (n_shapes, n_pairs, n_points) array
+        Those entries.
+    assumed : (n_shapes,) int array
+        1 where membrane strains are assumed, 0 where they are taken as they are.
+    rest : (n_shapes, 3) array
+        Roots of the factors of the rest of the membrane strains.
+    turn : (n_shapes, 6, 6, n_points) array
+        From covariant strains to those in the local frame.
+    curvature : (n_shapes, n_points, 3) array
+        Components 11, 22, 12 in the local frame (1/m).
+    moments : (n_shapes, 2, n_points) array
+        Integrals of the density times 1, z through the thickness.
+    areas : (n_shapes, n_points) array
+        Area of the mid-surface.
+    """
+
+    shape: np.ndarray
+    reference: np.ndarray
+    pairs: np.ndarray
+    law: np.ndarray
+    assumed: np.ndarray
+    rest: np.ndarray
+    turn: np.ndarray
+    curvature: np.ndarray
+    moments: np.ndarray
+    areas: np.ndarray
+
+
+def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSections:
+    """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
+    points, weights = geometry.theory.quadrature
+    # Covariant strains grow with the distance from a pole and its square, which the assumed ones beside it cannot.
+    at_pole = geometry.at_poles
+    plain = at_pole if geometry.theory.assumed else np.ones_like(at_pole)
+    key, rounding = _shape_key(geometry)
+    representative, shape = classes(np.hstack([key, plain[:, None]]), rounding)
+    require_shapes(len(representative), geometry.theory.name)
+    jets = geometry.theory.jets(geometry.undeformed_local[representative], points)
+    turn, area = covariant_to_local(jets, geometry.tangents(points, representative), geometry.side[representative])
+    areas = area * weights
+    turns, curvature = turn.transpose(2, 3, 0, 1), local_curvature(jets, turn)
+    local = section.section.abd() if section.centred else section.law(curvature)
+    law = (turns.swapaxes(2, 3) @ local @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
+    scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
+    k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > 1e-13 * np.outer(scale, scale)))
+    return ThinSections(
+        shape=shape,
+        reference=np.ascontiguousarray(np.moveaxis(strain(jets), 0, 1)),
+        pairs=np.stack([k, l], axis=1),
+        law=np.ascontiguousarray(law[:, k, l]),
+        assumed=np.where(plain[representative], 0, 1),
+        rest=rest_factors(jets, section.section.bending_thickness),
+        turn=np.ascontiguousarray(np.moveaxis(turn, 2, 0)),
+        curvature=curvature,
+        moments=section.masses(curvature).swapaxes(0, 1) * areas[:, None],
+        areas=areas,
+    )
+
+
+def local_curvature(jets: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Curvature 11, 22, 12 of undeformed jets (5, 3, ...) in the local frame, where turn (6, 6, ...) leads: (..., 3)."""
+    doubled = -np.einsum("kl...,l...->...k", turn[3:, 3:], strain(jets)[3:])
+    return np.asarray(doubled / DOUBLED)
+
+
+def _shape_key(geometry: Geometry) -> tuple[np.ndarray, float]:
+    """What tells undeformed elements apart, (n_elements, n), free of units, and the rounding it is known to.
+
+    The logarithms of the element's two lengths, its metric and curvature in terms of them, and its frame.
+    """
+    points = geometry.theory.quadrature[0]
+    jets = geometry.theory.jets(geometry.undeformed_local, points)
+    lengths = np.sqrt((jets[:2] ** 2).sum(axis=1)).max(axis=-1)
+    strains = np.moveaxis(strain(jets), 0, 1)
+    scale = np.stack([lengths[0] ** 2, lengths[1] ** 2, lengths[0] * lengths[1]], axis=1)[:, :, None]
+    strains[:, :3] /= scale
+    strains[:, 3:] *= lengths.max(axis=0)[:, None, None] / scale
+    frame = local_frame(jets, geometry.tangents(points), geometry.side)
+    angles = np.stack([[dot(e, jets[a]) / lengths[a][:, None] for a in range(2)] for e in frame[:2]])
+    n = len(strains)
+    parts = [np.log(lengths).T, strains.reshape(n, -1), np.moveaxis(angles, 2, 0).reshape(n, -1), geometry.side[:, None]]
+    return np.hstack(parts), rounding_of(geometry.undeformed, lengths)

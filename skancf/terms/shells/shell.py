@@ -1,0 +1,55 @@
+"""What the assemblies of all theories share: compiled kernels that run over the elements."""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+import numpy as np
+
+from skancf.kernels.schedule import Schedule
+from skancf.layout.geometry import Geometry
+from skancf.materials import Section
+
+
+class CompiledAssembly:
+    """See :class:`skancf.terms.protocols.Assembly`. A theory gives its kernels, sections, and what they read."""
+
+    residual_kernel: ClassVar[Callable[..., None]]
+    stress_kernel: ClassVar[Callable[..., None]]
+    tangent_kernel: ClassVar[Callable[..., None]]
+    sections: Any
+    _rule: Any
+    _elements: Any
+
+    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+        self.geometry, self.section, self.schedule = geometry, section, schedule
+
+    @property
+    def areas(self) -> np.ndarray:
+        return np.asarray(self.sections.areas[self.sections.shape])
+
+    def internal_force(self, q: np.ndarray) -> np.ndarray:
+        out = np.zeros_like(self.geometry.undeformed)
+        self.schedule.run(type(self).residual_kernel, q, self._rule, self.geometry.maps, self._elements, out)
+        return out
+
+    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
+        shape = (self.geometry.n_elements, *self.sections.reference.shape[1:])
+        strains, out = np.empty(shape if keep_strains else (0, 0, 0)), np.empty(shape)
+        change = np.empty((0, 4, 3)) if change is None else change
+        self.schedule.run(
+            type(self).stress_kernel, q, change, self._rule, self.geometry.maps, self._elements, strains, out
+        )
+        return strains, out
+
+    def tangent(
+        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
+    ) -> None:
+        elements = self.plain_elements if plain else self._elements
+        self.schedule.run(
+            type(self).tangent_kernel, q, stresses, self._rule, self.geometry.maps, elements, slots, out
+        )
+
+    @property
+    def plain_elements(self) -> Any:
+        """What the kernels read where membrane strains are taken as they are; the same where none are assumed."""
+        return self._elements

@@ -1,0 +1,5 @@
+"""Theory `full`: the fully parameterised plate."""
+
+from skancf.theories.full.theory import Full
+
+__all__ = ["Full"]

@@ -1,0 +1,191 @@
+"""Compiled tangent of theory `full`; strains and tables are those of :mod:`skancf.theories.full.kernels`."""
+
+import numpy as np
+
+from skancf.compiled import INNER, OPTIONS, compiled
+from skancf.kernels.gather import gather, prefetch_blocks, scatter_tangent
+from skancf.kernels.panels import add_panel, aligned, set_panel
+from skancf.theories.full.kernels import N_POINTS, collect, in_plane_jets, sample_jets, vectors
+from skancf.theories.full.point import in_plane_force, in_plane_stiffness
+from skancf.theories.full.theory import N_IN_PLANE
+
+COMPONENTS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]])
+
+
+@compiled(**INNER)
+def in_plane_stress(stress, p):
+    return (
+        stress[0, p], stress[1, p], stress[2, p], stress[3, p], stress[4, p],
+        stress[5, p], stress[6, p], stress[7, p], stress[8, p],
+    )  # fmt: skip
+
+
+@compiled(**INNER)
+def sampled_gradient(rule, sx, B):
+    """Gradient of the sampled strains with respect to the local vectors: B (n_rows, 48), components outermost."""
+    for r in range(rule.sample_rows.shape[0]):
+        k, s = rule.sample_rows[r]
+        for i in range(3):
+            d, other, row = sx[s, 4, i], sx[s, k, i], B[r, 16 * i : 16 * i + 16]
+            if k < 2:
+                for a in range(12):
+                    row[a] = d * rule.sample_position[k, s, a]
+                for a in range(4):
+                    row[12 + a] = other * rule.sample_director[2, s, a]
+            else:
+                for a in range(12):
+                    row[a] = 0.0
+                for a in range(4):
+                    row[12 + a] = d * rule.sample_director[k - 2, s, a]
+                    if k < 4:
+                        row[12 + a] += other * rule.sample_director[2, s, a]
+
+
+@compiled(**INNER)
+def sampled_geometric(rule, sampled, G):
+    """Stress . second derivative of the sampled strains: G (16, 16), the same for the three components."""
+    G[:] = 0.0
+    for r in range(rule.sample_rows.shape[0]):
+        k, s = rule.sample_rows[r]
+        stress, d = sampled[r], rule.sample_director[2, s]
+        if k < 2:
+            for a in range(12):
+                v = stress * rule.sample_position[k, s, a]
+                for b in range(4):
+                    G[a, 12 + b] += v * d[b]
+                    G[12 + b, a] += v * d[b]
+        else:
+            other, half = rule.sample_director[k - 2, s], 0.5 if k == 4 else 1.0
+            for a in range(4):
+                for b in range(4):
+                    G[12 + a, 12 + b] += half * stress * (other[a] * d[b] + d[a] * other[b])
+
+
+@compiled(**INNER)
+def coupling(rule, law, x, X):
+    """X (n_rows, 48): change of the sampled stresses with the local vectors through the in-plane strains."""
+    X[:] = 0.0
+    on_jets = np.empty((4, 3, N_POINTS))
+    unit = np.zeros(N_IN_PLANE)
+    for m in range(rule.pairs.shape[0]):
+        k, l = rule.pairs[m]
+        if k < N_IN_PLANE <= l:
+            unit[:] = 0.0
+            unit[k] = 1.0
+            for p in range(N_POINTS):
+                f = in_plane_force(vectors(x, p), (unit[0], unit[1], unit[2], unit[3], unit[4],
+                                                   unit[5], unit[6], unit[7], unit[8]))  # fmt: skip
+                for j in range(4):
+                    for i in range(3):
+                        on_jets[j, i, p] = f[j][i] * law[m, p]
+            for r in range(rule.sample_rows.shape[0]):
+                if rule.sample_rows[r, 0] == l - N_IN_PLANE:
+                    weight = rule.interpolation[l - N_IN_PLANE, rule.sample_rows[r, 1]]
+                    for i in range(3):
+                        for j in range(2):
+                            for p in range(N_POINTS):
+                                v, w = weight[p] * on_jets[j, i, p], weight[p] * on_jets[2 + j, i, p]
+                                for a in range(12):
+                                    X[r, 16 * i + a] += v * rule.position[a, j, p]
+                                for a in range(4):
+                                    X[r, 16 * i + 12 + a] += w * rule.director[a, j, p]
+
+
+@compiled(**INNER)
+def unpack(rule, law, square):
+    """The in-plane law as an array (9, 9, 16), of which the entries that are zero are left alone."""
+    for m in range(rule.pairs.shape[0]):
+        k, l = rule.pairs[m]
+        if l < N_IN_PLANE:
+            for p in range(N_POINTS):
+                square[k, l, p] = square[l, k, p] = law[m, p]
+
+
+@compiled(**INNER)
+def add_in_plane(rule, H, W, of_d, Y):
+    """Adds table^T H table, with the tables of the functions of r on the right, to Y (96, 16), rows component and function.
+
+    What the functions of d on the right make is of_d (24, 16), rows component and function of d. W (32, 96) is scratch: H
+    table, rows jet and point.
+    """
+    for half in range(2):
+        for k in range(2 * N_POINTS):
+            set_panel(6, 4, H, 2 * N_POINTS * half + k, 384, 64, rule.jets, 64 * (k % N_POINTS), 16, W, 96 * k, 16)
+        if half == 0:
+            for row in range(0, 96, 6):
+                add_panel(6, 2 * N_POINTS, W, row, 96, 1, rule.position_columns, 0, 16, Y, 16 * row, 16)
+        else:
+            for c in range(6):
+                set_panel(4, 2 * N_POINTS, rule.director_columns, 0, 4, 1, W, 16 * c, 96, of_d, 64 * c, 16)
+
+
+@compiled(**INNER)
+def sampled_stiffness(e, rule, elements, B, MB):
+    """MB = law of the sampled strains times their gradient B (n_rows, 48)."""
+    c = elements.shape[e]
+    if not rule.plain:
+        n_rows = B.shape[0]
+        for row in range(0, n_rows, 4):
+            at = (c * n_rows + row) * n_rows
+            for i in range(0, 48, 16):
+                set_panel(4, n_rows, elements.sampled, at, 1, n_rows, B, i, 48, MB, 48 * row + i, 48)
+        return
+    MB[:] = 0.0
+    for m in range(rule.pairs.shape[0]):
+        k, l = rule.pairs[m, 0] - N_IN_PLANE, rule.pairs[m, 1] - N_IN_PLANE
+        if k >= 0:
+            for s in range(N_POINTS):
+                weight = elements.law[c, m, s]
+                for a in range(48):
+                    MB[N_POINTS * k + s, a] += weight * B[N_POINTS * l + s, a]
+                if k != l:
+                    for a in range(48):
+                        MB[N_POINTS * l + s, a] += weight * B[N_POINTS * k + s, a]
+
+
+@compiled(**OPTIONS)
+def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
+    """Tangent with the given stresses (n_elements, 14, 16), added to out (n_blocks, 12, 12)."""
+    n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
+    local, x, sx = np.empty((16, 3)), np.empty((4, 3, N_POINTS)), np.empty((n_samples, 5, 3))
+    square = np.zeros((N_IN_PLANE, N_IN_PLANE, N_POINTS))
+    H, W, of_d = np.empty((4, 6, 4 * N_POINTS)), aligned(2 * N_POINTS, 96), aligned(24, 16)
+    K, Y, G, sampled = np.empty((48, 48)), aligned(96, 16), np.empty((16, 16)), np.empty(n_rows)
+    B, MB, X = aligned(n_rows, 48), aligned(n_rows, 48), aligned(n_rows, 48)
+    for index in range(start, stop):
+        e = order[index]
+        law = elements.law[elements.shape[e]]
+        prefetch_blocks(e, slots, out)
+        gather(e, q, maps, local)
+        in_plane_jets(rule, local, x)
+        sample_jets(rule, local, sx)
+        unpack(rule, law, square)
+        for p in range(N_POINTS):
+            in_plane_stiffness(square, p, vectors(x, p), in_plane_stress(stress[e], p), H)
+        collect(rule, stress[e], sampled)
+        sampled_gradient(rule, sx, B)
+        sampled_stiffness(e, rule, elements, B, MB)
+        for c in range(6):
+            i, j = COMPONENTS[c]
+            for a in range(0, 16, 8):
+                set_panel(8, n_rows, B, 16 * i + a, 48, 1, MB, 16 * j, 48, Y, 256 * c + 16 * a, 16)
+        if rule.coupled:
+            coupling(rule, law, x, X)
+            for c in range(6):
+                i, j = COMPONENTS[c]
+                for a in range(0, 16, 8):
+                    add_panel(8, n_rows, X, 16 * i + a, 48, 1, B, 16 * j, 48, Y, 256 * c + 16 * a, 16)
+                    add_panel(8, n_rows, B, 16 * i + a, 48, 1, X, 16 * j, 48, Y, 256 * c + 16 * a, 16)
+        add_in_plane(rule, H, W, of_d, Y)
+        sampled_geometric(rule, sampled, G)
+        for c in range(6):
+            i, j = 16 * COMPONENTS[c, 0], 16 * COMPONENTS[c, 1]
+            for a in range(16):
+                for b in range(16):
+                    K[i + a, j + b] = Y[16 * c + a, b]
+                for b in range(4):
+                    K[i + a, j + 12 + b] += of_d[4 * c + b, a]
+                if c < 3:
+                    for b in range(16):
+                        K[i + a, j + b] += G[a, b]
+        scatter_tangent(e, maps, slots, K, out)

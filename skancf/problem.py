@@ -16,8 +16,7 @@ from skancf.layout.geometry import Geometry
 from skancf.loads import Load
 from skancf.loads.acting import Acting
 from skancf.materials import Damping, Laminate, Law, Section, section_of
-from skancf.materials.shear import warn_if_layers_bend_alone
-from skancf.memory import SYSTEM, require_mesh
+from skancf.memory import require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
@@ -26,7 +25,7 @@ from skancf.surfaces.asked import require_surface, require_vectors
 from skancf.system.system import System, assemble
 from skancf.terms.protocols import Assembly
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
-from skancf.thinness import Choice, choose, warn_if_full_is_off
+from skancf.thinness import Choice, choose
 
 
 @dataclass(frozen=True)
@@ -135,21 +134,18 @@ class Problem:
             choice = Choice("full", float("nan"), f"theory 'full': {unfit}")
         else:
             choice = choose(thin, tolerance)
-        system = thin if choice.theory == "kirchhoff" else self._on(mesh, Full())
+        system = thin if choice.share <= tolerance else self._on(mesh, Full())
         system.choice = choice
         return system
 
     def _on(self, mesh: skfem.MeshQuad, theory: Theory) -> System:
-        require_mesh(mesh.nelements, SYSTEM[theory.name])
-        if not theory.twist:
-            warn_if_full_is_off(self.section)
-        else:
+        require_mesh(mesh.nelements, theory.bytes_per_element)
+        if theory.continuity:
             mesh = onto_lines(mesh)
         require_vectors(self.surface, mesh.p[:, mesh.t].mean(axis=1))
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)
-        if not theory.twist:
-            warn_if_layers_bend_alone(self.section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
+        theory.warn_of(self.section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
         assembly = assemble(geometry, self.section)
         constraints, prescription = constrain(assembly.geometry, self.supports)
         loads = [_acting(load, assembly) for load in self.loads]

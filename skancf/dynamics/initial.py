@@ -8,12 +8,11 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, finite, vector
+from skancf.kernels.constants import FOURTH, R_X, R_Y, R
 from skancf.layout.geometry import Geometry
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.loads.acting import over_elements, values_at
 from skancf.system.system import System
-
-R, R_X, R_Y, FOURTH = range(4)
 
 
 @dataclass(frozen=True)
@@ -111,7 +110,7 @@ def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> n
     with DirectSolver(system.pattern, Constraints(_massless(geometry))) as solver:
         solver.factor(_mass_of_positions(system))
         v = solver.solve(over_elements(geometry, momentum[:, None]).ravel(), refinements=2)
-    if not geometry.theory.twist:
+    if geometry.theory.directors:
         nodal, rates = q.reshape(-1, 4, 3), v.reshape(-1, 4, 3)
         rates[:, FOURTH] = _director_rates(nodal[:, FOURTH], nodal[:, [R_X, R_Y]], rates[:, [R_X, R_Y]])
     return v
@@ -120,7 +119,7 @@ def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> n
 def _mass_of_positions(system: System) -> BlockMatrix:
     """The mass matrix without directors."""
     sections, theory = system.assembly.sections, system.geometry.theory
-    if theory.twist:
+    if not theory.directors:
         return system.mass
     table = theory.position_table(theory.quadrature[0])[0]
     return system.gathered_mass(sections.shape, np.einsum("ap,bp,sp->sab", table, table, sections.moments[:, 0]))
@@ -129,7 +128,7 @@ def _mass_of_positions(system: System) -> BlockMatrix:
 def _massless(geometry: Geometry) -> np.ndarray:
     """Coordinates of which positions do not depend, (n_nodes, 12) bool: directors, and r_xy of a pole, which has none."""
     out = np.zeros((geometry.n_nodes, 4, 3), dtype=bool)
-    out[list(geometry.ties.poles) if geometry.theory.twist else slice(None), FOURTH] = True
+    out[slice(None) if geometry.theory.directors else list(geometry.ties.poles), FOURTH] = True
     return out.reshape(-1, 12)
 
 

@@ -10,13 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.errors import InputError
+from skancf.kernels.constants import AXES, BLOCK, FOURTH, R_X, R_Y, VECTORS, R
 
-R, R_X, R_Y, FOURTH = range(4)
-"""The vectors of a block of a plate."""
-VECTORS, AXES = 4, 3
-"""Vectors of a block, and components of each."""
-BLOCK = VECTORS * AXES
-"""Unknowns of a block."""
+__all__ = ["AXES", "BLOCK", "FOURTH", "R_X", "R_Y", "VECTORS", "Layout", "Part", "R", "nodal"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +52,7 @@ class Part:
         for name, shape in shapes.items():
             value = np.asarray(getattr(self, name), float)
             if value.shape != shape or not np.isfinite(value).all():
-                raise InputError(f"{name} of part {self.name!r}, of shape {value.shape}: give finite numbers of shape {shape}")
+                raise InputError(f"{name} of part {self.name!r}, of shape {value.shape}: give finite numbers, {shape}")
             object.__setattr__(self, name, value)
         if not (self.scales > 0).all():
             raise InputError(f"scales of part {self.name!r}: the size of an unknown is greater than zero")

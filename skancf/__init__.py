@@ -56,7 +56,7 @@ from skancf.dynamics import (
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
-from skancf.history import Path, Pulse, Ramp, Table
+from skancf.history import Case, Path, Pulse, Ramp, Table
 from skancf.loads import (
     DiskForce,
     EdgeImpulse,
@@ -135,6 +135,7 @@ __all__ = [
     "Carried",
     "Change",
     "Check",
+    "Case",
     "Checkpoint",
     "Clamp",
     "Cone",

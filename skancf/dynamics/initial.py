@@ -122,7 +122,9 @@ def _mass_of_positions(system: System) -> BlockMatrix:
     if not theory.directors:
         return system.mass
     table = theory.position_table(theory.quadrature[0])[0]
-    return system.gathered_mass(sections.shape, np.einsum("ap,bp,sp->sab", table, table, sections.moments[:, 0]))
+    blocks = system.blocks()
+    system.shell.add_gathered(sections.shape, np.einsum("ap,bp,sp->sab", table, table, sections.moments[:, 0]), blocks)
+    return blocks.matrix()
 
 
 def _massless(geometry: Geometry) -> np.ndarray:

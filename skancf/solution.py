@@ -288,9 +288,9 @@ class Solution:
             return 0.0
         heat = system.shell.thermal_energy(self.case)
         thin: Any = system.assembly
-        membrane = self._of_state(lambda q: thin.membrane_strains(q.reshape(-1, 4, 3)))
+        rest = self._of_state(lambda q: thin.membrane_rest(q.reshape(-1, 4, 3)))
         energy = self.strain_energy
-        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(membrane) / energy)
+        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).

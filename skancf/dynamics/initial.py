@@ -105,8 +105,8 @@ def initial_velocity(system: System, q: np.ndarray, velocity: Velocity) -> np.nd
 
 def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> np.ndarray:
     geometry, sections = system.geometry, system.assembly.sections
-    points, masses = geometry.theory.quadrature[0], sections.moments[sections.shape][:, 0]
-    momentum = values_at(velocity, geometry.parameters(points), "velocity") * masses[:, None]
+    masses = sections.moments[sections.shape][:, 0]
+    momentum = values_at(velocity, geometry.parameters(geometry.integration.local), "velocity") * masses[:, None]
     with DirectSolver(system.pattern, Constraints(_massless(geometry))) as solver:
         solver.factor(_mass_of_positions(system))
         v = solver.solve(over_elements(geometry, momentum[:, None]).ravel(), refinements=2)

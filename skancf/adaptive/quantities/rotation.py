@@ -8,6 +8,7 @@ import numpy as np
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import plain
 from skancf.errors import InputError, unit_vector, vector
+from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.solution import Solution
 
@@ -68,8 +69,8 @@ class Rotation(Smooth):
         element, point, n0, t = self._place(geometry)
         n = _normal(geometry, q, element, point)
         by_normal = ((n @ n0) * t - (n @ t) * n0) / ((n @ n0) ** 2 + (n @ t) ** 2)
-        # The rate of the normal is linear in that of the local vectors: one column for each of their 48 components.
-        each = np.eye(48).reshape(48, 16, 3)
+        # The rate of the normal is linear in that of the local vectors: one column for each of their components.
+        each = np.eye(LOCAL).reshape(LOCAL, FUNCTIONS, AXES)
         rates = geometry.theory.normal_rates(geometry.local(q.reshape(-1, 4, 3), element), each, point,
                                              geometry.side[element])[:, :, 0]  # fmt: skip
         return geometry.nodal((rates @ by_normal).reshape(1, 16, 3), element).ravel()

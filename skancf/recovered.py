@@ -56,7 +56,7 @@ def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -
     assembly = system.assembly
     if not isinstance(assembly, FullAssembly):
         return np.zeros((system.geometry.n_elements, points.shape[1], 6))
-    nodal = q.reshape(-1, 4, 3)
+    nodal = system.shell.nodal(q)
     said = assembly.bending_strains(nodal, system.geometry.inside(STENCIL), z).swapaxes(1, 2)
     out = patches_of(system).values(said, points).swapaxes(1, 2) - assembly.bending_strains(nodal, points, z)
     forces = _excess(system, q, points)[:, :3]
@@ -66,7 +66,7 @@ def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -
 
 def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Derivative (n_dofs,) of weights (6,) times the recovered section forces at a local point (2, 1) of an element."""
-    assembly, nodal, here = system.assembly, q.reshape(-1, 4, 3), np.array([element])
+    assembly, nodal, here = system.assembly, system.shell.nodal(q), np.array([element])
     out = assembly.section_force_gradient(nodal, here, point, weights.reshape(1, 6, 1))
     if isinstance(assembly, FullAssembly):
         coupled = _coupled(system.problem.section)[1]
@@ -80,7 +80,7 @@ def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, wei
 
 def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Polynomials of what slopes of the director make of the section forces, less that itself: (n_elements, 6, n)."""
-    assembly, nodal = cast(FullAssembly, system.assembly), q.reshape(-1, 4, 3)
+    assembly, nodal = cast(FullAssembly, system.assembly), system.shell.nodal(q)
     said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
     return np.asarray(patches_of(system).values(said, points) - assembly.bending_forces(nodal, points))
 

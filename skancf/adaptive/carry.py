@@ -169,9 +169,9 @@ class _Passage:
     def __init__(self, state: Solution, system: System, backend: str):
         self.state, self.old, self.new, self.backend = state, state.system, system, backend
         self.old_mass, self.new_mass = _Mass(self.old, backend), _Mass(system, backend)
-        self.there = Interpolation(self.old.geometry, system.geometry)
+        self.there = Interpolation.of(self.old, system)
         finer = is_finer(system.mesh.leaves, self.old.mesh.leaves)
-        self.back = None if finer else Interpolation(system.geometry, self.old.geometry)
+        self.back = None if finer else Interpolation.of(system, self.old)
         wanted = system.undeformed + system.prescribed(state.case)
         at_nodes = self.there.positions(state.q)
         self._taken = at_nodes + system.constraints.fixed_part(wanted - at_nodes)
@@ -198,10 +198,11 @@ class _Passage:
 
     def _mean(self, system: System, change: np.ndarray) -> np.ndarray:
         """The translation that moves the centre of mass of a free body as a change does on a system, (n_new_dofs,)."""
-        out = np.zeros((self.new.n_dofs // 12, 4, 3))
-        if self.new.foundation is None and not self.new.constraints.fixed.any():
+        layout = self.new.layout
+        out = np.zeros_like(layout.undeformed)
+        if not self.new.others and not self.new.constraints.fixed.any():
             moment, mass = _moments(system, change)
-            out[:, 0] = moment / mass
+            out[layout.moving, 0] = moment / mass
         return out.ravel()
 
     def rates(self, v: np.ndarray) -> np.ndarray:
@@ -285,4 +286,4 @@ def _rate(system: System, time: float | None) -> np.ndarray:
 
 def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:
     """Mass times the place of its centre (3,), and the mass."""
-    return np.einsum("nk,nki->i", system.shares, q.reshape(-1, 4, 3)), float(system.shares[:, 0].sum())
+    return np.einsum("nk,nki->i", system.shares, system.layout.nodal(q)), system.total_mass

@@ -135,7 +135,7 @@ class Run:
         ledger, settings = self.book.ledger(), self.settings
         checks: tuple[Check, ...] = ()
         if self.steps:
-            size = float(np.abs(self.state.q.reshape(-1, 4, 3)[:, 0]).max())
+            size = float(np.abs(self.system.layout.positions(self.state.q)).max())
             checks = checks_of(ledger, mass=self.measure.mass, size=size, missed=self.impulses.part, noise=self._noise,
                                balance=settings.balance, rtol=getattr(settings.control, "rtol", None))  # fmt: skip
         out_of_balance = failures(check for check in checks if MOMENTA in check.name)

@@ -18,9 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from skancf.layout.layout import FOURTH, R_X, R_Y, R
 from skancf.theories import Theory
-
-R, R_X, R_Y, FOURTH = range(4)
 
 
 @dataclass(frozen=True)

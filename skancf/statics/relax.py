@@ -178,9 +178,10 @@ class Relaxation:
 
     def _far(self, change: np.ndarray) -> float:
         """Largest displacement in a change, over that of a push."""
-        positions = self.system.undeformed.reshape(-1, 4, 3)[:, 0]
+        layout: Any = self.system.layout  # type: ignore[attr-defined]
+        positions = layout.positions(self.system.undeformed)
         push = PUSH * float(np.linalg.norm(np.ptp(positions, axis=0)))
-        return float(np.abs(change.reshape(-1, 4, 3)[:, 0]).max()) / push
+        return float(np.abs(layout.positions(change)).max()) / push
 
 
 def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:

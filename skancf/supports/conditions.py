@@ -18,10 +18,9 @@ import numpy as np
 
 from skancf.errors import InputError
 from skancf.layout.geometry import Geometry
+from skancf.layout.layout import FOURTH, R_X, R_Y, R
 from skancf.terms.protocols import Assembly
 from skancf.vectors import cross
-
-R, R_X, R_Y, FOURTH = range(4)
 
 
 class Row(NamedTuple):

@@ -215,7 +215,7 @@ class Enriched(Refined):
         fine, factor = self.system, self.state.load_factor
         result: Any = newton(fine, self.start, self._solver, load_factor=factor, rtol=NEAR)
         q = result.q
-        if not result.converged:
+        if not result.ok:
             start = Solution(fine, self.start, load_factor=factor)
             q = equilibrium(fine, factor, start=start, rtol=NEAR, backend=self._solver.backend_name).unwrap().q
         self.stiffness = fine.tangent(q, Case(factor))

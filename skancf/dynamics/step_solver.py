@@ -47,9 +47,9 @@ class Effort(IntEnum):
 
 @dataclass(frozen=True)
 class StepOutcome:
-    """The increment and the state at the end of a step, if it converged."""
+    """The increment and the state at the end of a step; both are none of a step that is not ``ok``."""
 
-    converged: bool
+    ok: bool
     end: State
     u: np.ndarray
     iterations: int
@@ -146,7 +146,7 @@ class StepSolver:
             self.effort = Effort.KEEP if easy else effort
             if spent is not None:
                 outcome = outcome.after(spent)
-            if outcome.converged:
+            if outcome.ok:
                 break
         assert outcome is not None
         return outcome

@@ -70,6 +70,11 @@ class Modes:
     note: str = ""
     checks: tuple[Check, ...] = ()
 
+    @property
+    def ok(self) -> bool:
+        """Whether what was asked for was found, and every check passed."""
+        return all(check.passed for check in self.checks)
+
     @cached_property
     def theory_errors(self) -> np.ndarray:
         r"""By which part of itself transverse shear and the rotary inertia of the normals, which theory `kirchhoff` leaves

@@ -190,9 +190,7 @@ class Solution:
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
         heat = self._heat(points)
-        section = self.system.problem.section
-        free = section.thermal_strain if self.system.geometry.theory.twist else section.thermal_strain_of_one_director
-        return np.zeros(6) if heat is None else free(z, *heat)
+        return np.zeros(6) if heat is None else self.system.assembly.free_strain(z, *heat)
 
     def _heat(self, points: np.ndarray) -> np.ndarray | None:
         """Temperature change T0 and T1, (2, n_elements, n), or None."""
@@ -250,7 +248,7 @@ class Solution:
         """
         inside = self._inside(np.array([[0.5], [0.5]]) if points is None else points)
         system, case = self.system, self.case
-        if not system.geometry.theory.twist:
+        if system.geometry.theory.shear:
             raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
         moments = self._of_state(lambda q: system.shell.section_forces(q, BILINEAR[0], case)[:, 3:])
         return shear_forces(system, self.q, moments, inside, case)
@@ -263,7 +261,7 @@ class Solution:
 
     def shear_share_of(self, elements: np.ndarray | None) -> float:
         """What some elements, a mask (n_elements,), have in that; None: all."""
-        if not self.system.geometry.theory.twist:
+        if self.system.geometry.theory.shear:
             return 0.0
         form, fields = self.shear_fields()
         shares = form.shares(fields, fields)
@@ -286,7 +284,7 @@ class Solution:
         Where it is large, motions of single elements that hardly cost energy rule the answer. Zero in theory `full`.
         """
         system = self.system
-        if not system.geometry.theory.twist:
+        if not system.assembly.assumes_membrane:
             return 0.0
         heat = system.shell.thermal_energy(self.case)
         thin: Any = system.assembly
@@ -412,6 +410,6 @@ def require_same_mesh(system: System, start: Solution, name: str = "start") -> N
     instance(name, start, Solution, STATE)
     if start.system.mesh is not system.mesh:
         raise InputError(f"{name} belongs to another mesh; nodal coordinates have a meaning only on their own one")
-    if start.system.geometry.theory.name != system.geometry.theory.name:
+    if start.system.geometry.theory.nodal_vectors != system.geometry.theory.nodal_vectors:
         raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
                          f"than those of {system.geometry.theory.name!r}")

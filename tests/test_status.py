@@ -41,8 +41,10 @@ def test_every_result_has_the_word_and_no_other():
 @pytest.mark.parametrize("status", sk.Status, ids=lambda status: status.name)
 def test_a_result_says_what_its_status_says(status):
     q = np.zeros(12)
-    for result in (NewtonResult(q, status, ()), sk.StaticResult(None, status, (), ()), sk.PathResult((), q, (), status, ()),
-                   sk.Motion((), (), None, {}, status), sk.AdaptiveResult(0.0, 0.0, 0.0, None, (), status, "", "")):  # fmt: skip
+    for result in (
+        NewtonResult(q, status, ()), sk.StaticResult(None, status, (), ()), sk.PathResult((), q, (), status, ()),
+        sk.Motion((), (), None, {}, status), sk.AdaptiveResult(0.0, 0.0, 0.0, None, (), status, "", ""),
+    ):  # fmt: skip
         assert result.ok is (status in WORKED)
 
 

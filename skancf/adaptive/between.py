@@ -7,8 +7,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError
+from skancf.kernels.constants import AXES, VECTORS
 from skancf.layout.geometry import Geometry
-from skancf.layout.layout import AXES, VECTORS, Part, nodal
+from skancf.layout.layout import Part, nodal
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.system.system import System
@@ -128,7 +129,7 @@ def prolongation(old: Geometry, new: Geometry) -> sp.csr_matrix:
     elements, places = old.locate_all(new.points[:, others])
     places = np.round(places * FINEST) / FINEST
     first, last = (old.mesh.p[:, old.mesh.t[corner, elements]] for corner in (0, 2))
-    table = old.theory.nodal_table(places.T) / _scales(last - first, old.theory.twist)[:, None]
+    table = old.theory.nodal_table(places.T) / _scales(last - first, old)[:, None]
     rows = np.broadcast_to(4 * others + np.arange(4)[:, None, None], table.shape)
     columns = np.broadcast_to(16 * elements + np.arange(16)[:, None], table.shape)
     used = table != 0
@@ -154,10 +155,10 @@ def _keys_of_nodes(geometry: Geometry) -> tuple[np.ndarray, np.ndarray]:
     return keys[nodes >= 0], nodes[nodes >= 0].astype(np.int64)
 
 
-def _scales(sides: np.ndarray, twist: bool) -> np.ndarray:
+def _scales(sides: np.ndarray, geometry: Geometry) -> np.ndarray:
     """What makes derivatives in the reference square those of parameters, (4, n)."""
-    one = np.ones_like(sides[0])
-    return np.stack([one, sides[0], sides[1], sides[0] * sides[1] if twist else one])
+    fourth = geometry.theory.fourth_factor(np.einsum("ij,in->ijn", np.eye(2), sides))
+    return np.stack([np.ones_like(sides[0]), sides[0], sides[1], fourth])
 
 
 def _at_poles(old: Geometry, new: Geometry, P: sp.csr_matrix) -> sp.csr_matrix:
@@ -170,7 +171,7 @@ def _at_poles(old: Geometry, new: Geometry, P: sp.csr_matrix) -> sp.csr_matrix:
         P[4 * node : 4 * node + 4] = 0.0
         P[4 * node, 4 * other] = 1.0
         P[4 * node + 1 : 4 * node + 3, 4 * other + 1 : 4 * other + 3] = tangents @ np.linalg.pinv(old.ties.poles[other])
-        if not new.theory.twist:
+        if new.theory.directors:
             P[4 * node + 3, 4 * other + 3] = 1.0
     return P.tocsr()
 
@@ -184,7 +185,7 @@ def require_one_tree(old: Geometry, new: Geometry) -> None:
     here, there = (g.surface.position(*one.points) for g in (old, new))
     if one.closed != two.closed or np.abs(here - there).max() > 1e-9 * np.abs(here).max():
         raise InputError("transfer: the meshes lie on different surfaces")
-    if old.theory.name != new.theory.name:
+    if old.theory.nodal_vectors != new.theory.nodal_vectors:
         raise InputError(f"transfer: the state is one of theory {old.theory.name!r}, the system of {new.theory.name!r}; "
                          "their nodal vectors are different")  # fmt: skip
 

@@ -25,8 +25,6 @@ from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.system.system import System
 
-SOFTEST = {True: 1e-3, False: 1e-5}
-r""":math:`\sigma` over the squared frequency of the residual, in theory `kirchhoff` and in `full`."""
 STEPS, ENOUGH = 3, 1e-2
 """Steps towards the internal forces, at most, and the excess of strain energy over the energy where they end."""
 NOTHING = 1e-12
@@ -257,7 +255,7 @@ class _Passage:
         mass = new.mass.diagonal()  # a pole has a vector without any
         direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
         squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))
-        solver.factor(elastic + SOFTEST[new.geometry.theory.twist] * squared_frequency * new.mass)
+        solver.factor(elastic + new.geometry.theory.softest * squared_frequency * new.mass)
         step = solver.solve(residual)
         return step - self._mean(new, step)
 

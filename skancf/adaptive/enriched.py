@@ -14,7 +14,7 @@ import numpy as np
 
 from skancf.adaptive.between import Interpolation, ancestors_in
 from skancf.adaptive.energies import Strained, energies, virtual_work
-from skancf.adaptive.grow import LEFT, SMALLEST, SMALLEST_LARGE, may_be_quartered
+from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE, may_be_quartered
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
 from skancf.adaptive.singular import images, nodes_at, singular_points, touching
@@ -27,7 +27,10 @@ from skancf.statics.equilibrium import equilibrium
 from skancf.statics.newton import newton, skew_part
 from skancf.statics.stopping import work
 from skancf.system.system import System
+from skancf.theories import left_per_halving
 
+AT_POLES = 1 / 4
+"""Part of an error that is left on quartered elements at a pole, whose membrane strains are no assumed ones."""
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
 MOST = 12
@@ -82,13 +85,12 @@ class Refined:
     def left(self, halved: Halvings) -> np.ndarray:
         """Part of what each element contributes to an error that is left on the refined mesh, (n_elements,).
 
-        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two, and in elements at
-        a pole, whose membrane strains are no assumed ones; at singular points no less than the power of what one halving
+        By the order of the theory, at poles :data:`AT_POLES`; at singular points no less than the power of what one halving
         leaves there.
         """
         coarse, fine, geometry = self.coarse.mesh.leaves, self.system.mesh.leaves, self.coarse.geometry
-        left = np.full(len(coarse), LEFT[geometry.theory.twist])
-        left[geometry.at_poles] = LEFT[False]
+        left = np.full(len(coarse), left_per_halving(geometry.theory))
+        left[geometry.at_poles] = AT_POLES
         deepest = np.zeros(len(coarse), dtype=int)
         np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
         there, once = halved.of(coarse, self.points)

@@ -8,8 +8,9 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, finite, vector
+from skancf.kernels.constants import FOURTH, R_X, R_Y, R
 from skancf.layout.geometry import Geometry
-from skancf.layout.layout import FOURTH, R_X, R_Y, Layout, R
+from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.loads.acting import over_elements, values_at
 from skancf.system.system import System
@@ -110,7 +111,7 @@ def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> n
     with DirectSolver(system.pattern, Constraints(fixed)) as solver:
         solver.factor(_mass_of_positions(system))
         v = solver.solve(system.shell.flat(over_elements(geometry, momentum[:, None])), refinements=2)
-    if not geometry.theory.twist:
+    if geometry.theory.directors:
         nodal, rates = system.shell.nodal(q), system.shell.nodal(v)
         rates[:, FOURTH] = _director_rates(nodal[:, FOURTH], nodal[:, [R_X, R_Y]], rates[:, [R_X, R_Y]])
     return v
@@ -119,7 +120,7 @@ def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> n
 def _mass_of_positions(system: System) -> BlockMatrix:
     """The mass matrix without directors."""
     sections, theory = system.assembly.sections, system.geometry.theory
-    if theory.twist:
+    if not theory.directors:
         return system.mass
     table = theory.position_table(theory.quadrature[0])[0]
     blocks = system.blocks()
@@ -130,7 +131,7 @@ def _mass_of_positions(system: System) -> BlockMatrix:
 def _massless(geometry: Geometry) -> np.ndarray:
     """Coordinates of which positions do not depend, (n_nodes, 12) bool: directors, and r_xy of a pole, which has none."""
     out = np.zeros_like(geometry.undeformed, dtype=bool)
-    out[list(geometry.ties.poles) if geometry.theory.twist else slice(None), FOURTH] = True
+    out[slice(None) if geometry.theory.directors else list(geometry.ties.poles), FOURTH] = True
     return out.reshape(geometry.n_nodes, -1)
 
 

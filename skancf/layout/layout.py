@@ -12,13 +12,7 @@ from typing import Any
 import numpy as np
 
 from skancf.errors import InputError
-
-R, R_X, R_Y, FOURTH = range(4)
-"""The vectors of a block of a plate."""
-VECTORS, AXES = 4, 3
-"""Vectors of a block, and components of each."""
-BLOCK = VECTORS * AXES
-"""Unknowns of a block."""
+from skancf.kernels.constants import AXES, BLOCK, VECTORS, R
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.history import FULL, Case, check_cover
-from skancf.layout.layout import BLOCK, Layout
+from skancf.kernels.constants import BLOCK
+from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.system import dilation, rigid
 from skancf.system.unstressed import ByStrains, derivative

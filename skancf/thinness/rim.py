@@ -9,8 +9,8 @@ import numpy as np
 
 from skancf.errors import InputError
 from skancf.history import Case
+from skancf.kernels.constants import R_X, R_Y, R
 from skancf.supports import Dashpot
-from skancf.supports.conditions import R_X, R_Y, R
 from skancf.surfaces import normal
 from skancf.system.system import System
 

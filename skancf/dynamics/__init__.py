@@ -7,6 +7,7 @@ from skancf.dynamics.initial import RigidVelocity
 from skancf.dynamics.ledger import Ledger, MeshEvent
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.named_state import HasState
 from skancf.dynamics.simulate import simulate
 from skancf.dynamics.spectrum import Spectrum, spectrum
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, NewtonCount
@@ -19,6 +20,7 @@ __all__ = [
     "FixedStep",
     "GeneralizedAlpha",
     "ImplicitMidpoint",
+    "HasState",
     "Ledger",
     "LocalError",
     "MeshEvent",

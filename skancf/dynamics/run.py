@@ -24,7 +24,7 @@ from skancf.dynamics.step_solver import StepOutcome, StepSolver
 from skancf.dynamics.steps import FADING, Attempt, StepControl
 from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
-from skancf.history import knots_of
+from skancf.history import Case, knots_of
 from skancf.progress import Progress
 from skancf.system.system import System
 
@@ -280,6 +280,7 @@ class Run:
             self.recorder.step(start, outcome.end)
             self.now, self.farthest, self.hardest = outcome.end, farthest, max(over, FADING * self.hardest)
             self.solver.reached(self.now)
+            self.system.reached(self.now.q, self.now.v, Case(time=self.now.time))
             self.impulses.add(missed)
             self.recorder.keep(self.now)
         return outcome, accepted

@@ -56,7 +56,7 @@ from skancf.dynamics import (
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
-from skancf.history import Path, Pulse, Ramp, Table
+from skancf.history import Case, Path, Pulse, Ramp, Table
 from skancf.loads import (
     DiskForce,
     EdgeImpulse,
@@ -76,6 +76,7 @@ from skancf.loads import (
 from skancf.materials import Anisotropic, Damping, Isotropic, Laminate, Layer, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics import (
     ArcLength,
     BucklingResult,
@@ -133,6 +134,7 @@ __all__ = [
     "BucklingLoad",
     "BucklingResult",
     "Carried",
+    "Case",
     "Change",
     "Check",
     "Checkpoint",
@@ -215,6 +217,7 @@ __all__ = [
     "SphereSector",
     "Spring",
     "StaticResult",
+    "Status",
     "StepLength",
     "StrainEnergy",
     "SurfaceLoad",

@@ -17,7 +17,7 @@ from skancf.atomic import AnyPath, as_path, check_folder, reason
 from skancf.dynamics.asked import Asked, asked_problem, difference
 from skancf.dynamics.ledger import Book
 from skancf.dynamics.log import Log
-from skancf.dynamics.motion import Motion, MotionStatus, Step
+from skancf.dynamics.motion import Motion, Step
 from skancf.dynamics.named_state import flat, nested
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.run import Run, logs_of
@@ -25,6 +25,7 @@ from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, RunFiles
 from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
 from skancf.errors import InputError, SkancfError
+from skancf.solving import Status
 from skancf.system.system import System
 
 PROBLEM = "give read_motion the system of the run, the problem on the mesh that it began with"
@@ -141,7 +142,7 @@ class Writer:
             raise files.refused(STATE, f"is no state of a run ({error})") from error
         run.mark_here(run.tries)
         self.pieces, self.counts, self.spent, self.time = head["pieces"], run.counts, head["seconds"], run.now.time
-        self.finished = head["status"] == MotionStatus.FINISHED.name
+        self.finished = Status[head["status"]].ok
 
     def after_step(self, run: Run) -> None:
         """Write if it is time to: where a run need not go back any more."""
@@ -158,7 +159,7 @@ class Writer:
             Where the folder cannot be written any more; what it holds stays as it is.
         """
         run.solver.forget()
-        status = MotionStatus.FINISHED if finished else MotionStatus.UNFINISHED
+        status = Status.FINISHED if finished else Status.UNFINISHED
         try:
             self._write_logs(PIECE.format(self.pieces + 1), run)
             self.files.remove(STOPPED)
@@ -168,7 +169,7 @@ class Writer:
             raise self._failed(error) from error
         self.pieces, self.counts, self.since, self.time = self.pieces + 1, run.counts, 0, run.now.time
 
-    def stopped(self, run: Run, status: MotionStatus, message: str) -> None:
+    def stopped(self, run: Run, status: Status, message: str) -> None:
         """What a run that stopped before its end has computed since the last write, where the folder still takes it."""
         with suppress(OSError, SkancfError):
             self.files.remove(STOPPED)
@@ -181,7 +182,7 @@ class Writer:
         self.files.write_meshes(run.recorder.systems)
         self.files.write(name, flat({log: rows.since(self.counts.get(log, 0)) for log, rows in run.logs.items()}))
 
-    def _write_state(self, name: str, run: Run, pieces: int, status: MotionStatus, message: str = "") -> None:
+    def _write_state(self, name: str, run: Run, pieces: int, status: Status, message: str = "") -> None:
         head = {"pieces": pieces, "status": status.name, "message": message, "seconds": self.seconds}
         self.files.write_state(name, {**head, "counts": run.counts, "run": run.state()})
 
@@ -260,7 +261,7 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     if time.shape or not q.shape == v.shape == (recorder.systems[-1].n_dofs,):
         raise files.refused(STATE, "is no state of a run")
     recorder.end(State(float(time), q, v, np.zeros_like(v)))
-    status, message = MotionStatus[head["status"]], head["message"]
-    if status is MotionStatus.UNFINISHED:
+    status, message = Status[head["status"]], head["message"]
+    if status is Status.UNFINISHED:
         message = f"written until t = {float(time):.6g} s of {float(known['end']):.6g} s"
     return Motion(recorder.stretches, tuple(steps), book.ledger(), recorder.records, status, message, head["seconds"])

@@ -15,6 +15,7 @@ from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion
 from skancf.dynamics.motion_checks import warn_of
+from skancf.dynamics.named_state import flat, nested
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
@@ -128,7 +129,7 @@ def simulate(
     q = system.undeformed.copy() if start is None else start.q.copy()
     v = _initial_velocity(system, velocity, start, begin, t_end)
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
-    began = clock.perf_counter()
+    began, remembered = clock.perf_counter(), flat(system.state())
     # A state that has a time is the one after what happened then.
     struck = start is not None and start.time is not None
     with Progress("dynamics", t_end, shown=progress) as bar:
@@ -139,6 +140,7 @@ def simulate(
             run.close()
     motion = run.motion(status, message)
     if doubled is not None and motion.ok:
+        system.restore(nested(remembered, system.state()))
         with Progress("the same with steps twice as long", t_end, shown=progress) as bar:
             again = Run(system, replace(settings, control=doubled), Recorder(motion.times, {}), q, v, struck)
             try:

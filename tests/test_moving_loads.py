@@ -206,9 +206,13 @@ def test_places_of_loads_that_stand():
     assert system_on("full").load_places().shape == (2, 0)
 
 
-def test_ends_that_move_are_no_singular_points_but_one_that_stands_is():
-    bare, moving = (singular_points(system_on("full", *loads)) for loads in ([], [sk.MovingLine(diagonal, (0.4, 0.9), F)]))
-    assert moving.shape[1] == bare.shape[1] + 1 and (np.abs(moving.T - (0.4, 0.9)).max(axis=1) < 1e-12).any()
+def test_singular_points_of_loads_that_move_are_where_statics_has_them():
+    bare = singular_points(system_on("full"))
+    for load, at in [(sk.MovingLine(diagonal, (0.4, 0.9), F), [diagonal(0.0), (0.4, 0.9)]),
+                     (sk.MovingForce(diagonal, tuple(F)), [diagonal(0.0)])]:  # fmt: skip
+        found = singular_points(system_on("full", load))
+        assert found.shape[1] == bare.shape[1] + len(at)
+        assert all((np.abs(found.T - point).max(axis=1) < 1e-12).any() for point in at)
 
 
 @pytest.mark.parametrize(("build", "words"), [

@@ -1,5 +1,6 @@
 """What a load is on a mesh, and the ways that forces get to the nodes."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -8,6 +9,7 @@ from skancf import functions
 from skancf.errors import vector
 from skancf.history import History, amplitude, check_history
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity
 from skancf.terms.protocols import Assembly
 
 
@@ -39,8 +41,14 @@ class Acting:
     def couple(self, time: float | None) -> np.ndarray | None:
         return None
 
+    def edge_moments(self, facets: np.ndarray, at: np.ndarray, time: float | None) -> np.ndarray | None:
+        return None
+
+    def singularities(self, time: float | None) -> list[Singularity]:
+        return []
+
     def places(self, time: float | None) -> np.ndarray:
-        return np.empty((2, 0))
+        return np.hstack([np.empty((2, 0)), *[each.alone for each in self.singularities(time) if each.at_rest]])
 
     def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
         return None
@@ -50,17 +58,21 @@ class Acting:
 
 
 class DeadLoad(Acting):
-    """A force (n_nodes, 4, 3) that does not depend on the configuration, at points (2, n) if it is at some only."""
+    """A force (n_nodes, 4, 3) that does not depend on the configuration; spread over points (2, n) if it is at some only."""
 
-    def __init__(self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None):
-        self.nodal, self.history = nodal, history
-        self.at = np.empty((2, 0)) if at is None else at
+    def __init__(
+        self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None, singular: Sequence[Singularity] = ()
+    ):
+        self.nodal, self.history, self.at, self.singular = nodal, history, at, singular
 
     def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
         return np.asarray(amplitude(self.history, time) * self.nodal)
 
+    def singularities(self, time: float | None) -> list[Singularity]:
+        return list(self.singular)
+
     def places(self, time: float | None) -> np.ndarray:
-        return self.at
+        return super().places(time) if self.at is None else self.at
 
 
 class Load(Protocol):

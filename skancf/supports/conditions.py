@@ -12,12 +12,13 @@ of (x, y) where it is true at both ends of one: slopes along them are held too. 
 nodes inside as well, as one with a wide tolerance is, is warned of too, unless it is true everywhere.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from skancf.errors import InputError
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.terms.protocols import Assembly
 from skancf.vectors import cross
 
@@ -38,7 +39,16 @@ class Row(NamedTuple):
 
 
 class Support:
-    """What a problem knows of a support: conditions, springs or dashpots."""
+    """What a problem knows of a support: conditions, springs or dashpots.
+
+    Attributes
+    ----------
+    holds : tuple of str
+        What it holds where it has a place ``where``, the kinds of a :class:`~skancf.supports.Singularity`: positions in all
+        directions, in part, normals.
+    """
+
+    holds: ClassVar[tuple[str, ...]] = ("part",)
 
     @property
     def histories(self) -> tuple[Any, ...]:
@@ -56,6 +66,15 @@ class Support:
     def dashpots(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
         """The same of forces in proportion to velocities."""
         return []
+
+    def singularities(self, geometry: Geometry) -> list[Singularity]:
+        """What it does that is not smooth; by default what it ``holds`` at its place ``where``, if it has one, and with a
+        ``kind`` of ``"hard"`` the tilt along its edges."""
+        if not hasattr(self, "where"):
+            return []
+        kinds = self.holds + ("tilt",) * (getattr(self, "kind", None) == "hard")
+        name = type(self).__name__
+        return at_place(geometry, self.where, kinds, f"{'an' if name[0] in 'AEIOU' else 'a'} {name}")
 
 
 def condition(kinds: dict[int, Any], direction: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ import numpy as np
 
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity
 from skancf.materials import Section
 
 
@@ -91,6 +92,13 @@ class Loading(Protocol):
 
     def couple(self, time: float | None) -> np.ndarray | None:
         """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
+
+    def edge_moments(self, facets: np.ndarray, at: np.ndarray, time: float | None) -> np.ndarray | None:
+        """Moments per length that it applies along boundary facets (m,), at their points (2, m, n) of the parameter plane:
+        (3, m, n); None without any."""
+
+    def singularities(self, time: float | None) -> list[Singularity]:
+        """What it does that is not smooth, at a time; without one as statics has it."""
 
     def places(self, time: float | None) -> np.ndarray:
         """Points (2, n) of the parameter plane at which it acts at a time, if it is at some only; else (2, 0)."""

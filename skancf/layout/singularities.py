@@ -1,6 +1,6 @@
 """Where what acts or holds leaves derivatives of a solution without a limit: said by loads and supports themselves."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -122,6 +122,11 @@ def at_place(
     points = np.hstack([mesh.p[:, once], mesh.p[:, geometry.ties.representative[others]]])
     alone = np.concatenate([np.zeros(len(once), dtype=bool), apart])
     return [Singularity(kinds, points, words, single=alone, facets=np.asarray(facets), at_rest=at_rest)]
+
+
+def places_of(found: Iterable[Singularity]) -> np.ndarray:
+    """Single points (2, n) of the parameter plane at which something acts at rest too."""
+    return np.hstack([np.empty((2, 0)), *[each.alone for each in found if each.at_rest]])
 
 
 def nodes_at(geometry: Geometry, points: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import number, vector
 from skancf.functions import is_function
+from skancf.history import Case
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import Acting, point_forces
 from skancf.loads.edge import on_edges
@@ -97,7 +98,7 @@ class Blow(Acting):
     def __init__(self, nodal: np.ndarray, time: float, singular: list[Singularity]):
         self.nodal, self.time, self.singular = nodal, time, singular
 
-    def singularities(self, time: float | None) -> list[Singularity]:
+    def singularities(self, case: Case) -> list[Singularity]:
         return self.singular
 
     def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray]:

@@ -1,32 +1,34 @@
 """What loads and supports say they do to the regularity of a solution, all of them together."""
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from skancf.errors import InputError, shown
 from skancf.functions import Noted, is_ours
+from skancf.history import FULL, Case
 from skancf.layout.singularities import Singularity
 from skancf.supports import Support
 from skancf.system.system import System
 
 
-def singularities(system: System, time: float | None = None) -> list[Singularity]:
-    """Those of all supports and loads at a time, without one as statics has them.
+def singularities(system: System, case: Case = FULL) -> list[Singularity]:
+    """Those of all supports, loads and other terms.
 
     Raises
     ------
     InputError
-        Where a load or support of the user's own says something else.
+        Where a load, support or term of the user's own says something else.
     """
     out: list[Singularity] = []
     for support in system.problem.supports:
         # A class that is not derived from Support need not know of them.
-        said = getattr(support, "singularities", None) or (lambda at, own=support: Support.singularities(own, at))
+        said = getattr(support, "singularities", None) or partial(Support.singularities, support)
         out += _checked("support", support, said, system.geometry)
-    for load in system.loads:
-        out += _checked("load", load, load.singularities, time)
+    for term in system.terms:
+        out += _checked("load" if term.load else "term", getattr(term, "acting", term), term.singularities, case)
     return out
 
 
@@ -36,10 +38,10 @@ def _checked(name: str, owner: Any, said: Any, argument: Any) -> Sequence[Singul
         return found
     with Noted(f"{name}.singularities"):
         found = said(argument)
-    if not isinstance(found, Iterable) or not all(isinstance(each, Singularity) for each in found):
-        raise InputError(f"{name}.singularities of {shown(owner)} = {shown(found)}: give a list of Singularity objects, see "
-                         f"skancf.{name}s.Singularity; an empty one if there are none")  # fmt: skip
-    return list(found)
+    if not isinstance(found, list | tuple) or not all(isinstance(each, Singularity) for each in found):
+        raise InputError(f"{name}.singularities of {shown(owner)} = {shown(found)}: give a list of objects of "
+                         "skancf.supports.Singularity, an empty one if there are none")  # fmt: skip
+    return found
 
 
 def facets_of(found: Iterable[Singularity], *kinds: str) -> np.ndarray:

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from skancf.history import Case
 from skancf.layout.singularities import Singularity, beside_each_other, nodes_at
 from skancf.supports.conditions import R_X, R_Y, R
 from skancf.surfaces import normal
@@ -50,13 +51,13 @@ class Rim:
         held = facets_of(singularities(self.system), "tilt")
         return np.asarray(self.facets[((self.kinds == FREE) | (self.kinds == SUPPORTED)) & ~np.isin(self.facets, held)])
 
-    def strong(self, time: float | None) -> np.ndarray:
+    def strong(self, case: Case) -> np.ndarray:
         """Positions (3, k) of points about which the energy of the thin theory's shear forces has no limit.
 
         Those are corners, and forces, moments and supports at single points.
         """
         geometry = self.system.geometry
-        found = singularities(self.system, time)
+        found = singularities(self.system, case)
         loads = [each.alone for each in found if each.pushes("force") or each.pushes("moment")]
         nodes = geometry.points[:, self._corners | self._single(found)]
         return np.asarray(geometry.surface.position(*np.hstack([nodes, *loads])))

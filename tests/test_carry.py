@@ -65,7 +65,7 @@ def bent(system, rng, amplitude=0.2):
     def field(C):
         slopes = [2 * np.einsum("ijk,nj,nk->ni", C + C.swapaxes(1, 2), x, nodal[:, k]) / 2 for k in (1, 2)]
         last = np.einsum("ijk,nj,nk->ni", C + C.swapaxes(1, 2), x, fourth)
-        if system.geometry.theory.twist:
+        if not system.geometry.theory.directors:
             last = last + np.einsum("ijk,nj,nk->ni", C + C.swapaxes(1, 2), nodal[:, 1], nodal[:, 2])
         return np.stack([np.einsum("ijk,nj,nk->ni", C, x, x), *slopes, last], axis=1).ravel()
 

@@ -64,13 +64,13 @@ def drift(system: System) -> str | None:
     thickness squared over the size squared; and a moment, of a support that holds the normal at a point, turns that point in
     both theories, by a part of the order of one.
     """
-    thin, held = system.geometry.theory.twist, held_points(system.geometry, singularities(system))
-    points = [point for _, point, rests, turned in held if turned or (rests and not thin)]
+    shear, held = system.geometry.theory.shear, held_points(system.geometry, singularities(system))
+    points = [point for _, point, rests, turned in held if turned or (rests and shear)]
     if not points:
         return None
     places = ", ".join(_at(point) for point in points[:4]) + (", ..." if len(points) > 4 else "")
     what, way_out = "theory 'full' is supported", "support an edge, or take theory 'kirchhoff'"
-    if thin:
+    if not shear:
         what, way_out = "the normal is held", "hold it along an edge"
     return (f"{what} at single points, {places}: with a reaction there every displacement drifts by the logarithm of the "
             f"element size, and has no limit as the mesh is refined; {way_out}")  # fmt: skip
@@ -110,7 +110,7 @@ def _displacement(quantity: Displacement, geometry: Geometry, said: list[Singula
             continue
         n, force = normal_at(geometry, point), unit_vector("force", load.vector)
         along = (direction - (direction @ n) * n) @ (force - (force @ n) * n)
-        across = 0.0 if geometry.theory.twist else (direction @ n) * (force @ n)
+        across = (direction @ n) * (force @ n) if geometry.theory.shear else 0.0
         if max(abs(along), abs(across)) > ALONG_TOO:
             return (f"Displacement(at={_at(quantity.at)}) has no limit as the mesh is refined: {load.words} there sinks "
                     f"into theory {geometry.theory.name!r} with the logarithm of the element size; "
@@ -130,8 +130,8 @@ def _rotation(quantity: Rotation, geometry: Geometry, said: list[Singularity]) -
 
 
 def _energy(geometry: Geometry, said: list[Singularity]) -> str | None:
-    thin, none = geometry.theory.twist, "StrainEnergy() has no limit as the mesh is refined:"
-    loads = [(load, at) for load, at in _acting(said, "force") if not thin or has_part_along(geometry, load.vector, at)]
+    shear, none = geometry.theory.shear, "StrainEnergy() has no limit as the mesh is refined:"
+    loads = [(load, at) for load, at in _acting(said, "force") if shear or has_part_along(geometry, load.vector, at)]
     for load, point in loads[:1]:
         return (f"{none} {load.words} at {_at(point)} sinks into theory {geometry.theory.name!r} with the logarithm of the "
                 f"element size; {_spread(geometry, loads)}")  # fmt: skip
@@ -151,7 +151,7 @@ def _turns(load: Singularity, where: str) -> str:
 
 
 def _spread(geometry: Geometry, loads: list[tuple[Singularity, np.ndarray]]) -> str:
-    thin_has_one = not geometry.theory.twist and not any(has_part_along(geometry, each.vector, at) for each, at in loads)
+    thin_has_one = geometry.theory.shear and not any(has_part_along(geometry, each.vector, at) for each, at in loads)
     return "take a DiskForce" + (", or theory 'kirchhoff'" if thin_has_one else "")
 
 

@@ -140,7 +140,7 @@ def held_points(geometry: Geometry, said: list[Singularity]) -> Iterator[tuple[S
 
 def at_free_right_angle(geometry: Geometry, said: list[Singularity], at: Any) -> bool:
     """Is there a right-angled corner of theory `kirchhoff` that no mirror makes a part of a longer edge?"""
-    for node in geometry.corners if geometry.theory.twist else ():
+    for node in () if geometry.theory.shear else geometry.corners:
         mesh_node = int(geometry.ties.representative[node])
         if not same_point(geometry, geometry.mesh.p[:, mesh_node], at):
             continue

@@ -59,9 +59,9 @@ class EdgeMoment:
         elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
         moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
         ends = at_place(geometry, self.where, "moment", "an EdgeMoment", single=False)
-        if geometry.theory.twist:
-            return EdgeMomentOnNormals(assembly, elements, points, moments, self, ends)
-        return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history, ends)
+        if geometry.theory.directors:
+            return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history, ends)
+        return EdgeMomentOnNormals(assembly, elements, points, moments, self, ends)
 
 
 @dataclass(frozen=True)
@@ -114,10 +114,10 @@ class PointMoment:
                              "no stiffness; give a couple of forces instead")  # fmt: skip
         at = geometry.within(np.asarray(self.at, float)[:, None])
         singular = [Singularity("moment", at, "a PointMoment", moment)]
-        if geometry.theory.twist:
-            return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, singular)
-        tables = geometry.theory.position_table(points[0])[1].T
-        return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, singular)
+        if geometry.theory.directors:
+            tables = geometry.theory.position_table(points[0])[1].T
+            return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, singular)
+        return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, singular)
 
 
 def _on_nodes(

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from skancf.history import Case
+from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.singularities import Singularity, beside_each_other, nodes_at
-from skancf.supports.conditions import R_X, R_Y, R
 from skancf.surfaces import normal
 from skancf.system.regularity import facets_of, singularities
 from skancf.system.system import System

@@ -373,8 +373,9 @@ class Solution:
         support = system.constraints.fixed_part(residual)
         if system.others:
             support = support - self._others_force()
-        forces = system.shell.nodal(support)[:, 0]
-        return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
+        if where is None:
+            return np.asarray(system.layout.positions(support).sum(axis=0))
+        return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
 
     def _vectors(self, q: np.ndarray) -> np.ndarray:
         """Those of the nodes one after another, (4 n_nodes, 3)."""

@@ -128,7 +128,7 @@ def carried(
         factor, v = 1.0, None
         if state.velocity is not None:
             now = Momenta(system, q, passage.new_mass.solve)
-            before = now.rigid(state.q) @ (state.system.mass @ state.velocity)
+            before = now.rigid(state.system.layout, state.q) @ (state.system.mass @ state.velocity)
             v = now.corrected(passage.velocity(), before)
             if settle:
                 v, factor = now.slowed(v, passage.energy - passage.strain_energy(system, q))

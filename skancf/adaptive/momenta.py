@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from skancf.dynamics.initial import rigid_rates
+from skancf.layout.layout import Layout
 from skancf.system.system import System
 
 ROUNDING = 1e-14
@@ -33,11 +34,11 @@ class Momenta:
         positions = system.layout.positions(q)
         self.centre = positions.mean(axis=0)
         self.size = float(np.abs(positions - self.centre).max())
-        self._modes = self.rigid(q)
+        self._modes = self.rigid(system.layout, q)
 
-    def rigid(self, q: np.ndarray) -> np.ndarray:
+    def rigid(self, layout: Layout, q: np.ndarray) -> np.ndarray:
         """Unit translations and, in units of this size, rotations about this centre of a body at q: (6, n_dofs)."""
-        layout, none, axes = self.system.layout, np.zeros(3), np.eye(3)
+        none, axes = np.zeros(3), np.eye(3)
         translations = [rigid_rates(layout, q, axis, none, self.centre) for axis in axes]
         return np.array(translations + [rigid_rates(layout, q, none, axis / self.size, self.centre) for axis in axes])
 

@@ -205,11 +205,11 @@ def test_influence_line(theory):
 def test_places_of_loads_that_stand():
     loads = [sk.PointForce((0.2, 0.3), (0, 0, 1.0)), sk.DiskForce((0.5, 0.5), 0.1, (0, 0, 1.0)), sk.SurfaceLoad((0, 0, 1.0)),
              sk.Gravity(), sk.FollowerPressure(1.0), sk.LineLoad((0.1, 0.9), (0.8, 0.9), (0, 0, 1.0))]  # fmt: skip
-    places = system_on("full", *loads).load_places(0.3)
+    places = system_on("full", *loads).loads.places(at_time(0.3))
     assert np.array_equal(places[:, 0], (0.2, 0.3))
     disk = np.linalg.norm(places[:, 1:769] - 0.5, axis=0)
     assert disk.max() < 0.1 and np.allclose(places[1, 769:], 0.9) and places.shape[1] > 769
-    assert system_on("full").load_places().shape == (2, 0)
+    assert system_on("full").loads.places().shape == (2, 0)
 
 
 def test_singular_points_of_loads_that_move_are_where_statics_has_them():

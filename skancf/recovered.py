@@ -20,7 +20,7 @@ from skancf.history import FULL, Case
 from skancf.layout.geometry import Geometry
 from skancf.layout.patches import STENCIL, Cuts, Patches
 from skancf.layout.places import NONE
-from skancf.layout.singularities import Singularity
+from skancf.layout.singularities import Singularity, nodes_at
 from skancf.materials import Section
 from skancf.system.regularity import singularities
 from skancf.system.system import System
@@ -120,9 +120,8 @@ def _of_support(geometry: Geometry, support: Singularity) -> tuple[np.ndarray, n
     at an end of held edges."""
     mesh, node_of = geometry.mesh, geometry.ties.node_of
     facets = support.facets
-    at_points = [np.flatnonzero(_near(geometry, point - mesh.p.T)) for point in support.points.T]
-    own = node_of[np.concatenate([NONE, *at_points, mesh.facets[:, facets].ravel()])]
-    nodes = np.unique(own[own >= 0])
+    of_facets = geometry.ends(facets).ravel()
+    nodes = np.union1d(nodes_at(geometry, support.points), of_facets[of_facets >= 0])
     # A hanging node is held where the ends of its edge are.
     held = np.isin(node_of, nodes)
     held[geometry.hanging.nodes] = held[geometry.hanging.ends].all(axis=0)

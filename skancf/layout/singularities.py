@@ -131,8 +131,11 @@ def places_of(found: Iterable[Singularity]) -> np.ndarray:
 
 def nodes_at(geometry: Geometry, points: np.ndarray) -> np.ndarray:
     """Nodes at points (2, n) of the parameter plane, each once, hanging ones and points of no node not counted."""
-    places, extent = geometry.mesh.p, SAME_POINT * np.ptp(geometry.mesh.p, axis=1)
-    here = [np.flatnonzero((np.abs(places.T - point) < extent).all(axis=1)) for point in points.T]
+    places, (wide, high) = geometry.mesh.p, SAME_POINT * np.ptp(geometry.mesh.p, axis=1)
+    order = np.argsort(places[0])
+    first, last = (np.searchsorted(places[0, order], points[0] + side * wide) for side in (-1, 1))
+    near = (order[a:b] for a, b in zip(first, last, strict=True))
+    here = [nodes[np.abs(places[1, nodes] - y) < high] for nodes, y in zip(near, points[1], strict=True)]
     found = np.unique(geometry.ties.node_of[np.concatenate([NONE, *here])])
     return np.asarray(found[found >= 0])
 

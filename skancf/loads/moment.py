@@ -70,7 +70,7 @@ class PointMoment:
 
     Its virtual work is that on the spin of the director or normal there, :math:`m \cdot (d \times \delta d) / d \cdot d`:
     the part of m along the normal does no work. The rotation under it has no limit as the mesh is refined, it grows with the
-    logarithm of the element size; displacements of the thin theory have one.
+    logarithm of the element size; the displacement has one.
 
     Parameters
     ----------

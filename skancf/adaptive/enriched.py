@@ -17,9 +17,10 @@ from skancf.adaptive.energies import Strained, energies, virtual_work
 from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE, may_be_quartered
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
-from skancf.adaptive.singular import images, nodes_at, singular_points, touching
-from skancf.errors import InputError
+from skancf.adaptive.singular import images, singular_points, touching
+from skancf.errors import InputError, finite
 from skancf.history import Case
+from skancf.layout.singularities import nodes_at
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
@@ -120,7 +121,8 @@ class Refined:
         """Coarse nodes at the point of a section force, at most one."""
         if not isinstance(self._quantity, SectionForce) or self._quantity.at is None:
             return np.empty(0, dtype=int)
-        return nodes_at(self.coarse.geometry, self._quantity.at)
+        geometry = self.coarse.geometry
+        return nodes_at(geometry, geometry.within(finite("at", self._quantity.at)[:, None]))
 
     def shares(self, products: np.ndarray) -> np.ndarray:
         """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""

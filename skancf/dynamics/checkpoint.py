@@ -23,7 +23,7 @@ from skancf.dynamics.run import Run
 from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, Kept, RunFiles
 from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
-from skancf.dynamics.step_solver import Effort
+from skancf.dynamics.step_newton import Effort
 from skancf.errors import InputError, SkancfError
 from skancf.solving import Status
 from skancf.system.system import System

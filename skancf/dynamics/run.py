@@ -234,7 +234,7 @@ class Run:
     @property
     def _noise(self) -> float:
         """Energy that is rounding (J): of coordinates alone, and of their product with a strain in the energy."""
-        rounding = NOISE * self.solver.rounding
+        rounding = NOISE * self.solver.factors.rounding
         return max(rounding, 1e-300) + (rounding * self.book.turnover) ** 0.5
 
     def _is_unbalanced(self, tolerance: float) -> bool:

@@ -12,7 +12,7 @@ from skancf.errors import SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
-from skancf.solving import End, Status, kept
+from skancf.solving import FOUND, End, Status, kept
 from skancf.statics.causes import cause
 from skancf.statics.newton import NewtonResult, newton
 from skancf.statics.path import limit_ahead
@@ -48,7 +48,6 @@ LOST = (
     "rounding of the nodal coordinates leaves up to {:.1e} of the loads or of the energy norm open: the body is so thin, or "
     "so lightly loaded, that its coordinates hardly hold the answer. Of small deflections solve_linear has more digits"
 )
-REACHED = (Status.CONVERGED, Status.ROUNDING)
 SHORTEST = 1 / 16
 """Load steps are halved so far, as a part of the whole load, before the structure is relaxed."""
 FARTHEST = 10.0
@@ -118,7 +117,7 @@ class Cascade:
             result = self._solve(self.path[-1].q, factor, farthest=farthest)
             if aim == 1.0:
                 result = self._verified(result)
-            reached = result.status in REACHED
+            reached = result.status in FOUND
             if reached:
                 self.done = aim
                 self._keep(result, factor)
@@ -146,7 +145,7 @@ class Cascade:
 
     def _verified(self, result: NewtonResult) -> NewtonResult:
         """A solve at the whole load after its checks, which may take its promise away; the last attempt."""
-        if result.status not in REACHED or not hasattr(self.system, "strain_energy"):
+        if result.status not in FOUND or not hasattr(self.system, "strain_energy"):
             return result
         rtol = self.settings.rtol
         found = verify(self.system, self.solver, result.q, self.load_factor, rtol=rtol, origin=self.path[0].q)
@@ -204,7 +203,7 @@ class Cascade:
             found = relaxed()
         except SingularMatrix:
             return False
-        if found is None or (found := self._verified(found)).status not in REACHED:
+        if found is None or (found := self._verified(found)).status not in FOUND:
             return False
         if found.negative_pivots:
             self.second_best = found, self.checks

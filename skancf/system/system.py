@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+import skfem
 
 from skancf.errors import InputError
 from skancf.history import check_cover
 from skancf.kernels import gather
 from skancf.kernels.schedule import Schedule
+from skancf.layout import skfem_bridge
 from skancf.layout.constrain import free_rigid_motions
 from skancf.layout.folds import first_fold
 from skancf.layout.geometry import Geometry
@@ -355,6 +357,42 @@ class System:
         out = np.zeros((self.pattern.n_blocks, 12, 12))
         self.assembly.schedule.run(gather.mass, shape, shapes, self.geometry.maps, self._slots, out)
         return BlockMatrix(self.pattern, out)
+
+    # --- scikit-fem -------------------------------------------------------------------------------------------------
+
+    def basis(self, intorder: int = 7, *, facets: Any = None, thickness: float | None = None) -> skfem.AbstractBasis:
+        """A basis of scikit-fem on the mesh with this theory's element, for forms of one's own.
+
+        ``system.basis().interpolate(system.to_mesh @ q)`` is the deformed surface in the state q: the position, its
+        derivatives ``grad`` with respect to x and y, and in theory `kirchhoff` ``hess``.
+
+        Parameters
+        ----------
+        intorder : int
+            Order of the polynomials in x and in y that the quadrature integrates exactly; 7 is that of the library's own.
+        facets
+            A place on the boundary, such as ``"left"``: the basis is one of these edges.
+        thickness : float, optional
+            In theory `full`: the basis is one of the volume, of :math:`r + z d`, and ``grad`` has the derivative with
+            respect to z, too.
+
+        Raises
+        ------
+        InputError
+            For an order that is no whole number, a place without an edge, and a thickness where there is no depth.
+        """
+        return skfem_bridge.basis_on(self.geometry, intorder, facets, thickness)
+
+    @cached_property
+    def to_mesh(self) -> sp.csr_matrix:
+        r"""T, from the nodal coordinates to the degrees of freedom of :meth:`basis`, (12 n_mesh_nodes, n_dofs).
+
+        The identity on open meshes without hanging nodes. A form's force f and stiffness K on the basis are
+        :math:`T^T f` and :math:`T^T K T` here.
+        """
+        return skfem_bridge.unknowns_to_mesh(self.geometry)
+
+    # ----------------------------------------------------------------------------------------------------------------
 
     def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
         """The first element that folded, and its undeformed place; None without one: see :mod:`skancf.layout.folds`."""

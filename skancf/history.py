@@ -44,6 +44,30 @@ def amplitude(history: History | None, time: float | None) -> float:
                          "whole run") from wrong  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Case:
+    """When, and under how much of the loads, a system is asked.
+
+    Attributes
+    ----------
+    factor : float
+        Of all loads and prescribed motions.
+    time : float or None
+        In seconds. Statics has none: there every history counts with its full amplitude.
+    """
+
+    factor: float = 1.0
+    time: float | None = None
+
+    def amplitude(self, history: History | None) -> float:
+        """What a load with this history is multiplied by: its value at the time, see :func:`amplitude`, and the factor."""
+        return self.factor * amplitude(history, self.time)
+
+
+FULL = Case()
+"""Statics under the whole load."""
+
+
 def _moment(time: Any) -> float:
     """A time, checked; of a solver's own times it costs one call."""
     return time if type(time) is float and isfinite(time) else number("time", time)

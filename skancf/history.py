@@ -1,6 +1,6 @@
 """Functions of time that multiply loads and prescribed displacements, and paths of loads that move."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite, pi, sin
@@ -42,6 +42,11 @@ def amplitude(history: History | None, time: float | None) -> float:
     except InputError as wrong:
         raise InputError(f"history at t = {time} is {shown(value)}; a function of time must give one finite number over the "
                          "whole run") from wrong  # fmt: skip
+
+
+def knots_of(histories: Iterable[Any]) -> list[float]:
+    """Times, ascending, at which functions of time begin, end or bend, by their attribute ``knots`` (s)."""
+    return sorted({float(t) for history in histories for t in getattr(history, "knots", ())})
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from skancf.errors import InputError, finite
+from skancf.history import FULL, Case
 from skancf.layout.geometry import Geometry
 from skancf.layout.patches import STENCIL, Cuts, Patches
 from skancf.layout.places import NONE
@@ -40,10 +41,10 @@ def patches_of(system: System) -> Patches:
 
 
 def section_forces(
-    system: System, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
+    system: System, q: np.ndarray, points: np.ndarray, case: Case = FULL
 ) -> np.ndarray:
     """N and M (n_elements, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
-    raw = system.section_forces(q, points, factor, time)
+    raw = system.shell.section_forces(q, points, case)
     if isinstance(system.assembly, FullAssembly):
         forces, moments = np.split(_excess(system, q, points), 2, axis=1)
         raw[:, 3:] += moments - np.einsum("ji,eip->ejp", _coupled(system.problem.section)[1], forces)

@@ -20,6 +20,7 @@ from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.errors import vector
+from skancf.history import Case
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.system.system import System
@@ -171,7 +172,7 @@ class _Passage:
         self.there = Interpolation(self.old.geometry, system.geometry)
         finer = is_finer(system.mesh.leaves, self.old.mesh.leaves)
         self.back = None if finer else Interpolation(system.geometry, self.old.geometry)
-        wanted = system.undeformed + state.load_factor * system.prescribed(state.time)
+        wanted = system.undeformed + system.prescribed(state.case)
         at_nodes = self.there.positions(state.q)
         self._taken = at_nodes + system.constraints.fixed_part(wanted - at_nodes)
         self._lost = None if self.back is None else self._significant(state.q - self.back.positions(self._taken), state.q)
@@ -251,7 +252,7 @@ class _Passage:
         residual = new.constraints.free_part(self._net_force(new, q) - inertia)
         if not residual.any():
             return residual
-        elastic = new.tangent(q, np.zeros_like(new.stresses(q)), factor=0.0)
+        elastic = new.tangent(q, Case(0.0), np.zeros_like(new.stresses(q)))
         mass = new.mass.diagonal()  # a pole has a vector without any
         direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
         squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))
@@ -260,10 +261,10 @@ class _Passage:
         return step - self._mean(new, step)
 
     def _net_force(self, system: System, q: np.ndarray) -> np.ndarray:
-        return self.state.load_factor * system.external_force(q, self.state.time) - system.internal_force(q)
+        return system.external_force(q, self.state.case) - system.internal_force(q)
 
     def strain_energy(self, system: System, q: np.ndarray) -> float:
-        return system.strain_energy(q, self.state.load_factor, self.state.time)
+        return system.strain_energy(q, self.state.case)
 
     def change(self, q: np.ndarray, v: np.ndarray | None, factor: float) -> Change:
         state, still = self.state, Solution(self.new, q, v)

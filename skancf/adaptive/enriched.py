@@ -19,6 +19,7 @@ from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
 from skancf.adaptive.singular import images, nodes_at, singular_points, touching
 from skancf.errors import InputError
+from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
@@ -167,7 +168,7 @@ class Enriched(Refined):
         else:
             self.start = self._up.positions(state.q)
             gap = fine.undeformed + factor * fine.prescribed() - self.start
-            self.residual, self.stiffness = self._residual(self.start), fine.tangent(self.start, factor=factor)
+            self.residual, self.stiffness = self._residual(self.start), fine.tangent(self.start, Case(factor))
         self._moved = fine.constraints.fixed_part(gap)
 
     @cached_property
@@ -217,7 +218,7 @@ class Enriched(Refined):
         if not result.converged:
             start = Solution(fine, self.start, load_factor=factor)
             q = equilibrium(fine, factor, start=start, rtol=NEAR, backend=self._solver.backend_name).unwrap().q
-        self.stiffness = fine.tangent(q, factor=factor)
+        self.stiffness = fine.tangent(q, Case(factor))
         self._solver.factor(self.stiffness)
         return np.asarray(q)
 

@@ -16,6 +16,7 @@ from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
 from skancf.errors import InputError, OutOfDepth, positive
 from skancf.functions import called
+from skancf.history import Case
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.solution import Solution
@@ -150,13 +151,13 @@ class Follow:
 
     def _in_the_way(self, system: System, now: float, ahead: float) -> np.ndarray:
         """Elements where loads will be until the next look, if they are coarser than where these are now."""
-        out, here = np.zeros(system.geometry.n_elements, dtype=bool), system.load_places(now)
+        out, here = np.zeros(system.geometry.n_elements, dtype=bool), system.loads.places(Case(time=now))
         if not here.shape[1]:
             return out
         level = system.mesh.levels
         finest = level[system.geometry.locate_all(here)[0]].max()
         for time in np.linspace(now, ahead, PLACES)[1:]:
-            places = system.load_places(float(time))
+            places = system.loads.places(Case(time=float(time)))
             if places.shape[1]:
                 elements = system.geometry.locate_all(places)[0]
                 out[elements[level[elements] < finest]] = True

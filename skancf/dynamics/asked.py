@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from skancf.dynamics.run import Run, Settings
+from skancf.history import Case
 from skancf.system.system import System
 from skancf.version import __version__
 
@@ -65,16 +66,16 @@ def asked_problem(system: System, begin: float, end: float) -> Asked:
             "material": plain(problem.material), "damping": plain(problem.damping)}  # fmt: skip
     moved = at + 1e-3 * np.abs(at).max() * np.cos(np.arange(at.size))
     times, moments = np.linspace(begin, end, TIMES), np.linspace(begin, end, MOMENTS)
-    given = [*system.prescription.histories(), *(history for load in system.loads for history in load.histories())]
+    given = [*system.prescription.histories(), *system.loads.histories()]
     functions = [partial(_raveled, function) for function in given if function is not None]
     none = np.zeros(at.size)
     arrays = {
         "mesh": geometry.mesh.p, "elements": geometry.mesh.t, "surface": at, "supports": system.constraints.fixed,
-        "support_motion": _at(system.prescribed, times), "stiffness": system.internal_force(moved),
+        "support_motion": _at(lambda t: system.prescribed(Case(time=t)), times), "stiffness": system.internal_force(moved),
         "mass": system.mass @ moved, "viscous_damping": none if system.viscous is None else system.viscous @ moved,
-        "loads": _at(lambda t: system.applied_force(moved, t), times),
-        "temperature": _at(lambda t: _or(system.held_back_force(moved, t), none), times),
-        "impulses": np.array([np.append(impulse, time) for time, impulse in system.impulses()]),
+        "loads": _at(lambda t: system.applied_force(moved, Case(time=t)), times),
+        "temperature": _at(lambda t: _or(system.shell.held_back_force(moved, Case(time=t)), none), times),
+        "impulses": np.array([np.append(impulse, time) for time, impulse in system.loads.impulses()]),
         **{f"function_of_time_{k}": _at(function, moments) for k, function in enumerate(functions, 1)},
     }  # fmt: skip
     shapes = {name: list(np.shape(values)) for name, values in arrays.items()}

@@ -123,7 +123,9 @@ def _mass_of_positions(system: System) -> BlockMatrix:
     if theory.twist:
         return system.mass
     table = theory.position_table(theory.quadrature[0])[0]
-    return system.gathered_mass(sections.shape, np.einsum("ap,bp,sp->sab", table, table, sections.moments[:, 0]))
+    blocks = system.blocks()
+    system.shell.add_gathered(sections.shape, np.einsum("ap,bp,sp->sab", table, table, sections.moments[:, 0]), blocks)
+    return blocks.matrix()
 
 
 def _massless(geometry: Geometry) -> np.ndarray:

@@ -22,6 +22,7 @@ from skancf.dynamics.step_solver import StepOutcome, StepSolver
 from skancf.dynamics.steps import FADING, Attempt, StepControl
 from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
+from skancf.history import knots_of
 from skancf.progress import Progress
 from skancf.system.system import System
 
@@ -115,9 +116,9 @@ class Run:
         self.book = Book(system, self.state)
         recorder.begin(system, self.state)
         recorder.keep(self.state)
-        times = [time for time, _ in system.impulses() if settings.begin <= time <= settings.end]
+        times = [time for time, _ in system.loads.impulses() if settings.begin <= time <= settings.end]
         self.strikes = [time for time in times if time > settings.begin or not struck]
-        self.knots = system.knots()
+        self.knots = knots_of(system.histories())
         self.looked = 0
         self.mark_here()
 
@@ -254,7 +255,7 @@ class Run:
         """Velocities jump by the impulse of a time, on the present mesh."""
         system, start = self.system, self.state
         self.recorder.end(start)
-        jump = self.solver.jump(dict(system.impulses())[time])
+        jump = self.solver.jump(dict(system.loads.impulses())[time])
         a = self.solver.initial_acceleration(start.q, start.v + jump, start.time, self._driven(start.time))
         self.state = State(start.time, start.q, start.v + jump, a)
         self.book.jump(system, start, self.state)

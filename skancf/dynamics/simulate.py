@@ -21,6 +21,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, StepControl
 from skancf.errors import InputError, finite, positive, shown
+from skancf.history import Case
 from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -267,7 +268,7 @@ def _initial_velocity(
     system: System, velocity: Velocity, start: Solution | None, begin: float, t_end: float
 ) -> np.ndarray:
     """The given velocity along free directions, the rate of the prescribed motion along the others."""
-    moved = system.prescribed(begin)
+    moved = system.prescribed(Case(time=begin))
     at = system.undeformed if start is None else start.q
     jump = np.abs(system.constraints.fixed_part(at - system.undeformed) - moved).max(initial=0.0)
     if jump > 1e-9 * np.abs(system.undeformed).max():

@@ -12,6 +12,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.turning import TurningFactors
 from skancf.errors import SingularMatrix
+from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.statics.stopping import ROUNDING
 from skancf.system.system import System
@@ -70,7 +71,7 @@ class StepSolver:
         self.system, self.rule, self.rtol = system, rule, rule.newton_rtol if rtol is None else rtol
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
         self.factors = TurningFactors(self.linear, system.constraints)
-        self.sizes = system.geometry.scales.ravel()
+        self.sizes = system.layout.scales.ravel()
         self.factored_dt = 0.0
         self.effort = Effort.KEEP
         self.energy = 0.0
@@ -92,7 +93,7 @@ class StepSolver:
         self.linear.factor(self.system.mass)
         self.forget()
         self.energy = max(self.energy, self.system.kinetic_energy(v))
-        return driven + self.linear.solve(self.system.net_force(q, v, time) - self.system.mass @ driven)
+        return driven + self.linear.solve(self.system.net_force(q, v, Case(time=time)) - self.system.mass @ driven)
 
     def jump(self, impulse: np.ndarray) -> np.ndarray:
         """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""
@@ -127,7 +128,8 @@ class StepSolver:
         out = system.mass @ rule.acceleration(u, start, dt) + rule.internal_force(system, u, start, dt)
         if system.viscous is not None:
             out += system.viscous @ rule.rate(u, start, dt)
-        return out - system.applied_force(*rule.at_stage(u, start, dt))
+        at, time = rule.at_stage(u, start, dt)
+        return out - system.applied_force(at, Case(time=time), rule.rate(u, start, dt))
 
     def step(self, start: State, dt: float) -> StepOutcome:
         """One step of length dt: at first with the factors at hand, and where these do not do, with new ones throughout."""
@@ -198,7 +200,7 @@ class StepSolver:
     def _first_guess(self, start: State, dt: float, easy: bool) -> tuple[np.ndarray, np.ndarray]:
         """An increment that meets the supports, and its rigid part."""
         u, rigid = advanced(self.system, start, dt, easy)
-        target = self.system.undeformed + self.system.prescribed(start.time + dt) - start.q
+        target = self.system.undeformed + self.system.prescribed(Case(time=start.time + dt)) - start.q
         return u + self.system.constraints.fixed_part(target - u), rigid
 
     def _with_skew_part(

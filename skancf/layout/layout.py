@@ -6,6 +6,8 @@ directors). Blocks stand part by part, those of the plate first.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -56,7 +58,7 @@ class Part:
         for name, shape in shapes.items():
             value = np.asarray(getattr(self, name), float)
             if value.shape != shape or not np.isfinite(value).all():
-                raise InputError(f"{name} of part {self.name!r}, of shape {value.shape}: give finite numbers of shape {shape}")
+                raise InputError(f"{name} of part {self.name!r}, of shape {value.shape}: give finite numbers, {shape}")
             object.__setattr__(self, name, value)
         if not (self.scales > 0).all():
             raise InputError(f"scales of part {self.name!r}: the size of an unknown is greater than zero")
@@ -150,18 +152,15 @@ class Layout:
         blocks = self.part(name)
         return slice(BLOCK * blocks.start, BLOCK * blocks.stop)
 
-    def translation(self, along: int) -> np.ndarray:
-        """A unit translation of everything along an axis of space, (n_dofs,)."""
-        out = np.zeros(self.undeformed.shape)
-        for part in self.parts:
-            if part.moves:
-                out[self.part(part.name), R, along] = 1.0
-        return out.ravel()
+    @cached_property
+    def moving(self) -> Any:
+        """Blocks whose first vector is a place in space, as an index."""
+        moves = np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
+        return slice(None) if moves.all() else moves
 
     def positions(self, nodal: np.ndarray) -> np.ndarray:
         """Those vectors of (n_blocks, 4, 3) that a translation moves, (n, 3)."""
-        parts = [nodal[self.part(part.name), R] for part in self.parts if part.moves]
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        return np.asarray(nodal[self.moving, R])
 
 
 def _joined(arrays: Sequence[np.ndarray | None]) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, shown, vector
 from skancf.functions import called, is_function
-from skancf.history import History, amplitude, check_history
+from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
 from skancf.loads.acting import Acting, Spread, check_distributed
 from skancf.loads.edge import on_line
@@ -134,19 +134,19 @@ class Moving(Acting):
 
     def __init__(self, geometry: Geometry, find: Callable[[float], Found], history: History | None, paths: list[Any]):
         self.geometry, self.find, self.history, self.paths = geometry, find, history, paths
-        self._last: tuple[float | None, np.ndarray] | None = None
+        self._last: tuple[Case, np.ndarray] | None = None
 
     def histories(self) -> list[Any]:
         return [self.history, *self.paths]
 
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        if self._last is None or self._last[0] != time:
-            _, spread = self.find(0.0 if time is None else time)
+    def force(self, q: np.ndarray, case: Case) -> np.ndarray:
+        if self._last is None or self._last[0] != case:
+            _, spread = self.find(case.time or 0.0)
             nodal = spread.nodal(self.geometry) if len(spread.elements) else np.zeros_like(self.geometry.undeformed)
-            nodal *= amplitude(self.history, time)
+            nodal *= case.amplitude(self.history)
             nodal.flags.writeable = False  # it is given away more than once
-            self._last = time, nodal
+            self._last = case, nodal
         return self._last[1]
 
-    def places(self, time: float | None) -> np.ndarray:
-        return self.find(0.0 if time is None else time)[0]
+    def places(self, case: Case) -> np.ndarray:
+        return self.find(case.time or 0.0)[0]

@@ -3,6 +3,7 @@
 import numpy as np
 
 from skancf.errors import warn
+from skancf.history import Case
 from skancf.solution import Solution
 from skancf.statics.depth import THICK
 from skancf.thinness import ShearForm, product_of, rotary_inertia, with_shear
@@ -20,7 +21,7 @@ def frequency_changes(state: Solution, eigenvalues: np.ndarray, shapes: np.ndarr
     at = start if state.linear else state.q
     form, elastic = ShearForm(system), eigenvalues
     if not np.array_equal(state.q, start):
-        plain = system.stiffness() if state.linear else system.tangent(at, np.zeros_like(system.stresses(start)), factor=0.0)
+        plain = system.stiffness() if state.linear else system.tangent(at, Case(0.0), np.zeros_like(system.stresses(start)))
         elastic = np.array([2 * plain.energy(shape) for shape in shapes])
     out = np.full(len(eigenvalues), np.nan)
     for k in np.flatnonzero((eigenvalues > 0) & (elastic > 0)):

@@ -8,6 +8,7 @@ import numpy as np
 
 from skancf.checks import Check
 from skancf.errors import SingularMatrix
+from skancf.history import FULL, Case
 from skancf.linear import DirectSolver
 from skancf.statics.newton import factored
 from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, moves, work
@@ -126,10 +127,10 @@ class Balance:
 
     @classmethod
     def of_state(cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> "Balance":
-        energy = float(system.strain_energy(q, load_factor))
+        energy = float(system.strain_energy(q, Case(load_factor)))
         # At rest and cold there is none.
-        if (origin != system.undeformed).any() or system.held_back(None) is not None:
-            energy += float(system.strain_energy(origin, load_factor))
+        if (origin != system.undeformed).any() or system.shell.held_back(FULL) is not None:
+            energy += float(system.strain_energy(origin, Case(load_factor)))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())
         return cls(system, q, q, q - origin, system.internal_force(q), loads, 2 * energy, pushed)
 

@@ -1,5 +1,6 @@
 """Where terms add their matrices: sums over cells of blocks."""
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from skancf.errors import InputError
 from skancf.kernels import gather
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
-from skancf.layout.layout import AXES, BLOCK, VECTORS
+from skancf.layout.layout import AXES, BLOCK
 from skancf.linear import BlockMatrix, BlockPattern
 
 LOCAL = 16
@@ -19,26 +20,37 @@ LOCAL = 16
 class Blocks:
     """The symmetric part of a sum of matrices.
 
-    Attributes
+    Parameters
     ----------
     pattern : BlockPattern
+    known : dict, optional
+        Where the blocks of the cells of terms are, by the identity of these arrays.
+
+    Attributes
+    ----------
     values : (n_blocks, 12, 12) array
-        Of the upper triangle, in the order of the pattern.
-    slots : dict
-        Where the blocks of known cells are, kept from sum to sum.
+        Of the upper triangle, in the order of the pattern; made when first asked for.
     """
 
     skew = False
+    """Whether the skew part is summed, and not the symmetric one."""
 
-    def __init__(self, pattern: BlockPattern, slots: dict[int, Any] | None = None, values: np.ndarray | None = None) -> None:
-        self.pattern, self._slots = pattern, {} if slots is None else slots
-        self.values = np.zeros((pattern.n_blocks, BLOCK, BLOCK)) if values is None else values
+    def __init__(self, pattern: BlockPattern, known: dict[int, tuple[np.ndarray, np.ndarray]] | None = None) -> None:
+        self.pattern, self._known = pattern, known or {}
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        return np.zeros((self.pattern.n_blocks, BLOCK, BLOCK))
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether nothing was added."""
+        return "values" not in vars(self)
 
     def slots_of(self, cells: np.ndarray) -> np.ndarray:
         """(n_cells, n, n) int32: where the blocks of each cell (n_cells, n) stand, see :meth:`BlockPattern.slots`."""
-        if id(cells) not in self._slots:
-            self._slots[id(cells)] = cells, self.pattern.slots(np.asarray(cells).T)
-        return np.asarray(self._slots[id(cells)][1])
+        known, slots = self._known.get(id(cells), (None, None))
+        return slots if known is cells and slots is not None else self.pattern.slots(np.asarray(cells).T)
 
     def add(self, cells: np.ndarray, matrices: np.ndarray) -> None:
         """Add matrices (m, 12 n, 12 n) of cells (m, n): unknowns block by block, of each block vector by vector.
@@ -48,8 +60,7 @@ class Blocks:
         InputError
             For matrices of another shape, and for cells that couple what no term said it does.
         """
-        cells = np.asarray(cells)
-        split = _split(cells, matrices)
+        cells, split = np.asarray(cells), _split(np.asarray(cells), matrices)
         slots = self.slots_of(cells)
         inside = slots >= 0
         whole = 0.5 * (split + split.transpose(0, 2, 1, 4, 3))
@@ -59,17 +70,16 @@ class Blocks:
         return BlockMatrix(self.pattern, self.values)
 
 
-class SkewBlocks:
+class SkewBlocks(Blocks):
     """The skew part of a sum of matrices, which loads that follow the surface have at free edges."""
 
     skew = True
 
     def __init__(self, pattern: BlockPattern) -> None:
-        self.pattern = pattern
-        self._parts: list[sp.csr_matrix] = []
+        super().__init__(pattern)
+        self._sum: sp.csr_matrix | None = None
 
     def add(self, cells: np.ndarray, matrices: np.ndarray) -> None:
-        """As :meth:`Blocks.add`."""
         cells = np.asarray(cells)
         split = _split(cells, matrices)
         half = 0.5 * (split - split.transpose(0, 2, 1, 4, 3))
@@ -80,12 +90,12 @@ class SkewBlocks:
         places = (BLOCK * cells[:, :, None].astype(int) + np.arange(BLOCK)).reshape(m, -1)
         size = places.shape[1]
         rows, columns = np.repeat(places, size, axis=1).ravel(), np.tile(places, (1, size)).ravel()
-        self._parts.append(sp.coo_matrix((entries.ravel(), (rows, columns)), shape=self.pattern.shape).tocsr())
+        part = sp.coo_matrix((entries.ravel(), (rows, columns)), shape=self.pattern.shape).tocsr()
+        self._sum = part if self._sum is None else self._sum + part
 
-    def matrix(self) -> sp.csr_matrix | None:
+    def skew_matrix(self) -> sp.csr_matrix | None:
         """The sum; None where it is zero."""
-        total = sum(self._parts[1:], self._parts[0]) if self._parts else None
-        return total if total is not None and total.nnz else None
+        return self._sum if self._sum is not None and self._sum.nnz else None
 
 
 class OnElements:
@@ -129,6 +139,3 @@ def _split(cells: np.ndarray, matrices: np.ndarray) -> np.ndarray:
         raise InputError(f"matrices of shape {np.shape(matrices)} for cells of shape {(m, n)}: give "
                          f"{(m, n * BLOCK, n * BLOCK)}, {BLOCK} unknowns a block")  # fmt: skip
     return np.asarray(matrices).reshape(m, n, BLOCK, n, BLOCK).transpose(0, 1, 3, 2, 4)
-
-
-__all__ = ["AXES", "BLOCK", "LOCAL", "VECTORS", "Blocks", "OnElements", "SkewBlocks", "nodal_matrices"]

@@ -26,7 +26,9 @@ class Term:
     """
 
     load: bool = False
-    stresses_per_state: bool = False
+
+    def bind(self, blocks: Blocks) -> None:
+        """Called once, when all terms are known, with sums of its own to keep constant matrices from. Default: nothing."""
 
     def couples(self) -> np.ndarray:
         """Cells (m, n) of blocks: those of a row are coupled in the matrix. Default: none, as of a dead load."""

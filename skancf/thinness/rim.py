@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from skancf.errors import InputError
+from skancf.history import Case
 from skancf.supports import Dashpot
 from skancf.supports.conditions import R_X, R_Y, R
 from skancf.surfaces import normal
@@ -65,13 +66,13 @@ class Rim:
                     out.append((support, *self.system.geometry.points_and_facets(support.where)))
         return out
 
-    def strong(self, time: float | None) -> np.ndarray:
+    def strong(self, case: Case) -> np.ndarray:
         """Positions (3, k) of points about which the energy of the thin theory's shear forces has no limit.
 
         Those are corners, and forces, moments and supports at single points.
         """
         geometry = self.system.geometry
-        loads = [at for at in (load.places(time) for load in self.system.loads) if at.shape[1] == 1]
+        loads = [at for at in (load.places(case) for load in self.system.loads) if at.shape[1] == 1]
         return np.asarray(geometry.surface.position(*np.hstack([geometry.points[:, self._corners | self._single], *loads])))
 
     @cached_property

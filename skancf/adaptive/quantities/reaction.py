@@ -58,8 +58,8 @@ class Reaction:
         if state.linear:
             out = system.stiffness() @ held
         else:
-            out = system.tangent(state.q, time=state.time, factor=state.load_factor) @ held
-            skew = system.skew(state.q, state.time, state.load_factor)
+            out = system.tangent(state.q, state.case) @ held
+            skew = system.skew(state.q, state.case)
             if skew is not None:
                 out = out - skew @ held
         return np.asarray(out if system.foundation is None else out - system.foundation @ motion)

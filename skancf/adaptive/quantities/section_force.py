@@ -75,8 +75,8 @@ class SectionForce(Smooth):
 
     def _value(self, state: Solution, q: np.ndarray) -> float:
         elements, points, weights = self.weights(state.system)
-        of_state = state.system.section_forces if self.at is None else partial(section_forces, state.system)
-        forces = of_state(q, points, state.load_factor, state.time)
+        of_state = state.system.shell.section_forces if self.at is None else partial(section_forces, state.system)
+        forces = of_state(q, points, state.case)
         return float(np.vdot(forces[elements, self._row], weights))
 
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:

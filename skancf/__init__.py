@@ -117,6 +117,7 @@ from skancf.surfaces import (
     Rectangle,
     SphereSector,
 )
+from skancf.terms.forms import FormTerm
 from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
@@ -162,6 +163,7 @@ __all__ = [
     "FixedStep",
     "Follow",
     "FollowerPressure",
+    "FormTerm",
     "Foundation",
     "Full",
     "GeneralizedAlpha",

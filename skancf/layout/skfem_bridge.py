@@ -15,6 +15,7 @@ from skancf.arguments import whole
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import InputError
 from skancf.layout.geometry import Geometry
+from skancf.layout.layout import AXES, Layout
 
 DEPTHS = 3
 """Gauss points through the thickness, exact for the strains of a flat plate."""
@@ -55,6 +56,8 @@ def vectors_to_mesh(geometry: Geometry) -> sp.csr_matrix:
     return sp.csr_matrix(triples, shape=shape)
 
 
-def unknowns_to_mesh(geometry: Geometry) -> sp.csr_matrix:
+def unknowns_to_mesh(geometry: Geometry, layout: Layout, part: str) -> sp.csr_matrix:
     """T: see :attr:`skancf.system.system.System.to_mesh`; the twelve at a node are in the order of the basis' own."""
-    return sp.csr_matrix(sp.kron(vectors_to_mesh(geometry), sp.eye(3), format="csr"))
+    of_part = sp.kron(vectors_to_mesh(geometry), sp.eye(AXES), format="coo")
+    shape = (of_part.shape[0], layout.n_dofs)
+    return sp.csr_matrix((of_part.data, (of_part.row, of_part.col + layout.dofs(part).start)), shape=shape)

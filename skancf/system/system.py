@@ -337,7 +337,7 @@ class System:
         The identity on open meshes without hanging nodes. A form's force f and stiffness K on the basis are
         :math:`T^T f` and :math:`T^T K T` here.
         """
-        return skfem_bridge.unknowns_to_mesh(self.geometry)
+        return skfem_bridge.unknowns_to_mesh(self.geometry, self.layout, self.shell.name)
 
     # ----------------------------------------------------------------------------------------------------------------
 

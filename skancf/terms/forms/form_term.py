@@ -15,7 +15,6 @@ from skancf.functions import is_function
 from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
-from skancf.terms.blocks import OnElements
 from skancf.terms.forms import integrand
 from skancf.terms.forms.integrand import Integrand
 from skancf.terms.forms.points import Chunk, chunks_of
@@ -23,7 +22,7 @@ from skancf.terms.term import Addition, Term
 
 FORMS = {"energy": (skfem.Functional, "(w)"), "residual": (skfem.LinearForm, "(v, w)"),
          "tangent": (skfem.BilinearForm, "(u, v, w)")}  # fmt: skip
-LINEAR = 1e-9
+LINEAR, ROUNDING = 1e-9, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,8 +137,7 @@ class FormTerm(Addition):
             name: Integrand(name, getattr(form, "form", form))
             for name in FORMS if (form := getattr(self, name)) is not None
         }  # fmt: skip
-        return OnSurface(shell.geometry, layout, forms, chunks_of(shell.geometry, self.where, self.points), self.load,
-                         self.history)  # fmt: skip
+        return OnSurface(shell, forms, chunks_of(shell.geometry, self.where, self.points), self.load, self.history)
 
 
 def _check_form(name: str, form: Any) -> None:
@@ -172,14 +170,11 @@ class OnSurface(Term):
     """
 
     def __init__(
-        self, geometry: Geometry, layout: Layout, forms: dict[str, Integrand], chunks: list[Chunk], load: bool,
-        history: History | None,
-    ) -> None:  # fmt: skip
-        self.geometry, self.layout, self.forms, self.chunks = geometry, layout, forms, chunks
-        self.load, self.history = load, history
-        self.cells = geometry.nodes + layout.part("plate").start
-        self._elements = np.unique(np.concatenate([chunk.elements for chunk in chunks]))
-        self._sizes = _sizes(geometry)
+        self, shell: Any, forms: dict[str, Integrand], chunks: list[Chunk], load: bool, history: History | None
+    ) -> None:
+        self.shell, self.forms, self.chunks, self.load, self.history = shell, forms, chunks, load, history
+        self.geometry: Geometry = shell.geometry
+        self._sizes = sizes_of(self.geometry)
         self._check()
 
     def _check(self) -> None:
@@ -205,27 +200,42 @@ class OnSurface(Term):
             raise InputError("residual: the form is not linear in v; it must be, as a virtual work is")
 
     def couples(self) -> np.ndarray:
-        return np.asarray(self.cells[self._elements])
+        return np.asarray(self.shell.cells)
 
     def _amount(self, case: Case) -> float:
         return case.amplitude(self.history) if self.load else 1.0
 
     def _states(self, q: np.ndarray) -> Iterable[tuple[Chunk, dict[str, np.ndarray]]]:
-        nodal = self.layout.nodal(q, "plate")
+        nodal = self.shell.nodal(q)
         for chunk in self.chunks:
             yield chunk, chunk.jet(self.geometry.local(nodal, chunk.elements))
 
     def energy(self, q: np.ndarray, case: Case) -> float | None:
-        if "energy" not in self.forms:
+        """Of the energy's integral; None without one, and of a load that changes in time, whose work is booked."""
+        if "energy" not in self.forms or self.history is not None:
             return None
         form = self.forms["energy"]
         return self._amount(case) * sum(float((form(c, jet, case)[0] * c.weights).sum()) for c, jet in self._states(q))
 
     def force(self, q: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
+        return self._forces(((chunk, self._gradient(chunk, jet, case)) for chunk, jet in self._states(q)), case)
+
+    def _forces(self, gradients: Iterable[tuple[Chunk, dict[str, np.ndarray]]], case: Case) -> np.ndarray:
         out, amount = np.zeros_like(self.geometry.undeformed), self._amount(case)
-        for chunk, jet in self._states(q):
-            out += self.geometry.nodal(amount * chunk.forces(self._gradient(chunk, jet, case)), chunk.elements)
-        return self.layout.flat(out, "plate")
+        for chunk, gradient in gradients:
+            out += self.geometry.nodal(amount * chunk.forces(gradient), chunk.elements)
+        return np.asarray(self.shell.flat(out))
+
+    def between(self, q0: np.ndarray, q1: np.ndarray, case: Case) -> np.ndarray | None:
+        """The force in the middle, and at each point the part along the change that is missing from the energy's."""
+        if "energy" not in self.forms:
+            return None
+        pairs = zip(self._states(q0), self._states(q1), strict=True)
+        gradients = (
+            (chunk, integrand.discrete_gradient(self.forms["energy"], chunk, start, end, case, self._sizes))
+            for (chunk, start), (_, end) in pairs
+        )
+        return self._forces(gradients, case)
 
     def _gradient(self, chunk: Chunk, jet: dict[str, np.ndarray], case: Case) -> dict[str, np.ndarray]:
         if "residual" in self.forms:
@@ -235,10 +245,11 @@ class OnSurface(Term):
     def add_tangent(self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Any) -> None:
         if blocks.skew and "residual" not in self.forms:
             return
-        on_elements, amount = OnElements(blocks, self.cells, self.geometry, None), self._amount(case)
+        on_elements, amount = self.shell.on_elements(blocks), self._amount(case)
         for chunk, jet in self._states(q):
             second, rows, columns = self._second(chunk, jet, case)
-            on_elements.add(chunk.elements, chunk.matrices(amount * second, rows, columns))
+            if not (blocks.skew and rows == columns and _is_symmetric(second)):
+                on_elements.add(chunk.elements, chunk.matrices(amount * second, rows, columns))
 
     def _second(self, chunk: Chunk, jet: dict[str, np.ndarray], case: Case) -> integrand.Second:
         if "tangent" in self.forms:
@@ -248,7 +259,12 @@ class OnSurface(Term):
         return integrand.second_of_energy(self.forms["energy"], chunk, jet, case, self._sizes)
 
 
-def _sizes(geometry: Geometry) -> dict[str, float]:
+def _is_symmetric(second: np.ndarray) -> bool:
+    """Whether second derivatives (k, 3, k, 3, m, n) are, but for rounding."""
+    return bool(np.abs(second - second.transpose(2, 3, 0, 1, 4, 5)).max() <= ROUNDING * np.abs(second).max())
+
+
+def sizes_of(geometry: Geometry) -> dict[str, float]:
     """The size in which each vector of a jet counts."""
     extent = float(np.ptp(geometry.undeformed[:, 0], axis=0).max())
     one, two = np.sqrt((geometry.undeformed[:, 1:3] ** 2).sum(axis=2)).max(axis=0).tolist()

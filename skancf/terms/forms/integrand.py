@@ -31,6 +31,8 @@ DIFFERENCE = 2.0**-22
 AWAY, NOT_EQUAL, SOME = 1e-4, 1e-3, 0.2
 """How far from the undeformed state a form is tried, and what differs at how many of the points."""
 ROUNDING = 1e-14
+CLOSE = 1e-6
+"""Changes of a jet, in its sizes, whose energy is that of the force in the middle to rounding."""
 
 Second = tuple[np.ndarray, list[str], list[str]]
 """Second derivatives (rows, 3, columns, 3, m, n), and the names of rows and columns."""
@@ -159,6 +161,32 @@ def _component(
     form: Integrand, chunk: Chunk, jet: Jet, case: Case, name: str, i: int, size: float, *tests: Jet
 ) -> np.ndarray:
     return form.imaginary(chunk, jet, case, {name: _unit(chunk, name, i, size)[name]}, *tests) / size
+
+
+def discrete_gradient(
+    energy: Integrand, chunk: Chunk, start: Jet, end: Jet, case: Case, sizes: Mapping[str, float]
+) -> dict[str, np.ndarray]:
+    r"""A derivative g between two jets, with which the energy changes exactly,
+
+    .. math:: g = \nabla f(\bar x) + \frac{f(x^1) - f(x^0) - \nabla f(\bar x) \cdot \Delta x}{|\Delta x|^2} \Delta x,
+
+    where vectors are measured in their sizes. Of changes that are so small that rounding would be divided by them, the first
+    part is exact.
+
+    References
+    ----------
+    Gonzalez (1996), J. Nonlinear Sci. 6, 449-467.
+    """
+    middle = {name: 0.5 * (start[name] + end[name]) for name in start}
+    change = {name: end[name] - start[name] for name in start}
+    gradient = gradient_of_energy(energy, chunk, middle, case, sizes)
+    missing = energy(chunk, end, case)[0] - energy(chunk, start, case)[0]
+    length = np.zeros_like(missing)
+    for name, each in gradient.items():
+        missing = missing - (each * change[name]).sum(axis=0)
+        length = length + ((change[name] / sizes[name]) ** 2).sum(axis=0)
+    part = np.where(length > CLOSE**2, missing / np.where(length > 0, length, 1.0), 0.0)
+    return {name: each + part * change[name] / sizes[name] ** 2 for name, each in gradient.items()}
 
 
 def gradient_of_residual(residual: Integrand, chunk: Chunk, jet: Jet, case: Case) -> dict[str, np.ndarray]:

@@ -1,9 +1,9 @@
 r"""What a form sees of a surface: the fields ``w``, by name.
 
 Small letters are of the deformed surface, capitals of the undeformed one; the arrays have the components first and then
-elements and points, as those of scikit-fem. The fields come from the vectors of the theory at a point, its *jet*: r, r_x, r_y
-and r_xx, r_xy, r_yy in theory `kirchhoff`, or the director d, d_x, d_y in theory `full`. Everything else is a formula of them,
-computed where a form asks for it; what a form never reads is never differentiated.
+elements and points, as those of scikit-fem. The fields come from the vectors of the theory at a point, its *jet*: r, r_x,
+r_y and r_xx, r_xy, r_yy in theory `kirchhoff`, or the director d, d_x, d_y in theory `full`. Everything else is a formula of
+them, computed where a form asks for it; what a form never reads is never differentiated.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -183,7 +183,8 @@ class Fields(Mapping[str, Any]):
     def names(self) -> list[str]:
         """All there are here."""
         thin = "r_xx" in self.jet
-        known = {"x", "time", "factor", *self.jet, *FORMULAS, *UNDEFORMED} | (set(ON_EDGES) if "along" in self.given else set())
+        of_edges = ON_EDGES if "along" in self.given else {}
+        known = {"x", "time", "factor", *self.jet, *FORMULAS, *UNDEFORMED, *of_edges}
         missing = {"d", "D", "D_x", "D_y"} if thin else CURVED | {name for name in known if name[2:] in ("xx", "xy", "yy")}
         return sorted(known - missing)
 

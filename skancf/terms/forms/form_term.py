@@ -59,9 +59,9 @@ class FormTerm(Addition):
     Raises
     ------
     InputError
-        For none of the three, a tangent without a residual, what is no form or the wrong kind of one, and a history of what is
-        no load; on a mesh, for names that w does not have, values of another shape or not finite, and functions that are not
-        analytic where a derivative has to be taken.
+        For none of the three, a tangent without a residual, what is no form or the wrong kind of one, and a history of what
+        is no load; on a mesh, for names that w does not have, values of another shape or not finite, and functions that are
+        not analytic where a derivative has to be taken.
 
     Notes
     -----
@@ -123,8 +123,8 @@ class FormTerm(Addition):
             what = "a tangent alone" if self.tangent is not None else "none of energy, residual and tangent"
             raise InputError(f"FormTerm with {what}: give an energy(w), or a residual(v, w)")
         if self.tangent is not None and self.residual is None:
-            raise InputError("FormTerm with a tangent and no residual: give the residual that it is the derivative of, or the "
-                             "energy alone, of which both are made")  # fmt: skip
+            raise InputError("FormTerm with a tangent and no residual: give the residual that it is the derivative of, or "
+                             "the energy alone, of which both are made")  # fmt: skip
         object.__setattr__(self, "load", flag("load", self.load))
         object.__setattr__(self, "points", whole("points", self.points, most=64))
         check_history(self.history)

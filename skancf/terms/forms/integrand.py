@@ -4,8 +4,8 @@ First derivatives are those of a complex step,
 
 .. math:: \\partial f / \\partial x = \\operatorname{Im} f(x + i s) / s,
 
-with a step s so small that its square is nothing: no difference is taken, and no digit lost. A function that is not analytic,
-such as one of ``abs``, has no such derivative, and is found by comparing with a difference.
+with a step s so small that its square is nothing: no difference is taken, and no digit lost. A function that is not
+analytic, such as one of ``abs``, has no such derivative, and is found by comparing with a difference.
 
 References
 ----------
@@ -21,7 +21,7 @@ import numpy as np
 from skancf.errors import InputError, shown
 from skancf.functions import Noted
 from skancf.history import Case
-from skancf.terms.forms.fields import Fields, Jet, Vector
+from skancf.terms.forms.fields import Jet, Vector
 from skancf.terms.forms.points import Chunk
 
 SMALL = 2.0**-100
@@ -84,19 +84,20 @@ class Integrand:
         value = np.broadcast_to(value, shape)
         wrong = ~np.isfinite(value) & (chunk.weights > 0)
         if wrong.any():
-            place = ", ".join(f"{v:.6g}" for v in chunk.given["x"][:, *np.argwhere(wrong)[0]])
-            raise InputError(f"{self.name}: the form is {value[wrong][0]} at ({place}), and not finite at {wrong.sum()} points "
-                             f"of {wrong.size}; it must be finite wherever the surface may go")  # fmt: skip
+            element, point = np.argwhere(wrong)[0]
+            place = ", ".join(f"{v:.6g}" for v in chunk.given["x"][:, element, point])
+            raise InputError(f"{self.name}: the form is {value[wrong][0]} at ({place}), and not finite at {wrong.sum()} "
+                             f"points of {wrong.size}; it must be finite wherever the surface may go")  # fmt: skip
         return value
 
     def _not_analytic(self, why: str) -> InputError:
         return InputError(
-            f"{self.name}: derivatives are taken by complex steps, and {why}; write it without abs, real, conj and norm, as in "
-            "np.sqrt((v * v).sum(axis=0)) for a length and np.where(g < 0, ...) with a real g, such as g = "
-            "np.real(w.u[2]); or give its derivative too, as residual or tangent"
+            f"{self.name}: derivatives are taken by complex steps, and {why}; write it without abs, real, conj and norm: "
+            "a length is np.sqrt((v * v).sum(axis=0)), and a case is np.where(g.real < 0, ...); or give its derivative too, "
+            "as residual or tangent"
         )  # fmt: skip
 
-    def imaginary(self, chunk: Chunk, jet: Jet, case: Case, step: dict[str, np.ndarray], *tests: Jet) -> np.ndarray:
+    def imaginary(self, chunk: Chunk, jet: Jet, case: Case, step: Jet, *tests: Jet) -> np.ndarray:
         """Derivative (m, n) along a step of some vectors of the jet."""
         moved = {name: jet[name] + 1j * SMALL * each for name, each in step.items()}
         value, _ = self(chunk, {**jet, **moved}, case, *tests)
@@ -118,7 +119,9 @@ class Integrand:
         slack = NOT_EQUAL * max(np.abs(difference).max(), np.abs(found).max()) + ROUNDING * np.abs(up).max() / DIFFERENCE
         if (np.abs(found - difference) > slack).mean() > SOME:
             worst = np.unravel_index(np.argmax(np.abs(found - difference)), found.shape)
-            raise self._not_analytic(f"its derivative by one is {found[worst]:.3g} where a difference has {difference[worst]:.3g}")
+            raise self._not_analytic(
+                f"its derivative by one is {found[worst]:.3g} where a difference has {difference[worst]:.3g}"
+            )
 
 
 def _recorded(test: Jet, names: set[str]) -> Vector:

@@ -100,7 +100,8 @@ def _tables(geometry: Geometry, elements: np.ndarray, points: np.ndarray) -> dic
     one, two = (over_elements(each) for each in of_reference[[R1, R2]])
     out = {"r": over_elements(value), **_slopes("r", one, two, G)}
     if not twist:
-        return {**out, "d": over_elements(of_reference[D]), **_slopes("d", *map(over_elements, of_reference[[D1, D2]]), G)}
+        one, two, value = (over_elements(each) for each in of_reference[[D1, D2, D]])
+        return {**out, "d": value, **_slopes("d", one, two, G)}
     r11, r22, r12 = (over_elements(each) for each in of_reference[2:])
     for name, i, j in (("r_xx", 0, 0), ("r_xy", 0, 1), ("r_yy", 1, 1)):
         a11, a22, a12 = G[0, i] * G[0, j], G[1, i] * G[1, j], G[0, i] * G[1, j] + G[1, i] * G[0, j]
@@ -171,8 +172,8 @@ def _measured(
     chunk = Chunk(geometry, elements, points, weights, given)
     w = chunk.undeformed
     if "along" in given:
-        size = np.sqrt(((w.r_x * given["along"][0] + w.r_y * given["along"][1]) ** 2).sum(axis=0))
+        along = w.r_x * given["along"][0] + w.r_y * given["along"][1]
+        weights *= np.sqrt((along**2).sum(axis=0))
     else:
-        size = w.da
-    weights *= size
+        weights *= w.da
     return chunk

@@ -173,7 +173,7 @@ class _Check:
         v = self.layout.scales.ravel() * self.rng.uniform(-1, 1, self.n)
         force, energy = self._force(q, v), self._energy(q)
         if energy is not None:
-            self._check_force(q, force)
+            self._check_force(q, self._force(q, None))
         self._check_tangent(q, v, energy is not None)
         self._check_load(q, v, force)
         self._check_state(q, v, force)
@@ -331,7 +331,7 @@ class _Check:
         except InputError:
             return
         change = np.abs(self._force(q, None)) @ np.abs(turned.ravel() - q)
-        self.report.unchanged = abs(after - energy) <= 1e-9 * max(abs(energy), change)
+        self.report.unchanged = bool(abs(after - energy) <= 1e-9 * max(abs(energy), change))
 
 
 MOST_EIGENVALUES = 1500

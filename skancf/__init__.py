@@ -76,6 +76,7 @@ from skancf.loads import (
 from skancf.materials import Anisotropic, Damping, Isotropic, Laminate, Layer, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics import (
     ArcLength,
     BucklingResult,
@@ -218,6 +219,7 @@ __all__ = [
     "SphereSector",
     "Spring",
     "StaticResult",
+    "Status",
     "StepLength",
     "StrainEnergy",
     "SurfaceLoad",

@@ -12,8 +12,7 @@ from skancf.errors import InputError, positive, shown, warn
 from skancf.layout.geometry import Geometry
 from skancf.loads import Load
 from skancf.materials import Damping, Laminate, Law, Section, section_of
-from skancf.materials.shear import warn_if_layers_bend_alone
-from skancf.memory import SYSTEM, require_mesh
+from skancf.memory import require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
@@ -23,7 +22,7 @@ from skancf.system.build import build
 from skancf.system.system import System
 from skancf.terms import Addition
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
-from skancf.thinness import Choice, choose, warn_if_full_is_off
+from skancf.thinness import Choice, choose
 
 
 @dataclass(frozen=True)
@@ -135,21 +134,18 @@ class Problem:
             choice = Choice("full", float("nan"), f"theory 'full': {unfit}")
         else:
             choice = choose(thin, tolerance)
-        system = thin if choice.theory == "kirchhoff" else self._on(mesh, Full())
+        system = thin if choice.share <= tolerance else self._on(mesh, Full())
         system.choice = choice
         return system
 
     def _on(self, mesh: skfem.MeshQuad, theory: Theory) -> System:
-        require_mesh(mesh.nelements, SYSTEM[theory.name])
-        if not theory.twist:
-            warn_if_full_is_off(self.section)
-        else:
+        require_mesh(mesh.nelements, theory.bytes_per_element)
+        if theory.continuity:
             mesh = onto_lines(mesh)
         require_vectors(self.surface, mesh.p[:, mesh.t].mean(axis=1))
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)
-        if not theory.twist:
-            warn_if_layers_bend_alone(self.section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
+        theory.warn_of(self.section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
         return build(self, geometry)
 
 

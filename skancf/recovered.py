@@ -11,7 +11,7 @@ line or about a point where moments may jump or have no limit: supports and load
 ends of supported edges.
 """
 
-from typing import Any, cast
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -23,7 +23,7 @@ from skancf.layout.patches import STENCIL, Cuts, Patches
 from skancf.layout.places import NONE
 from skancf.materials import Section
 from skancf.system.system import System
-from skancf.terms.shells.full import BENDING, FullAssembly
+from skancf.terms.shells.full import BENDING
 
 IN_PLANE = [0, 1, 5]
 ON = 1e-8
@@ -45,7 +45,7 @@ def section_forces(
 ) -> np.ndarray:
     """N and M (n_elements, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
     raw = system.shell.section_forces(q, points, case)
-    if isinstance(system.assembly, FullAssembly):
+    if system.assembly.recovers_bending:
         forces, moments = np.split(_excess(system, q, points), 2, axis=1)
         raw[:, 3:] += moments - np.einsum("ji,eip->ejp", _coupled(system.problem.section)[1], forces)
     return raw
@@ -53,10 +53,10 @@ def section_forces(
 
 def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
     """What recovery adds to the strains at a depth, (n_elements, n, 6); zero in theory `kirchhoff`."""
-    assembly = system.assembly
-    if not isinstance(assembly, FullAssembly):
+    assembly: Any = system.assembly
+    if not assembly.recovers_bending:
         return np.zeros((system.geometry.n_elements, points.shape[1], 6))
-    nodal = q.reshape(-1, 4, 3)
+    nodal = system.shell.nodal(q)
     said = assembly.bending_strains(nodal, system.geometry.inside(STENCIL), z).swapaxes(1, 2)
     out = patches_of(system).values(said, points).swapaxes(1, 2) - assembly.bending_strains(nodal, points, z)
     forces = _excess(system, q, points)[:, :3]
@@ -66,9 +66,10 @@ def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -
 
 def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Derivative (n_dofs,) of weights (6,) times the recovered section forces at a local point (2, 1) of an element."""
-    assembly, nodal, here = system.assembly, q.reshape(-1, 4, 3), np.array([element])
+    assembly: Any = system.assembly
+    nodal, here = system.shell.nodal(q), np.array([element])
     out = assembly.section_force_gradient(nodal, here, point, weights.reshape(1, 6, 1))
-    if isinstance(assembly, FullAssembly):
+    if assembly.recovers_bending:
         coupled = _coupled(system.problem.section)[1]
         changed = np.concatenate([-coupled.T @ weights[3:], weights[3:]]).reshape(1, 6, 1)
         members, said = Patches.about(system.geometry, cuts(system), here).transposed(point, changed)
@@ -80,7 +81,8 @@ def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, wei
 
 def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Polynomials of what slopes of the director make of the section forces, less that itself: (n_elements, 6, n)."""
-    assembly, nodal = cast(FullAssembly, system.assembly), q.reshape(-1, 4, 3)
+    assembly: Any = system.assembly
+    nodal = system.shell.nodal(q)
     said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
     return np.asarray(patches_of(system).values(said, points) - assembly.bending_forces(nodal, points))
 

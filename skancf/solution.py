@@ -94,19 +94,19 @@ class Solution:
     @property
     def displacements(self) -> np.ndarray:
         """Displacements of the nodes of the mesh, (3, n_mesh_nodes) (m)."""
-        change = self.change.reshape(-1, 4, 3)
+        change = self.system.shell.nodal(self.change)
         return np.asarray(self.system.geometry.at_mesh_nodes(change)[:, 0].T)
 
     def displacement(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ self.change.reshape(-1, 3)
+        out = probe(self.system, at) @ self._vectors(self.change)
         if depth := self._depth(z):
             out = out + depth * self._tilts(at)
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def position(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ self.q.reshape(-1, 3)
+        out = probe(self.system, at) @ self._vectors(self.q)
         if depth := self._depth(z):
             out = out + depth * (normals(self.system, at, self.system.undeformed) + self._tilts(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
@@ -150,7 +150,7 @@ class Solution:
         assembly, inside = self.system.assembly, self._inside(points)
         depth = self._chosen(z, points)
         heat = self._heat(inside)
-        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, depth, heat))
+        return self._of_state(lambda q: assembly.strains(self.system.shell.nodal(q), inside, depth, heat))
 
     def stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
@@ -190,9 +190,7 @@ class Solution:
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
         heat = self._heat(points)
-        section = self.system.problem.section
-        free = section.thermal_strain if self.system.geometry.theory.twist else section.thermal_strain_of_one_director
-        return np.zeros(6) if heat is None else free(z, *heat)
+        return np.zeros(6) if heat is None else self.system.assembly.free_strain(z, *heat)
 
     def _heat(self, points: np.ndarray) -> np.ndarray | None:
         """Temperature change T0 and T1, (2, n_elements, n), or None."""
@@ -250,7 +248,7 @@ class Solution:
         """
         inside = self._inside(np.array([[0.5], [0.5]]) if points is None else points)
         system, case = self.system, self.case
-        if not system.geometry.theory.twist:
+        if system.geometry.theory.shear:
             raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
         moments = self._of_state(lambda q: system.shell.section_forces(q, BILINEAR[0], case)[:, 3:])
         return shear_forces(system, self.q, moments, inside, case)
@@ -263,7 +261,7 @@ class Solution:
 
     def shear_share_of(self, elements: np.ndarray | None) -> float:
         """What some elements, a mask (n_elements,), have in that; None: all."""
-        if not self.system.geometry.theory.twist:
+        if self.system.geometry.theory.shear:
             return 0.0
         form, fields = self.shear_fields()
         shares = form.shares(fields, fields)
@@ -286,11 +284,11 @@ class Solution:
         Where it is large, motions of single elements that hardly cost energy rule the answer. Zero in theory `full`.
         """
         system = self.system
-        if not system.geometry.theory.twist:
+        if not system.assembly.assumes_membrane:
             return 0.0
         heat = system.shell.thermal_energy(self.case)
         thin: Any = system.assembly
-        membrane = self._of_state(lambda q: thin.membrane_strains(q.reshape(-1, 4, 3)))
+        membrane = self._of_state(lambda q: thin.membrane_strains(system.shell.nodal(q)))
         energy = self.strain_energy
         return 0.0 if energy <= FREE * heat else float(thin.rest_energy(membrane) / energy)
 
@@ -375,8 +373,13 @@ class Solution:
         support = system.constraints.fixed_part(residual)
         if system.others:
             support = support - self._others_force()
-        forces = system.shell.nodal(support)[:, 0]
-        return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
+        if where is None:
+            return np.asarray(system.layout.positions(support).sum(axis=0))
+        return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
+
+    def _vectors(self, q: np.ndarray) -> np.ndarray:
+        """Those of the nodes one after another, (4 n_nodes, 3)."""
+        return self.system.shell.nodal(q).reshape(-1, 3)
 
     def _others_force(self) -> np.ndarray:
         """Forces of the structure's terms but for the shell; to first order in a linear answer."""
@@ -408,6 +411,6 @@ def require_same_mesh(system: System, start: Solution, name: str = "start") -> N
     instance(name, start, Solution, STATE)
     if start.system.mesh is not system.mesh:
         raise InputError(f"{name} belongs to another mesh; nodal coordinates have a meaning only on their own one")
-    if start.system.geometry.theory.name != system.geometry.theory.name:
+    if start.system.geometry.theory.nodal_vectors != system.geometry.theory.nodal_vectors:
         raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
                          f"than those of {system.geometry.theory.name!r}")

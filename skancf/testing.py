@@ -14,7 +14,7 @@ import numpy as np
 from skancf.arguments import having, whole
 from skancf.errors import InputError, finite, positive, shown
 from skancf.history import Case
-from skancf.layout.layout import AXES, BLOCK
+from skancf.kernels.constants import AXES, BLOCK
 from skancf.linear import BlockMatrix, BlockPattern
 from skancf.meshes import uniform
 from skancf.problem import Problem
@@ -149,7 +149,7 @@ class _Check:
     @cached_property
     def _pattern(self) -> BlockPattern:
         """Of the shell's blocks and the term's own."""
-        cells = [each.T for each in (self.system.shell.cells, self.term.couples()) if each.size]
+        cells = tuple(each.T for each in (self.system.shell.cells, self.term.couples()) if each.size)
         return BlockPattern.from_cells(cells, self.layout.n_blocks, BLOCK, self.layout.places.T)
 
     def blocks(self) -> None:

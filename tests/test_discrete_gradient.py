@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.theories import kirchhoff_point as point
+from skancf.theories.kirchhoff import point
 
 # Sums of some hundred products, relative to the sum of their sizes.
 SUMS = 1e-12

@@ -9,7 +9,8 @@ import scipy.sparse as sp
 import skancf as sk
 from skancf.errors import DidNotConverge, InputError, SingularMatrix
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
-from skancf.statics import Status, StepLength, newton
+from skancf.solving import Status
+from skancf.statics import StepLength, newton
 from skancf.statics.points import Follower
 from skancf.statics.stopping import Constraint
 
@@ -154,7 +155,7 @@ def test_a_motion_without_stiffness_is_not_taken_for_converged():
     at_load = Constraint(np.zeros(2), 1.0, 1.0, np.zeros(2))
     with DirectSolver(system.pattern, system.constraints) as solver:
         result = newton(system, np.zeros(2), solver, load_factor=0.0, constraint=at_load, rtol=1e-3)
-    assert result.converged and result.load_factor == pytest.approx(1.0, abs=1e-12)
+    assert result.ok and result.load_factor == pytest.approx(1.0, abs=1e-12)
     # Corrections of this cubic fall by a third each time: the last, sqrt(rtol) of a way of sqrt(2), leaves twice its size.
     assert turn @ result.q == pytest.approx([1.0, 1.0], abs=0.1)
 
@@ -199,7 +200,7 @@ def test_a_path_that_fails_keeps_what_it_has():
     assert path.status is Status.STEP_TOO_SMALL and len(path.solutions) > 5 and path.solutions[-1].q[0] > 0.59
     assert "the path stopped at load factor" in path.message and "not finite" in path.message
     assert [event.load_factor for event in path.events] == pytest.approx([LIMIT], abs=SEARCH)
-    assert any(not attempt.converged for attempt in path.attempts)
+    assert any(not attempt.ok for attempt in path.attempts)
     with pytest.raises(DidNotConverge, match="the path stopped"):
         path.unwrap()
 

@@ -8,7 +8,7 @@ from reference import quads, thin_twin
 import skancf as sk
 from skancf.elements import ElementQuadHermite
 from skancf.elements.quad_ancf import square_quadrature
-from skancf.theories import kirchhoff_point as point
+from skancf.theories.kirchhoff import point
 
 # Sums of some hundred products, 1e-13 as found; relative to the largest entry.
 SUMS = 1e-12

@@ -11,9 +11,9 @@ from skancf.adaptive.theory_error import TheoryError, theory_error_or_why
 from skancf.adaptive.transfer import transfer
 from skancf.checks import Check
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics.cascade import REACHED
 from skancf.statics.equilibrium import equilibrium, small_deflection
-from skancf.statics.newton import Status
 from skancf.system.system import System
 
 

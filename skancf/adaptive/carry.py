@@ -25,8 +25,6 @@ from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.system.system import System
 
-SOFTEST = {True: 1e-3, False: 1e-5}
-r""":math:`\sigma` over the squared frequency of the residual, in theory `kirchhoff` and in `full`."""
 STEPS, ENOUGH = 3, 1e-2
 """Steps towards the internal forces, at most, and the excess of strain energy over the energy where they end."""
 NOTHING = 1e-12
@@ -130,7 +128,7 @@ def carried(
         factor, v = 1.0, None
         if state.velocity is not None:
             now = Momenta(system, q, passage.new_mass.solve)
-            before = now.rigid(state.q) @ (state.system.mass @ state.velocity)
+            before = now.rigid(state.system.layout, state.q) @ (state.system.mass @ state.velocity)
             v = now.corrected(passage.velocity(), before)
             if settle:
                 v, factor = now.slowed(v, passage.energy - passage.strain_energy(system, q))
@@ -169,9 +167,9 @@ class _Passage:
     def __init__(self, state: Solution, system: System, backend: str):
         self.state, self.old, self.new, self.backend = state, state.system, system, backend
         self.old_mass, self.new_mass = _Mass(self.old, backend), _Mass(system, backend)
-        self.there = Interpolation(self.old.geometry, system.geometry)
+        self.there = Interpolation.of(self.old, system)
         finer = is_finer(system.mesh.leaves, self.old.mesh.leaves)
-        self.back = None if finer else Interpolation(system.geometry, self.old.geometry)
+        self.back = None if finer else Interpolation.of(system, self.old)
         wanted = system.undeformed + system.prescribed(state.case)
         at_nodes = self.there.positions(state.q)
         self._taken = at_nodes + system.constraints.fixed_part(wanted - at_nodes)
@@ -198,10 +196,11 @@ class _Passage:
 
     def _mean(self, system: System, change: np.ndarray) -> np.ndarray:
         """The translation that moves the centre of mass of a free body as a change does on a system, (n_new_dofs,)."""
-        out = np.zeros((self.new.n_dofs // 12, 4, 3))
-        if self.new.foundation is None and not self.new.constraints.fixed.any():
+        layout = self.new.layout
+        out = np.zeros_like(layout.undeformed)
+        if not self.new.others and not self.new.constraints.fixed.any():
             moment, mass = _moments(system, change)
-            out[:, 0] = moment / mass
+            out[layout.moving, 0] = moment / mass
         return out.ravel()
 
     def rates(self, v: np.ndarray) -> np.ndarray:
@@ -256,7 +255,7 @@ class _Passage:
         mass = new.mass.diagonal()  # a pole has a vector without any
         direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
         squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))
-        solver.factor(elastic + SOFTEST[new.geometry.theory.twist] * squared_frequency * new.mass)
+        solver.factor(elastic + new.geometry.theory.softest * squared_frequency * new.mass)
         step = solver.solve(residual)
         return step - self._mean(new, step)
 
@@ -285,4 +284,4 @@ def _rate(system: System, time: float | None) -> np.ndarray:
 
 def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:
     """Mass times the place of its centre (3,), and the mass."""
-    return np.einsum("nk,nki->i", system.shares, q.reshape(-1, 4, 3)), float(system.shares[:, 0].sum())
+    return np.einsum("nk,nki->i", system.shares, system.layout.nodal(q)), system.total_mass

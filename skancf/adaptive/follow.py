@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.adaptive.carry import carried
-from skancf.adaptive.grow import LEFT, may_be_quartered
+from skancf.adaptive.grow import may_be_quartered
 from skancf.adaptive.marking import check_indicators
 from skancf.adaptive.recovery import recovery
 from skancf.arguments import function, plain, whole
@@ -21,6 +21,7 @@ from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.solution import Solution
 from skancf.system.system import System
+from skancf.theories import left_per_halving
 
 EARLY, AIM = 0.5, 0.25
 """Of the asked squared error: how much there may be before elements are quartered, and how much should be left then."""
@@ -142,7 +143,7 @@ class Follow:
         mesh, own = system.mesh, np.zeros(len(values), dtype=bool)
         if values.sum() > EARLY * asked:
             order = np.argsort(-values, kind="stable")
-            gained = np.cumsum(values[order]) * (1 - LEFT[system.geometry.theory.twist])
+            gained = np.cumsum(values[order]) * (1 - left_per_halving(system.geometry.theory))
             own[order[: np.searchsorted(gained, values.sum() - AIM * asked) + 1]] = True
         finest = np.full(mesh.p.shape[1], -1)
         np.maximum.at(finest, mesh.t[:, own].ravel(), np.tile(mesh.levels[own], 4))
@@ -182,7 +183,7 @@ class Follow:
         """The target with elements merged that will have little of the error; None where there are none."""
         leaves: Leaves = system.mesh.leaves
         # The merged element has what its quarters have over what a quartering leaves.
-        added = values * (1 / LEFT[system.geometry.theory.twist] - 1)
+        added = values * (1 / left_per_halving(system.geometry.theory) - 1)
         order = np.argsort(added, kind="stable")
         small = order[: np.searchsorted(np.cumsum(added[order]), SURE * asked)]
         cells = leaves.cells.take(small[leaves.cells.level[small] > self.coarsest])

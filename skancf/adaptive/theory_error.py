@@ -84,7 +84,7 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     check_backend(backend)
     quantity = StrainEnergy() if quantity is None else quantity
     check_quantity(quantity)
-    if not solution.system.geometry.theory.twist:
+    if solution.system.geometry.theory.shear:
         return NOTHING
     if solution.velocity is not None or solution.time is not None:
         raise InputError("the error of the theory is that of an equilibrium, and this is a state of a motion; give one of "

@@ -6,7 +6,7 @@ from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.initial import RigidVelocity
 from skancf.dynamics.ledger import Ledger, MeshEvent
 from skancf.dynamics.midpoint import ImplicitMidpoint
-from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.motion import Motion
 from skancf.dynamics.simulate import simulate
 from skancf.dynamics.spectrum import Spectrum, spectrum
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, NewtonCount
@@ -23,7 +23,6 @@ __all__ = [
     "LocalError",
     "MeshEvent",
     "Motion",
-    "MotionStatus",
     "NewtonCount",
     "RigidVelocity",
     "Spectrum",

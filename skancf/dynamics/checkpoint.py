@@ -17,7 +17,7 @@ from skancf.arguments import SYSTEM, instance, whole
 from skancf.atomic import AnyPath, as_path, check_folder, reason
 from skancf.dynamics.asked import Asked, asked_problem
 from skancf.dynamics.ledger import SUMS, Book, Forces
-from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.motion import Motion
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.run import Run
 from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, Kept, RunFiles
@@ -25,6 +25,7 @@ from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import Effort
 from skancf.errors import InputError, SkancfError
+from skancf.solving import Status
 from skancf.system.system import System
 
 N_NUMBERS = 12
@@ -156,13 +157,13 @@ class Writer:
             self._write(run, kept, PIECE.format(self.pieces + 1))
             self.files.remove(STOPPED)
             self.files.remove(REST)
-            status = MotionStatus.FINISHED if finished else MotionStatus.UNFINISHED
+            status = Status.FINISHED if finished else Status.UNFINISHED
             self._write_state(STATE, run, kept, self.pieces + 1, status)
         except OSError as error:
             raise self._failed(error) from error
         self.pieces, self.counts, self.since, self.time = self.pieces + 1, kept.counts, 0, run.state.time
 
-    def stopped(self, run: Run, status: MotionStatus, message: str) -> None:
+    def stopped(self, run: Run, status: Status, message: str) -> None:
         """What a run that stopped before its end has computed since the last write, where the folder still takes it."""
         kept = Kept(run.recorder, run.steps, run.book)
         with suppress(OSError, SkancfError):
@@ -177,7 +178,7 @@ class Writer:
         self.files.write(name, kept.since(self.counts))
 
     def _write_state(
-        self, name: str, run: Run, kept: Kept, pieces: int, status: MotionStatus, message: str = ""
+        self, name: str, run: Run, kept: Kept, pieces: int, status: Status, message: str = ""
     ) -> None:  # fmt: skip
         text = {"pieces": pieces, "counts": kept.counts, "status": status.name, "message": message, "seconds": self.seconds}
         self.files.write_state(name, text, _state_of(run))
@@ -216,7 +217,7 @@ def _resumed(files: RunFiles, every: int, run: Run, asked: Asked) -> Writer:
     _check(files, data, run.recorder.systems[-1])
     _restore(run, data)
     writer = Writer(files, every, text["pieces"], text["counts"], text["seconds"])
-    writer.time, writer.finished = run.state.time, text["status"] == MotionStatus.FINISHED.name
+    writer.time, writer.finished = run.state.time, Status[text["status"]].ok
     return writer
 
 
@@ -294,8 +295,8 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     _check(files, data, recorder.systems[-1])
     time = float(data["numbers"][0])
     recorder.end(State(time, data["q"], data["v"], data["a"]))
-    status, message = MotionStatus[text["status"]], text["message"]
-    if status is MotionStatus.UNFINISHED:
+    status, message = Status[text["status"]], text["message"]
+    if status is Status.UNFINISHED:
         message = f"written until t = {time:.6g} s of {known.settings['end']:.6g} s"
     return Motion(recorder.stretches, tuple(kept.steps), kept.book.ledger(), recorder.records, status, message,
                   text["seconds"])  # fmt: skip

@@ -269,7 +269,7 @@ def _numerical(system: System, rule: Rule, start: State, u: np.ndarray, dt: floa
 
 
 def _sum_of_forces(system: System, force: np.ndarray) -> np.ndarray:
-    return np.asarray(system.layout.positions(system.layout.nodal(force)).sum(axis=0))
+    return np.asarray(system.layout.positions(force).sum(axis=0))
 
 
 def _working(system: System, q: np.ndarray, v: np.ndarray, case: Case) -> np.ndarray:

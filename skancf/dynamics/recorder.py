@@ -78,7 +78,7 @@ class Recorder:
             t = float(self.times[self.done])
             q, v = end.q, end.v
             if t < end.time - self.slack:
-                q, v = Between(self.systems[-1].constraints).inside(t, start, end)
+                q, v = Between(self.systems[-1].layout, self.systems[-1].constraints).inside(t, start, end)
             self._add(t, q, v, True)
             self.done += 1
 

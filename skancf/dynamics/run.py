@@ -12,7 +12,7 @@ from skancf.checks import Check, failures
 from skancf.dynamics.error import Measure
 from skancf.dynamics.impulses import LoadImpulses, Missed
 from skancf.dynamics.ledger import Book, MeshEvent
-from skancf.dynamics.motion import Motion, MotionStatus, Step
+from skancf.dynamics.motion import Motion, Step
 from skancf.dynamics.motion_checks import MOMENTA, checks_of
 from skancf.dynamics.prescribed import prescribed_acceleration
 from skancf.dynamics.recorder import Recorder
@@ -24,6 +24,7 @@ from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
 from skancf.history import knots_of
 from skancf.progress import Progress
+from skancf.solving import Status
 from skancf.system.system import System
 
 
@@ -130,48 +131,48 @@ class Run:
     def close(self) -> None:
         self.solver.close()
 
-    def motion(self, status: MotionStatus, message: str) -> Motion:
+    def motion(self, status: Status, message: str) -> Motion:
         """What the run left behind; one that reached its end with momenta out of balance has not finished."""
         ledger, settings = self.book.ledger(), self.settings
         checks: tuple[Check, ...] = ()
         if self.steps:
-            size = float(np.abs(self.state.q.reshape(-1, 4, 3)[:, 0]).max())
+            size = float(np.abs(self.system.layout.positions(self.state.q)).max())
             checks = checks_of(ledger, mass=self.measure.mass, size=size, missed=self.impulses.part, noise=self._noise,
                                balance=settings.balance, rtol=getattr(settings.control, "rtol", None))  # fmt: skip
         out_of_balance = failures(check for check in checks if MOMENTA in check.name)
-        if status is MotionStatus.FINISHED and out_of_balance:
-            status, message = MotionStatus.UNBALANCED, out_of_balance
+        if status.ok and out_of_balance:
+            status, message = Status.UNBALANCED, out_of_balance
         recorder = self.recorder
         return Motion(recorder.stretches, tuple(self.steps), ledger, recorder.records, status, message, checks=checks)
 
     def go(
         self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
         at_end: Callable[[], None] = lambda: None,
-    ) -> tuple[MotionStatus, str]:  # fmt: skip
+    ) -> tuple[Status, str]:  # fmt: skip
         """Run to the end, or until it stops; ``after_step`` follows every accepted step, ``at_end`` the last one."""
         try:
             status, message = self._go(bar, after_step)
-            if status is MotionStatus.FINISHED:
+            if status.ok:
                 self.recorder.end(self.state)
                 at_end()
             return status, message
         except KeyboardInterrupt:
-            return MotionStatus.INTERRUPTED, f"interrupted from the keyboard at t = {self.state.time:.6g} s"
+            return Status.INTERRUPTED, f"interrupted from the keyboard at t = {self.state.time:.6g} s"
         except Exception as error:  # whatever a load, a record, a disk or the machine raises, what was computed is kept
             if not self.steps:
                 raise
-            return MotionStatus.FAILED, f"stopped at t = {self.state.time:.6g} s, what was computed is kept: {_words(error)}"
+            return Status.FAILED, f"stopped at t = {self.state.time:.6g} s, what was computed is kept: {_words(error)}"
         finally:
             self.recorder.end(self.state)
 
-    def _go(self, bar: Progress, after_step: Callable[["Run"], None]) -> tuple[MotionStatus, str]:
+    def _go(self, bar: Progress, after_step: Callable[["Run"], None]) -> tuple[Status, str]:
         settings = self.settings
         tiny = 1e-12 * settings.span
         while True:
             while self.strikes and self.strikes[0] <= self.state.time + tiny:
                 self._strike(self.strikes.pop(0))
             if self.state.time >= settings.end - tiny:
-                return MotionStatus.FINISHED, ""
+                return Status.FINISHED, ""
             knot = next((time for time in self.knots if time > self.state.time + tiny), settings.end)
             stop = min(knot, settings.end, *self.strikes[:1])
             left = stop - self.state.time
@@ -179,11 +180,11 @@ class Run:
             outcome, accepted = self._attempt(step)
             bar.at(self.state.time - settings.begin, self._news(outcome, step))
             if self.dt < self.shortest:
-                return MotionStatus.STEP_TOO_SMALL, self._too_small(outcome)
+                return Status.STEP_TOO_SMALL, self._too_small(outcome)
             if not accepted:
                 continue
             if settings.balance is not None and self._is_unbalanced(settings.balance):
-                return MotionStatus.UNBALANCED, self._unbalanced()
+                return Status.UNBALANCED, self._unbalanced()
             self._look()
             after_step(self)
 
@@ -194,7 +195,7 @@ class Run:
         error = imbalance = np.inf
         farthest, over, accepted = self.farthest, 0.0, False
         missed: tuple[Missed, ...] = ()
-        if outcome.converged:
+        if outcome.ok:
             error = measure.error(self.solver, start, outcome.end, settings.span)
         if np.isfinite(error):
             mark, before, known = self.book.mark(), self.book.left, self.book.turnover
@@ -310,7 +311,7 @@ class Run:
     def _too_small(self, outcome: StepOutcome) -> str:
         last = self.steps[-1]
         found = f"local error {last.error:.1e}, energy without a source {last.imbalance:.1e} of the largest"
-        reason = outcome.message if not outcome.converged else found
+        reason = outcome.message if not outcome.ok else found
         return (
             f"the run stopped at t = {self.state.time:.6g} s: its step fell to {self.dt:.1e} s ({reason}); "
             "what was computed is kept. Look for a mechanism, an element that folds, or a load that jumps."

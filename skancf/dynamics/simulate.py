@@ -13,7 +13,7 @@ from skancf.dynamics.asked import asked_of
 from skancf.dynamics.checkpoint import Checkpoint
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.initial import Velocity, initial_velocity
-from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.motion import Motion
 from skancf.dynamics.motion_checks import warn_of
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.dynamics.recorder import Quantity, Recorder
@@ -25,6 +25,7 @@ from skancf.history import Case
 from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics.asked import check_asked
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
@@ -136,7 +137,7 @@ def simulate(
         finally:
             run.close()
     motion = run.motion(status, message)
-    if doubled is not None and motion.finished:
+    if doubled is not None and motion.ok:
         with Progress("the same with steps twice as long", t_end, shown=progress) as bar:
             again = Run(system, replace(settings, control=doubled), Recorder(motion.times, {}), q, v, struck)
             try:
@@ -167,7 +168,7 @@ def _doubled(control: Any, follow: Any) -> StepControl:
 
 def _difference(motion: Motion, again: Run) -> np.ndarray:
     """Mass-weighted root mean squares at the output times; not a number where the second run did not come."""
-    other = again.motion(MotionStatus.FINISHED, "")
+    other = again.motion(Status.FINISHED, "")
     n = len(other.times)
     out = np.full(len(motion.times), np.nan)
     out[:n] = [again.measure.size(one - two) for one, two in zip(motion.q[:n], other.q, strict=True)]
@@ -176,7 +177,7 @@ def _difference(motion: Motion, again: Run) -> np.ndarray:
 
 def _go(
     run: Run, bar: Progress, checkpoint: Checkpoint | AnyPath | None, resume: bool
-) -> tuple[MotionStatus, str, float | None]:
+) -> tuple[Status, str, float | None]:
     """The run, written to a folder if it is asked for, with the wall time of all its processes."""
     if checkpoint is None:
         if resume:
@@ -186,9 +187,9 @@ def _go(
     writer = checkpoint.attach(run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
     try:
         if writer.finished:
-            return MotionStatus.FINISHED, "", writer.seconds
+            return Status.FINISHED, "", writer.seconds
         status, message = run.go(bar, writer.after_step, lambda: writer.write(run, finished=True))
-        if status is not MotionStatus.FINISHED:
+        if not status.ok:
             writer.stopped(run, status, message)
         return status, message, writer.seconds
     finally:

@@ -47,9 +47,9 @@ class Effort(IntEnum):
 
 @dataclass(frozen=True)
 class StepOutcome:
-    """The increment and the state at the end of a step, if it converged."""
+    """The increment and the state at the end of a step; both are none of a step that is not ``ok``."""
 
-    converged: bool
+    ok: bool
     end: State
     u: np.ndarray
     iterations: int
@@ -70,7 +70,7 @@ class StepSolver:
     def __init__(self, system: System, rule: Rule, rtol: float | None = None, backend: str = "auto"):
         self.system, self.rule, self.rtol = system, rule, rule.newton_rtol if rtol is None else rtol
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
-        self.factors = TurningFactors(self.linear, system.constraints)
+        self.factors = TurningFactors(self.linear, system.constraints, system.layout.moves)
         self.sizes = system.layout.scales.ravel()
         self.factored_dt = 0.0
         self.effort = Effort.KEEP
@@ -146,7 +146,7 @@ class StepSolver:
             self.effort = Effort.KEEP if easy else effort
             if spent is not None:
                 outcome = outcome.after(spent)
-            if outcome.converged:
+            if outcome.ok:
                 break
         assert outcome is not None
         return outcome
@@ -235,6 +235,9 @@ class StepSolver:
 
     def _place(self, residual: np.ndarray) -> str:
         """Where in the plate the residual is largest."""
-        sizes = np.nan_to_num(np.abs(residual), nan=np.inf).reshape(-1, 12).max(axis=1)
-        x, y = self.system.geometry.points[:, int(np.argmax(sizes))]
+        sizes = self.system.layout.blocks(np.nan_to_num(np.abs(residual), nan=np.inf)).max(axis=1)
+        block, geometry = int(np.argmax(sizes)), self.system.geometry
+        if block >= geometry.n_nodes:
+            return f"in {self.system.layout.name_of(block)}"
+        x, y = geometry.points[:, block]
         return f"near the node at (x, y) = ({x:.4g}, {y:.4g})"

@@ -59,7 +59,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any], layout: Layout) -> tu
         if not any(history is known for known in histories):
             histories.append(history)
     conditions = [_conditions(geometry, support, histories) for support in supports]
-    if geometry.theory.twist:
+    if not geometry.theory.directors:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]
     nodes, rows = np.empty(0, dtype=int), np.empty((0, 12 + len(histories)))

@@ -12,13 +12,7 @@ from typing import Any
 import numpy as np
 
 from skancf.errors import InputError
-
-R, R_X, R_Y, FOURTH = range(4)
-"""The vectors of a block of a plate."""
-VECTORS, AXES = 4, 3
-"""Vectors of a block, and components of each."""
-BLOCK = VECTORS * AXES
-"""Unknowns of a block."""
+from skancf.kernels.constants import AXES, BLOCK, VECTORS, R
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +115,10 @@ class Layout:
             raise InputError(f"part {name!r}: the layout has {', '.join(map(repr, self._slices))}")
         return self._slices[name]
 
+    def name_of(self, block: int) -> str:
+        """The part to which a block belongs."""
+        return next(name for name, part in self._slices.items() if part.start <= block < part.stop)
+
     def nodal(self, q: np.ndarray, name: str | None = None) -> np.ndarray:
         """Vectors (n_blocks, 4, 3) of unknowns (n_dofs,), a view where q is contiguous; of one part, or of all.
 
@@ -153,14 +151,24 @@ class Layout:
         return slice(BLOCK * blocks.start, BLOCK * blocks.stop)
 
     @cached_property
-    def moving(self) -> Any:
-        """Blocks whose first vector is a place in space, as an index."""
-        moves = np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
-        return slice(None) if moves.all() else moves
+    def moves(self) -> np.ndarray:
+        """Blocks whose first vector is a place in space, which a translation of everything moves, (n_blocks,) bool."""
+        return np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
 
-    def positions(self, nodal: np.ndarray) -> np.ndarray:
-        """Those vectors of (n_blocks, 4, 3) that a translation moves, (n, 3)."""
-        return np.asarray(nodal[self.moving, R])
+    @cached_property
+    def moving(self) -> Any:
+        """The same as an index."""
+        return slice(None) if self.moves.all() else self.moves
+
+    def positions(self, q: np.ndarray) -> np.ndarray:
+        """Those vectors of unknowns (n_dofs,) that a translation moves, (n, 3)."""
+        return np.asarray(self.nodal(q)[self.moving, R])
+
+    def arms(self, q: np.ndarray, about: np.ndarray) -> np.ndarray:
+        """Vectors (n_blocks, 4, 3) of unknowns, a copy, positions from a point (3,)."""
+        out = self.nodal(q).copy()
+        out[self.moving, R] -= about
+        return out
 
 
 def _joined(arrays: Sequence[np.ndarray | None]) -> np.ndarray:

@@ -14,8 +14,9 @@ import skfem
 from skancf.arguments import whole
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import InputError
+from skancf.kernels.constants import AXES, VECTORS
 from skancf.layout.geometry import Geometry
-from skancf.layout.layout import AXES, Layout
+from skancf.layout.layout import Layout
 
 DEPTHS = 3
 """Gauss points through the thickness, exact for the strains of a flat plate."""
@@ -24,13 +25,13 @@ DEPTHS = 3
 def basis_on(geometry: Geometry, intorder: int, facets: Any, thickness: float | None) -> skfem.AbstractBasis:
     """The basis of a geometry's element: see :meth:`skancf.system.system.System.basis`."""
     intorder = whole("intorder", intorder, most=127)
-    twist, mesh = geometry.theory.twist, geometry.mesh
-    element = skfem.ElementVector(ElementQuadHermite() if twist else ElementQuadANCF(), 3)
+    directors, mesh = geometry.theory.directors, geometry.mesh
+    element = skfem.ElementVector(ElementQuadANCF() if directors else ElementQuadHermite(), 3)
     if thickness is None:
         if facets is None:
             return skfem.Basis(mesh, element, intorder=intorder)
         return skfem.FacetBasis(mesh, element, intorder=intorder, facets=geometry.facets_on(facets))
-    if twist:
+    if not directors:
         raise InputError(f"thickness={thickness!r}: the element of theory 'kirchhoff' has no director and no depth; leave "
                          "thickness out, or take theory 'full'")  # fmt: skip
     if facets is not None:
@@ -48,10 +49,10 @@ def vectors_to_mesh(geometry: Geometry) -> sp.csr_matrix:
     rows, columns, values = [], [], []
     for node, source, weights in parts:
         k, i, j = np.nonzero(weights)
-        rows.append(4 * node[k] + i)
-        columns.append(4 * ties.node_of[source[k]].astype(int) + j)
+        rows.append(VECTORS * node[k] + i)
+        columns.append(VECTORS * ties.node_of[source[k]].astype(int) + j)
         values.append(weights[k, i, j])
-    shape = (4 * len(ties.node_of), 4 * geometry.n_nodes)
+    shape = (VECTORS * len(ties.node_of), VECTORS * geometry.n_nodes)
     triples = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
     return sp.csr_matrix(triples, shape=shape)
 

@@ -58,9 +58,9 @@ class EdgeMoment:
         geometry = assembly.geometry
         elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
         moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
-        if geometry.theory.twist:
-            return MomentOnNormals(assembly, elements, points, moments, self.history)
-        return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history)
+        if geometry.theory.directors:
+            return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history)
+        return MomentOnNormals(assembly, elements, points, moments, self.history)
 
 
 @dataclass(frozen=True)
@@ -112,10 +112,10 @@ class PointMoment:
             raise InputError(f"moment = {self.moment} at {self.at} is along the normal of the surface, about which it has "
                              "no stiffness; give a couple of forces instead")  # fmt: skip
         at = geometry.within(np.asarray(self.at, float)[:, None])
-        if geometry.theory.twist:
-            return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, at)
-        tables = geometry.theory.position_table(points[0])[1].T
-        return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, at)
+        if geometry.theory.directors:
+            tables = geometry.theory.position_table(points[0])[1].T
+            return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, at)
+        return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, at)
 
 
 def _on_nodes(

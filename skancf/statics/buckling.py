@@ -76,6 +76,11 @@ class BucklingResult:
     note: str = ""
     checks: tuple[Check, ...] = ()
 
+    @property
+    def ok(self) -> bool:
+        """Whether what was asked for was found, and every check passed."""
+        return all(check.passed for check in self.checks)
+
     @cached_property
     def theory_errors(self) -> np.ndarray:
         r"""By which part of itself transverse shear, which theory `kirchhoff` leaves out, would change each load factor.

@@ -13,8 +13,9 @@ from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics.causes import cause
-from skancf.statics.newton import NewtonResult, Status, newton
+from skancf.statics.newton import NewtonResult, newton
 from skancf.statics.path import limit_ahead
 from skancf.statics.relax import Relaxation
 from skancf.statics.static_result import HalveAndGrow, StaticResult
@@ -153,7 +154,7 @@ class Cascade:
             bound = max([result.bound, *(one.rounding for one in found.unmet)])
             status, message = Status.ROUNDING, LOST.format(bound)
             if failed := failures(self.checks):
-                status, message = Status.OUT_OF_BALANCE, failed
+                status, message = Status.UNBALANCED, failed
         result = replace(
             result, q=found.q, status=status, message=message, bound=bound, negative_pivots=found.negative_pivots
         )

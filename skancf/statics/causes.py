@@ -8,7 +8,8 @@ import numpy as np
 from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
-from skancf.statics.newton import NewtonResult, Status, System, factored
+from skancf.solving import Status
+from skancf.statics.newton import NewtonResult, System, factored
 from skancf.statics.soft import Mode, softest_mode, turning_estimate
 
 # Stiffness against the load relative to that at the start (Bergan's current stiffness parameter) that counts as soft.

@@ -9,12 +9,13 @@ from skancf.errors import DidNotConverge, OutOfDepth, number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics.asked import check_asked
 from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
 from skancf.statics.depth import warn_if_loose, warn_if_thick, warn_without_time
-from skancf.statics.newton import OPEN, Status
+from skancf.statics.newton import OPEN
 from skancf.statics.path import traced
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 from skancf.statics.verify import Balance, unmet
@@ -124,7 +125,7 @@ def _followed(
     message = f"by arc length from {start.load_factor:.4g}: {passed or 'no limit point and no bifurcation'}"
     if found.negative_pivots[-1]:
         message += f"; the equilibrium is not stable, its tangent has {found.negative_pivots[-1]} negative eigenvalue(s)"
-    if found.status is not Status.CONVERGED:
+    if not found.ok:
         message = f"{message}; {found.message}"
     return StaticResult(found.solution, found.status, found.solutions, attempts, message, found.checks)
 

@@ -15,7 +15,7 @@ def frequency_changes(state: Solution, eigenvalues: np.ndarray, shapes: np.ndarr
     Eigenvalues (n,) and shapes (n, n_dofs) of unit modal mass; NaN where an eigenvalue is not positive.
     """
     system = state.system
-    if not (hasattr(system, "geometry") and system.geometry.theory.twist):
+    if not hasattr(system, "geometry") or system.geometry.theory.shear:
         return np.zeros(len(eigenvalues))
     start = system.undeformed
     at = start if state.linear else state.q
@@ -35,7 +35,7 @@ def buckling_changes(linear: Solution, shapes: np.ndarray) -> np.ndarray:
     r"""By which part of itself shear changes each buckling load, :math:`1 / (1 + F(\phi, \phi)) - 1` with
     :math:`\phi \cdot K_0 \phi = 1`, (n,)."""
     system = linear.system
-    if not (hasattr(system, "geometry") and system.geometry.theory.twist):
+    if not hasattr(system, "geometry") or system.geometry.theory.shear:
         return np.zeros(len(shapes))
     form = ShearForm(system)
     return np.array([with_shear(1.0, 1.0, product_of(form, system.undeformed, shape)) - 1 for shape in shapes])

@@ -7,7 +7,6 @@ exact one (Magisano, Leonetti and Garcea, 2017). With a :class:`Constraint` the 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,6 +15,7 @@ import scipy.sparse as sp
 from skancf.errors import DidNotConverge, SingularMatrix
 from skancf.history import FULL, Case
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
+from skancf.solving import Status
 from skancf.statics.stopping import Constraint, Pull, StopRule, moves, work
 
 
@@ -44,28 +44,6 @@ class System(Protocol):
     def prescribed(self, case: Case = FULL) -> np.ndarray: ...
 
 
-class Status(Enum):
-    """How a solve ended."""
-
-    CONVERGED = "converged"
-    STEPS_SPENT = "iteration limit reached"
-    DIVERGED = "residual grew"
-    NOT_FINITE = "residual is not finite"
-    SINGULAR = "tangent is singular"
-    ROUNDING = "rounding leaves the answer open"
-    OUT_OF_BALANCE = "the answer failed its checks"
-    TOO_FAR = "the first correction goes too far"
-    STEP_TOO_SMALL = "load step became too small"
-    LIMIT_POINT = "limit point"
-    BIFURCATION = "bifurcation"
-    MECHANISM = "a mechanism is free"
-    FOLDED = "an element folded"
-    NOT_REACHED = "the asked end was not reached"
-    TURNED_BACK = "the path turned back"
-    INTERRUPTED = "interrupted"
-    FAILED = "an error"
-
-
 @dataclass(frozen=True)
 class NewtonResult:
     """Outcome of one solve.
@@ -85,8 +63,9 @@ class NewtonResult:
     bound: float = 0.0
 
     @property
-    def converged(self) -> bool:
-        return self.status is Status.CONVERGED
+    def ok(self) -> bool:
+        """Whether it is an equilibrium."""
+        return self.status.ok
 
     @property
     def iterations(self) -> int:
@@ -94,7 +73,7 @@ class NewtonResult:
 
     def unwrap(self) -> np.ndarray:
         """q, or :class:`~skancf.DidNotConverge`."""
-        if not self.converged:
+        if not self.ok:
             tail = ", ".join(f"{r:.1e}" for r in self.residual_norms[-3:])
             raise DidNotConverge(f"newton: {self.status.value}; residual ... {tail}. {self.message}", self.residual_norms)
         return self.q
@@ -105,7 +84,6 @@ class NewtonResult:
 GIVEN_UP = 10.0
 # An answer that rounding leaves open by more than this part of its energy norm is not called converged.
 OPEN = 1e-2
-LOST = "rounding of the nodal coordinates leaves up to {:.1e} of the energy norm open"
 LOST = "rounding of the nodal coordinates leaves up to {:.1e} of the energy norm open"
 FAR = "the first correction turns a slope by {:.2g} of its length, more than the {:.2g} from which a solve is worth trying"
 

@@ -10,12 +10,13 @@ from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics.asked import check_asked
 from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.depth import warn_without_time
 from skancf.statics.events import LIMIT, Event, events_between
-from skancf.statics.newton import NewtonResult, Status, largest_turn
+from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
 from skancf.statics.stopping import ROUNDING
@@ -81,13 +82,18 @@ class PathResult:
         """Newton iterations of all attempts."""
         return sum(len(result.residual_norms) for result in self.attempts)
 
+    @property
+    def ok(self) -> bool:
+        """Whether the asked end was reached and passed its checks."""
+        return self.status.ok
+
     def displacement(self, at: tuple[float, float]) -> np.ndarray:
         """Displacement of a point of the parameter plane along the path, (n, 3)."""
         return np.array([solution.displacement(at) for solution in self.solutions])
 
     def unwrap(self) -> "PathResult":
         """This path, or :class:`~skancf.DidNotConverge`."""
-        if self.status is not Status.CONVERGED:
+        if not self.ok:
             raise DidNotConverge(self.message, self.attempts[-1].residual_norms if self.attempts else ())
         return self
 
@@ -184,9 +190,9 @@ class _Run:
             status, message = Status.FAILED, f"what was computed is kept: {error!r}"
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
         checks = self._checks(points)
-        if status is Status.CONVERGED and (failed := failures(checks)):
-            status, message = Status.OUT_OF_BALANCE, failed
-        if status is not Status.CONVERGED:
+        if status.ok and (failed := failures(checks)):
+            status, message = Status.UNBALANCED, failed
+        if not status.ok:
             reached = f"load factor {points[-1].load_factor:.6g} after {len(points) - 1} steps"
             message = f"the path stopped at {reached}: {message}"
         return PathResult(

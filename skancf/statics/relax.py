@@ -124,14 +124,14 @@ class Relaxation:
             used += held.iterations
             # Without a potential pivots do not tell, until they are what keeps the flow from an end.
             definite = not held.negative_pivots or not (flow.unstable or self.has_potential(held.q))
-            went = held.converged and (definite or self.rise(flow.q, held.q) < 0)
+            went = held.ok and (definite or self.rise(flow.q, held.q) < 0)
             flow.q = held.q if went else flow.q
             letting.after(held.iterations, went, definite)
             if letting.calm < flow.calm_enough:
                 continue
             free = self.solve(flow.q, self.load_factor, origin=origin)
             used, letting.calm = used + free.iterations, -1
-            if not free.converged:
+            if not free.ok:
                 continue
             if not free.negative_pivots:
                 return free
@@ -178,9 +178,10 @@ class Relaxation:
 
     def _far(self, change: np.ndarray) -> float:
         """Largest displacement in a change, over that of a push."""
-        positions = self.system.undeformed.reshape(-1, 4, 3)[:, 0]
+        layout: Any = self.system.layout  # type: ignore[attr-defined]
+        positions = layout.positions(self.system.undeformed)
         push = PUSH * float(np.linalg.norm(np.ptp(positions, axis=0)))
-        return float(np.abs(change.reshape(-1, 4, 3)[:, 0]).max()) / push
+        return float(np.abs(layout.positions(change)).max()) / push
 
 
 def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:

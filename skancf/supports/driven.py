@@ -11,8 +11,10 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
+from skancf.kernels.constants import FOURTH, R
 from skancf.layout.geometry import Geometry
-from skancf.supports.conditions import FOURTH, R, Row, Support, condition, edges
+from skancf.supports.conditions import Support, edges
+from skancf.theories.rows import Row, condition
 
 
 @dataclass(frozen=True)

@@ -9,22 +9,18 @@ from skancf.arguments import having
 from skancf.errors import shown
 from skancf.functions import Noted, is_ours
 from skancf.history import FULL
-from skancf.kernels.schedule import Schedule
 from skancf.layout.constrain import constrain
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout, Part
 from skancf.loads.acting import Acting
-from skancf.materials import Section
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
 from skancf.terms.protocols import Assembly
 from skancf.terms.shell import Shell
-from skancf.terms.shells.full import FullAssembly
-from skancf.terms.shells.kirchhoff import ThinAssembly
+from skancf.terms.shells.assemble import assemble
 from skancf.terms.springs import Dashpots, Springs
 from skancf.terms.term import Term
 
-ASSEMBLIES: dict[str, type] = {"full": FullAssembly, "kirchhoff": ThinAssembly}
 PLATE = "plate"
 """Name of the part of a layout that is the mesh of a problem."""
 
@@ -44,13 +40,6 @@ def build(problem: Any, geometry: Geometry) -> System:
     terms += [LoadTerm(load, shell) for load in acting]
     constraints, prescription = constrain(geometry, problem.supports, layout)
     return System(layout, shell, terms, constraints, prescription, problem)
-
-
-def assemble(geometry: Geometry, section: Section) -> Assembly:
-    """The assembly of the geometry's theory."""
-    schedule = Schedule(geometry.nodes, geometry.mesh.p[:, geometry.mesh.t].mean(axis=1))
-    made: Assembly = ASSEMBLIES[geometry.theory.name](geometry, section, schedule)
-    return made
 
 
 def _acting(load: Any, assembly: Assembly) -> Any:

@@ -43,6 +43,6 @@ def _at_places(system: System, at: Any, field: Callable[..., np.ndarray], *vecto
     geometry, out = system.geometry, []
     for place in places_of(at):
         element, point = geometry.locate(place)
-        local = [geometry.local(v.reshape(-1, 4, 3), np.array([element])) for v in vectors]
+        local = [geometry.local(system.shell.nodal(v), np.array([element])) for v in vectors]
         out.append(field(*local, geometry.inside(point[:, None]), geometry.side[[element]])[0, :, 0])
     return np.array(out)

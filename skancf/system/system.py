@@ -10,6 +10,7 @@ import scipy.sparse as sp
 import skfem
 
 from skancf.history import FULL, Case, check_cover
+from skancf.kernels.constants import BLOCK
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
@@ -63,8 +64,8 @@ class System:
         self.loads = Loads([term for term in terms if term.load], layout.n_dofs)
         self.others = tuple(term for term in terms if not term.load)
         cells = {id(each): each for each in (term.couples() for term in self.terms) if each.size}
-        graph = BlockPattern.from_cells
-        self.pattern = graph([each.T for each in cells.values()], layout.n_blocks, 12, layout.places.T)
+        graph = tuple(each.T for each in cells.values())
+        self.pattern = BlockPattern.from_cells(graph, layout.n_blocks, BLOCK, layout.places.T)
         self._known = {key: (each, self.pattern.slots(each.T)) for key, each in cells.items()}
         for term in self.terms:
             term.bind(self.blocks())
@@ -166,11 +167,13 @@ class System:
     @cached_property
     def foundation(self) -> BlockMatrix | None:
         """Tangent of the structure's terms but for the shell in the undeformed state, that of springs; None without any."""
-        if not self.others:
-            return None
+        return self.others_tangent(self.undeformed)
+
+    def others_tangent(self, q: np.ndarray, case: Case = FULL) -> BlockMatrix | None:
+        """Derivative of :meth:`others_force`, its symmetric part; None where it is zero."""
         blocks = self.blocks()
         for term in self.others:
-            term.add_tangent(self.undeformed, None, FULL, blocks)
+            term.add_tangent(q, None, case, blocks)
         return None if blocks.is_zero else blocks.matrix()
 
     @cached_property
@@ -273,6 +276,11 @@ class System:
         ones = np.zeros_like(self.layout.undeformed)
         ones[self.layout.moving, 0, 0] = 1.0
         return np.asarray(self.layout.nodal(self.mass @ ones.ravel())[:, :, 0])
+
+    @property
+    def total_mass(self) -> float:
+        """Mass of everything (kg)."""
+        return float(self.shares[self.layout.moving, 0].sum())
 
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from skancf.terms.protocols import Assembly
 from skancf.terms.shell import Shell
 
 LARGE = 100
@@ -70,10 +69,10 @@ def enlarged(vector: np.ndarray) -> tuple[np.ndarray, int]:
     return np.ldexp(vector, power), power
 
 
-def of_change(assembly: Assembly, at: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Strains and stresses of a small change of nodal coordinates (n_nodes, 4, 3), to first order."""
-    large, power = enlarged(change.reshape(at.shape))
-    rest, moved = (assembly.stresses(at, step, keep_strains=True) for step in (None, large))
+def of_change(shell: Shell, at: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Strains and stresses of a small change of unknowns (n_dofs,), to first order."""
+    large, power = enlarged(shell.nodal(change))
+    rest, moved = (shell.assembly.stresses(shell.nodal(at), step, keep_strains=True) for step in (None, large))
     strains, stresses = (np.ldexp(b - a, -power) for a, b in zip(rest, moved, strict=True))
     return strains, stresses
 

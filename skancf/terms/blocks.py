@@ -8,13 +8,10 @@ import scipy.sparse as sp
 
 from skancf.errors import InputError
 from skancf.kernels import gather
+from skancf.kernels.constants import AXES, BLOCK, FUNCTIONS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
-from skancf.layout.layout import AXES, BLOCK
 from skancf.linear import BlockMatrix, BlockPattern
-
-LOCAL = 16
-"""Local functions of an element; its local vectors are (16, 3), and their matrices (48, 48) go component by component."""
 
 
 class Blocks:
@@ -127,7 +124,7 @@ def nodal_matrices(geometry: Geometry, elements: np.ndarray, matrices: np.ndarra
     """Matrices (m, 48, 48) of local vectors, component by component, in the coordinates of the four nodes, (m, 48, 48)."""
     m = len(elements)
     maps = np.stack([geometry.dense_map(e) for e in elements])
-    split = matrices.reshape(m, AXES, LOCAL, AXES, LOCAL)
+    split = matrices.reshape(m, AXES, FUNCTIONS, AXES, FUNCTIONS)
     blocks = maps.swapaxes(1, 2)[:, None, None] @ split.transpose(0, 1, 3, 2, 4) @ maps[:, None, None]
     return np.asarray(blocks.transpose(0, 3, 1, 4, 2).reshape(matrices.shape))
 

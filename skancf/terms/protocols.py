@@ -1,6 +1,6 @@
 """What a system knows of a theory on a mesh, and of prescribed coordinates."""
 
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -17,6 +17,11 @@ class Assembly(Protocol):
     section: Section
     sections: Any
     schedule: Schedule
+    assumes_membrane: ClassVar[bool]
+    """Whether membrane strains are assumed; then it has ``membrane_strains``, those as they are, and ``rest_energy``."""
+    recovers_bending: ClassVar[bool]
+    """Whether moments are good in the middles of elements only; then it has ``bending_forces`` and ``bending_strains``, the
+    part of section forces and strains that makes them so."""
 
     @property
     def areas(self) -> np.ndarray:
@@ -42,6 +47,9 @@ class Assembly(Protocol):
     @property
     def mass_shapes(self) -> np.ndarray:
         """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
+
+    def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Strain in the local frame (..., 6) that a temperature change T0 + z T1, each (...), makes at a depth if free."""
 
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         """Stresses that hold back a temperature change T0 + z T1, each (n_elements, n_points)."""

@@ -9,8 +9,8 @@ import numpy as np
 
 from skancf.errors import InputError
 from skancf.history import Case
+from skancf.kernels.constants import R_X, R_Y, R
 from skancf.supports import Dashpot
-from skancf.supports.conditions import R_X, R_Y, R
 from skancf.surfaces import normal
 from skancf.system.system import System
 
@@ -139,7 +139,7 @@ def rim_of(system: System) -> Rim:
     geometry, facets = system.geometry, system.geometry.boundary
     with np.errstate(invalid="ignore", divide="ignore"):
         n = np.nan_to_num(normal(geometry.surface, *geometry.points).T)  # none at a pole
-    held = np.einsum("na,nkab,nb->nk", n, system.constraints.of_vectors(), n) > HELD
+    held = np.einsum("na,nkab,nb->nk", n, system.constraints.of_vectors()[: len(n)], n) > HELD
     ends, (x, y) = geometry.ends(facets), np.abs(geometry.facet_directions(facets))
     across = np.where(y > x, R_X, R_Y)
     deflection, rotation = ((held[ends, kind] & (ends >= 0)).all(axis=0) for kind in (R, across))

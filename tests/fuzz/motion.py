@@ -26,10 +26,10 @@ def run(moving: Moving, system: Any, options: dict[str, Any], **more: Any) -> sk
         warnings.simplefilter("ignore", sk.OutOfDepth)
         motion = sk.simulate(system, options.pop("t_end"), **options)
     assert np.isfinite(motion.q).all(), "a state that is not finite"
-    if not motion.finished:
+    if not motion.ok:
         assert motion.message, f"{motion.status} without a word"
         seen[f"motion: {motion.status.value}"] += 1
-    assume(motion.finished)
+    assume(motion.ok)
     return motion
 
 
@@ -113,9 +113,9 @@ def restart(moving: Moving) -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         whole = part(f"{folder}/whole")
-        assume(whole.finished)
+        assume(whole.ok)
         stops["yet"] = True
-        assert not part(f"{folder}/parts").finished, "it did not stop"
+        assert not part(f"{folder}/parts").ok, "it did not stop"
         stops["yet"] = False
         differ = same(arrays(whole), arrays(part(f"{folder}/parts")))
     assert not differ, f"a restart changes {differ}"

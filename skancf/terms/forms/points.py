@@ -12,6 +12,7 @@ from skancf.elements.reference import CORNERS
 from skancf.errors import InputError
 from skancf.functions import is_function, true_at
 from skancf.history import Case
+from skancf.kernels.constants import AXES, FUNCTIONS
 from skancf.layout.geometry import Geometry
 from skancf.terms.forms.fields import THICK, THIN, Fields, Jet
 from skancf.theories.full.theory import D1, D2, R1, R2, D
@@ -47,7 +48,7 @@ class Chunk:
     @property
     def names(self) -> tuple[str, ...]:
         """The vectors of the jet."""
-        return THIN if self.geometry.theory.twist else THICK
+        return THICK if self.geometry.theory.directors else THIN
 
     @cached_property
     def tables(self) -> dict[str, np.ndarray]:
@@ -67,7 +68,7 @@ class Chunk:
 
     def forces(self, gradient: dict[str, np.ndarray]) -> np.ndarray:
         """Forces on the local vectors, (m, 16, 3), of a derivative (3, m, n) with respect to each vector of the jet."""
-        out = np.zeros((len(self.elements), 16, 3))
+        out = np.zeros((len(self.elements), FUNCTIONS, AXES))
         for name, each in gradient.items():
             out += self.tables[name] @ (np.moveaxis(each, 0, 2) * self.weights[:, :, None])
         return out
@@ -76,21 +77,21 @@ class Chunk:
         """Matrices (m, 48, 48) on the local vectors, component by component, of second derivatives (rows, 3, columns, 3, m,
         n)."""
         m, n = self.weights.shape
-        left = np.stack([self.tables[name] for name in rows], axis=2).reshape(m, 16, -1)
+        left = np.stack([self.tables[name] for name in rows], axis=2).reshape(m, FUNCTIONS, -1)
         right = np.stack([self.tables[name] for name in columns], axis=2)
         # (m, row, point, i, j, column function): what is left is one product of matrices for each element.
         weighted = second * self.weights
         half = np.einsum("kiljep,eblp->ekpijb", weighted, right, optimize=True).reshape(m, len(rows) * n, -1)
-        out = (left @ half).reshape(m, 16, 3, 3, 16)
-        return np.asarray(out.transpose(0, 2, 1, 3, 4).reshape(m, 48, 48))
+        out = (left @ half).reshape(m, FUNCTIONS, AXES, AXES, FUNCTIONS)
+        return np.asarray(out.transpose(0, 2, 1, 3, 4).reshape(m, AXES * FUNCTIONS, AXES * FUNCTIONS))
 
 
 def _tables(geometry: Geometry, elements: np.ndarray, points: np.ndarray) -> dict[str, np.ndarray]:
     """Derivatives with respect to the parameters, made of those in the reference square."""
-    shape = (16, *(points.shape[:1] if points.ndim == 3 else ()), points.shape[-1])
+    shape = (FUNCTIONS, *(points.shape[:1] if points.ndim == 3 else ()), points.shape[-1])
     flat = np.moveaxis(points, -2, 0).reshape(2, -1)
-    twist = geometry.theory.twist
-    of_reference = (thin_table if twist else thick_table)(flat).reshape(5, *shape)
+    directors = geometry.theory.directors
+    of_reference = (thick_table if directors else thin_table)(flat).reshape(5, *shape)
     value = geometry.theory.position_table(flat)[0].reshape(shape)
 
     def over_elements(table: np.ndarray) -> np.ndarray:
@@ -99,7 +100,7 @@ def _tables(geometry: Geometry, elements: np.ndarray, points: np.ndarray) -> dic
     G = np.moveaxis(np.linalg.inv(np.moveaxis(jacobian(geometry, elements, points), (0, 1), (-2, -1))), (-2, -1), (0, 1))
     one, two = (over_elements(each) for each in of_reference[[R1, R2]])
     out = {"r": over_elements(value), **_slopes("r", one, two, G)}
-    if not twist:
+    if directors:
         one, two, value = (over_elements(each) for each in of_reference[[D1, D2, D]])
         return {**out, "d": value, **_slopes("d", one, two, G)}
     r11, r22, r12 = (over_elements(each) for each in of_reference[2:])

@@ -126,6 +126,7 @@ UNDEFORMED = {"X": "r", "D": "d", "N": "n", "dA": "da", "A": "a", "B": "b",
               **{f"X_{each}": f"r_{each}" for each in ("x", "y", "xx", "xy", "yy")}, "D_x": "d_x", "D_y": "d_y"}  # fmt: skip
 CURVED = {"b", "B", "H", "K"}
 """What needs second derivatives."""
+DIRECTORS = {"d", "d_x", "d_y", "D", "D_x", "D_y"}
 
 
 class Fields(Mapping[str, Any]):
@@ -185,7 +186,7 @@ class Fields(Mapping[str, Any]):
         thin = "r_xx" in self.jet
         of_edges = ON_EDGES if "along" in self.given else {}
         known = {"x", "time", "factor", *self.jet, *FORMULAS, *UNDEFORMED, *of_edges}
-        missing = {"d", "D", "D_x", "D_y"} if thin else CURVED | {name for name in known if name[2:] in ("xx", "xy", "yy")}
+        missing = DIRECTORS if thin else CURVED | {name for name in known if name[2:] in ("xx", "xy", "yy")}
         return sorted(known - missing)
 
     def __iter__(self) -> Iterator[str]:
@@ -198,7 +199,7 @@ class Fields(Mapping[str, Any]):
         hint = ""
         if "r_xx" not in self.jet and (name in CURVED or name[2:] in ("xx", "xy", "yy")):
             hint = " (curvature needs theory 'kirchhoff', whose element is C1)"
-        elif "r_xx" in self.jet and name[:1] in "dD":
+        elif name in DIRECTORS:
             hint = " (theory 'full' has a director)"
         elif name in ON_EDGES:
             hint = " (edges have it: give where, such as where='left')"

@@ -1,5 +1,8 @@
 """Bases of scikit-fem on the system's mesh, and the way from the unknowns to them."""
 
+import importlib.util
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -138,6 +141,25 @@ def test_a_basis_of_the_volume():
     volume = skfem.Functional(lambda w: np.linalg.det(np.moveaxis(w["r"].grad, (0, 1), (-2, -1))))
     found = volume.assemble(basis, r=basis.interpolate(system.to_mesh @ system.undeformed))
     assert np.isclose(found, 0.2 * quads.area(system.mesh), rtol=SUMS)
+
+
+def demo():
+    path = Path(__file__).parents[1] / "demos" / "plot_19_two_theories.py"
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_both_theories_as_forms_are_the_library(monkeypatch):
+    """The demo asserts it; with one in a thousand of the law changed it must say so."""
+    forms = demo()
+    mesh = sk.meshes.quadtree(sk.meshes.uniform(forms.PLATE.surface, 1, 1))
+    for name in ("full", "kirchhoff"):
+        forms.compare(name, mesh, say=lambda _: None)
+    monkeypatch.setattr(forms, "BENDING", 1.001 * forms.BENDING)
+    with pytest.raises(AssertionError, match="kirchhoff"):
+        forms.compare("kirchhoff", mesh, say=lambda _: None)
 
 
 def test_what_there_is_no_basis_for():

@@ -216,7 +216,10 @@ class System:
 
     def linear_energy(self, change: np.ndarray, case: Case = FULL) -> float:
         """:meth:`strain_energy` of a small change of the undeformed state, quadratic in it."""
-        force, energy = self.shell.held_back_force(self.undeformed, case), self.stiffness().energy(change)
+        start = self.undeformed
+        force, energy = self.shell.held_back_force(start, case), self.stiffness().energy(change)
+        energy += sum((term.energy(start, case) or 0.0 for term in self.others), 0.0)
+        energy += float(self.others_force(start, None, case) @ change)
         return energy if force is None else energy + self.shell.thermal_energy(case) - float(force @ change)
 
     def linearised(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
@@ -234,7 +237,7 @@ class System:
         with DirectSolver(self.pattern, self.constraints, backend) as solver:
             solver.factor(matrix)
             moved = self.prescribed()
-            answer = solver.solve(self.external_force(start) - matrix @ moved) + moved
+            answer = solver.solve(self.external_force(start) - self.others_force(start) - matrix @ moved) + moved
             solver.warn_if_lost()
             return answer
 

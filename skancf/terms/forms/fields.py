@@ -174,10 +174,7 @@ class Fields(Mapping[str, Any]):
         if name == "factor":
             return self.case.factor
         if name == "time":
-            if self.case.time is None:
-                raise InputError("w.time: statics has no time; give what depends on it as a load with a history, which "
-                                 "counts there with its full amplitude")  # fmt: skip
-            return self.case.time
+            return self.case.time or 0.0
         formula = FORMULAS.get(name) or ON_EDGES.get(name)
         return self.part(name) if formula is None else formula(self)
 

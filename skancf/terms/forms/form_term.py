@@ -85,7 +85,7 @@ class FormTerm(Addition):
     H, K                                (m, n)           mean and Gaussian curvature of the deformed surface (`kirchhoff`)
     s, nu, stretch                      (3, m, n), ()    of an edge: unit tangent with the surface on its left; unit vector
                                                          outwards, in the surface; deformed length per undeformed
-    time, factor                        numbers          time (s), in dynamics; load factor
+    time, factor                        numbers          time (s), zero in statics; load factor
     ==================================  ===============  ==============================================================
 
     Test functions u and v are vectors (3, ...), variations of r, with ``grad``, ``hess`` (`kirchhoff`) and ``d``, the

@@ -64,6 +64,13 @@ class Integrand:
                 if any(np.iscomplexobj(each) for each in jet.values()):
                     raise self._not_analytic(f"it takes no complex numbers ({wrong})") from wrong
                 raise
+            except ValueError as wrong:
+                if "broadcast" not in str(wrong) or isinstance(wrong, InputError):
+                    raise
+                raise InputError(
+                    f"{self.name}: {wrong}; the form is called with some elements at a time, here with {chunk.weights.shape} "
+                    "elements and points, and fields of another basis or mesh do not fit; use what w holds"
+                ) from wrong
         value = self._checked(found, chunk, any(np.iscomplexobj(each) for each in jet.values()))
         used = [_ordered(chunk, names | ({"r"} if names is not w.used else set())) for names in (*read, w.used)]
         return value, used

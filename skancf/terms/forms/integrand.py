@@ -68,8 +68,9 @@ class Integrand:
                 if "broadcast" not in str(wrong) or isinstance(wrong, InputError):
                     raise
                 raise InputError(
-                    f"{self.name}: {wrong}; the form is called with some elements at a time, here with {chunk.weights.shape} "
-                    "elements and points, and fields of another basis or mesh do not fit; use what w holds"
+                    f"{self.name}: {wrong}; the form is called with some elements at a time, here with "
+                    f"{chunk.weights.shape} elements and points, and fields of another basis or mesh do not fit; use what "
+                    "w holds"
                 ) from wrong
         value = self._checked(found, chunk, any(np.iscomplexobj(each) for each in jet.values()))
         used = [_ordered(chunk, names | ({"r"} if names is not w.used else set())) for names in (*read, w.used)]

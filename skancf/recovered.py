@@ -76,7 +76,7 @@ def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, wei
         stencil = system.geometry.inside(STENCIL)
         out = out + assembly.section_force_gradient(nodal, members, stencil, said, BENDING)
         out = out - assembly.section_force_gradient(nodal, here, point, changed, BENDING)
-    return np.asarray(out).ravel()
+    return system.shell.flat(np.asarray(out))
 
 
 def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:

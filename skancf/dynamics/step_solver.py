@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
@@ -83,6 +84,14 @@ class StepSolver:
     def reached(self, state: State) -> None:
         """Newton's method measures by the largest kinetic energy of the motion, not of steps that were rejected."""
         self.energy = max(self.energy, self.system.kinetic_energy(state.v))
+
+    def state(self) -> dict[str, Any]:
+        """All but the factors."""
+        return {"energy": self.energy, "effort": int(self.effort), "rounding": self.rounding}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        self.energy, self.effort, self.rounding = state["energy"], Effort(state["effort"]), state["rounding"]
+        self.forget()
 
     def forget(self) -> None:
         """Factor anew at the next step, as a run that starts there does."""

@@ -298,15 +298,19 @@ class System:
         flow, nodal = self.layout.nodal(self.mass @ v), self.layout.nodal(q)
         return np.stack([self.layout.positions(flow).sum(axis=0), sum_of_cross(nodal, flow)])
 
+    def reached(self, q: np.ndarray, v: np.ndarray, case: Case) -> None:
+        """Tell terms that a step was accepted."""
+        for term in self.terms:
+            term.reached(q, v, case)
+
     def state(self) -> dict[str, Any]:
-        """What terms remember between steps, by their number and name."""
-        return {f"{k}.{name}": value for k, term in enumerate(self.terms) for name, value in term.state().items()}
+        """What terms remember between steps, by their numbers."""
+        return {str(k): term.state() for k, term in enumerate(self.terms)}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go back to what :meth:`state` gave."""
         for k, term in enumerate(self.terms):
-            own = {name.partition(".")[2]: value for name, value in state.items() if name.partition(".")[0] == str(k)}
-            term.restore(own)
+            term.restore(state[str(k)])
 
     def free_rigid_motions(self) -> list[str]:
         """Rigid motions that no support and no spring holds, in words."""

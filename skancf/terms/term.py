@@ -79,8 +79,12 @@ class Term:
         """A time (s) and the impulse (n_dofs,) that acts then; None of what acts all the time."""
         return None
 
+    def reached(self, q: np.ndarray, v: np.ndarray, case: Case) -> None:
+        """Called at the end of every accepted step of a motion: what a term remembers changes here alone, since steps are
+        tried, and forces asked for, more often. Default: nothing."""
+
     def state(self) -> dict[str, Any]:
-        """What it remembers between steps, arrays and numbers by name. Default: nothing."""
+        """What it remembers between steps, see :class:`~skancf.dynamics.HasState`. Default: nothing."""
         return {}
 
     def restore(self, state: dict[str, Any]) -> None:

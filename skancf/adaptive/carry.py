@@ -20,6 +20,7 @@ from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.errors import SingularMatrix, vector
+from skancf.history import Case
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate

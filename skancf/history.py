@@ -64,6 +64,12 @@ class Case:
     factor: float = 1.0
     time: float | None = None
 
+    def __post_init__(self) -> None:
+        for name, value in (("factor", self.factor), ("time", self.time)):
+            # Solvers make one for each evaluation, of numbers of their own.
+            if not (type(value) is float and isfinite(value)) and (value is not None or name == "factor"):
+                object.__setattr__(self, name, number(name, value))
+
     def amplitude(self, history: History | None) -> float:
         """What a load with this history is multiplied by: its value at the time, see :func:`amplitude`, and the factor."""
         return self.factor * amplitude(history, self.time)

@@ -11,6 +11,7 @@ from skancf.arguments import STATE, flag, instance, plain, system_like, text
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.history import Case
+from skancf.layout.layout import vectors
 from skancf.layout.patches import averaging_nodes
 from skancf.materials import Section
 from skancf.recovered import section_forces, strain_excess
@@ -99,14 +100,14 @@ class Solution:
 
     def displacement(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ self._vectors(self.change)
+        out = probe(self.system, at) @ vectors(self.change)
         if depth := self._depth(z):
             out = out + depth * self._tilts(at)
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def position(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ self._vectors(self.q)
+        out = probe(self.system, at) @ vectors(self.q)
         if depth := self._depth(z):
             out = out + depth * (normals(self.system, at, self.system.undeformed) + self._tilts(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
@@ -288,9 +289,9 @@ class Solution:
             return 0.0
         heat = system.shell.thermal_energy(self.case)
         thin: Any = system.assembly
-        membrane = self._of_state(lambda q: thin.membrane_strains(system.shell.nodal(q)))
+        rest = self._of_state(lambda q: thin.membrane_rest(system.shell.nodal(q)))
         energy = self.strain_energy
-        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(membrane) / energy)
+        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).
@@ -376,10 +377,6 @@ class Solution:
         if where is None:
             return np.asarray(system.layout.positions(support).sum(axis=0))
         return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
-
-    def _vectors(self, q: np.ndarray) -> np.ndarray:
-        """Those of the nodes one after another, (4 n_nodes, 3)."""
-        return self.system.shell.nodal(q).reshape(-1, 3)
 
     def _others_force(self) -> np.ndarray:
         """Forces of the structure's terms but for the shell; to first order in a linear answer."""

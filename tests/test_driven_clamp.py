@@ -86,7 +86,8 @@ def test_one_or_the_other(theory):
     edge = turning.geometry.nodes_on("left")
     both = moved(turning, 0.8, edge)
     both[:, 0] -= shift(0.8)
-    assert np.allclose((turning.undeformed + turning.prescribed(sk.Case(time=0.8))).reshape(-1, 4, 3)[edge], both, rtol=0, atol=1e-14)
+    found = (turning.undeformed + turning.prescribed(sk.Case(time=0.8))).reshape(-1, 4, 3)[edge]
+    assert np.allclose(found, both, rtol=0, atol=1e-14)
     change = moving.prescribed(sk.Case(time=0.8)).reshape(-1, 4, 3)[edge]
     assert np.allclose(change[:, 0], shift(0.8), rtol=1e-14) and not change[:, 1:].any()
 

@@ -16,8 +16,9 @@ theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 class Quadratic(Term):
     """The energy of springs between blocks, with a constant matrix, and masses of blocks."""
 
-    def __init__(self, layout, cells, matrix, mass=0.0, masses=()):
+    def __init__(self, layout, cells, matrix, mass=0.0, masses=(), weights=None):
         self.layout, self.cells, self.matrix = layout, cells, matrix
+        self.weights = np.ones(len(cells)) if weights is None else weights
         self.mass, self.masses = mass, np.asarray(masses, int)
         self.undeformed = layout.undeformed.ravel()
 
@@ -29,16 +30,16 @@ class Quadratic(Term):
 
     def force(self, q, v, case):
         out = np.zeros((self.layout.n_blocks, 12))
-        np.add.at(out, self.cells, (self._blocks(q) @ self.matrix).reshape(*self.cells.shape, 12))
+        np.add.at(out, self.cells, (self.weights[:, None] * self._blocks(q) @ self.matrix).reshape(*self.cells.shape, 12))
         return out.ravel()
 
     def energy(self, q, case):
         u = self._blocks(q)
-        return 0.5 * float(np.vdot(u, u @ self.matrix))
+        return 0.5 * float(np.vdot(u, self.weights[:, None] * u @ self.matrix))
 
     def add_tangent(self, q, v, case, blocks):
         if not blocks.skew:
-            blocks.add(self.cells, np.repeat(self.matrix[None], len(self.cells), axis=0))
+            blocks.add(self.cells, self.weights[:, None, None] * self.matrix)
 
     def add_mass(self, blocks):
         if self.mass:
@@ -51,6 +52,10 @@ def between(k):
     for i in range(3):
         out[np.ix_([i, 12 + i], [i, 12 + i])] = k * np.array([[1.0, -1.0], [-1.0, 1.0]])
     return out
+
+
+def area_of_nodes(geometry, areas):
+    return np.bincount(geometry.nodes.ravel(), np.repeat(areas.sum(axis=1) / 4, 4), minlength=geometry.n_nodes)
 
 
 class Body(Addition):
@@ -75,8 +80,8 @@ class Body(Addition):
 class Second(Addition):
     """A second block at every node, between springs to the node and to the ground: together one spring to the ground."""
 
-    def __init__(self, one=30.0, other=60.0):
-        self.one, self.other = one, other
+    def __init__(self, one=30.0, other=60.0, mass=0.0):
+        self.one, self.other, self.mass = one, other, mass
 
     def part(self, geometry):
         held = np.ones((geometry.n_nodes, 12), bool)
@@ -89,7 +94,8 @@ class Second(Addition):
         cells = np.column_stack([np.arange(n), layout.part("second").start + np.arange(n)])
         matrix = between(self.one)
         matrix[12:15, 12:15] += self.other * np.eye(3)
-        return Quadratic(layout, cells, matrix)
+        weights = area_of_nodes(shell.geometry, shell.assembly.areas)
+        return Quadratic(layout, cells, matrix, self.mass, cells[:, 1], weights)
 
 
 def problem(terms=(), loads=None, supports=None, **more):
@@ -109,7 +115,8 @@ def spring_at_nodes(k):
         def on(self, shell, layout):
             matrix = np.zeros((12, 12))
             matrix[:3, :3] = k * np.eye(3)
-            return Quadratic(layout, np.arange(shell.geometry.n_nodes)[:, None], matrix)
+            weights = area_of_nodes(shell.geometry, shell.assembly.areas)
+            return Quadratic(layout, np.arange(shell.geometry.n_nodes)[:, None], matrix, weights=weights)
 
     return Springs()
 
@@ -147,3 +154,85 @@ def test_modes_and_buckling_of_springs_in_a_row(theory, own, same):
     a, b = (sk.buckling(on(theory=theory, **each, **load), 1).load_factors[0] for each in (own, same))
     assert np.isclose(a, b, rtol=1e-6)
     assert not np.isclose(a, sk.buckling(on(theory=theory, **load), 1).load_factors[0], rtol=1e-2), "the springs count"
+
+
+@theories
+@pytest.mark.parametrize("rule", [sk.EnergyMomentum(rho_inf=1.0), sk.GeneralizedAlpha(0.8)])
+def test_motions_of_springs_in_a_row(theory, rule):
+    """The second block has hardly any inertia, so that it follows, and the ledger has the same energies."""
+    one, other = (on([term], n=2, theory=theory) for term in (Second(mass=1e-6), spring_at_nodes(20.0)))
+    a, b = (sk.simulate(s, 0.2, dt=0.01, rule=rule, newton_rtol=1e-10, balance=None, progress=False) for s in (one, other))
+    assert a.ok and b.ok
+    assert np.allclose(a.displacement(TIP), b.displacement(TIP), rtol=0, atol=1e-5 * np.abs(b.displacement(TIP)).max())
+    for name in ("kinetic", "strain", "work"):
+        scale = b.ledger.strain.max()
+        assert np.allclose(getattr(a.ledger, name), getattr(b.ledger, name), atol=1e-4 * scale), name
+
+
+def test_unknowns_without_inertia_are_named_in_motion():
+    with pytest.raises(sk.InputError, match=r"part 'second' has unknowns without inertia.*add_mass"):
+        sk.simulate(on([Second()], n=1), 0.1, progress=False)
+
+
+def test_a_free_plate_and_a_body_keep_their_momenta_and_energy():
+    """Nothing acts from outside; the spring is quadratic, so that the force in the middle does its work exactly."""
+    system = on([Body(at=(1.0, 1.0))], n=2, supports=[], loads=[])
+    v = np.zeros_like(system.layout.undeformed)
+    v[-1, 0] = [0.3, -0.2, 1.0]
+    motion = sk.simulate(system, 0.3, dt=0.01, rule=sk.EnergyMomentum(rho_inf=1.0), velocity=v.ravel(), progress=False)
+    ledger = motion.ledger
+    assert motion.ok and ledger.kinetic[0] == pytest.approx(0.5 * MASS * (0.3**2 + 0.2**2 + 1.0))
+    assert ledger.linear[0] == pytest.approx(MASS * np.array([0.3, -0.2, 1.0]))
+    assert ledger.strain.max() > 0.1 * ledger.kinetic[0], "the spring takes part"
+    assert np.abs(ledger.energy - ledger.energy[0]).max() < 1e-6 * ledger.energy[0]
+    # The spring pulls on centres at a distance, so that it has no moment about the middle.
+    assert np.abs(ledger.linear - ledger.linear[0]).max() < 1e-9 * MASS
+    assert np.abs(ledger.angular - ledger.angular[0]).max() < 1e-9 * MASS
+    moved = list(motion.states)[-1].change.reshape(-1, 12)[-1, :3]
+    assert np.linalg.norm(moved) > 0.05, "the body moves"
+
+
+@pytest.mark.parametrize("own, same", SAME)
+def test_adapt_with_unknowns_of_its_own(own, same):
+    """Meshes change, the body stays: the same number with an error bar that holds it."""
+    results = [sk.adapt(problem(**each), sk.Displacement(TIP, (0, 0, 1)), rtol=1e-3, linear=True, progress=False)
+               for each in (own, same)]  # fmt: skip
+    (a, b) = results
+    assert a.ok and b.ok and len(a.levels) == len(b.levels)
+    assert np.isclose(a.value, b.value, rtol=1e-6) and np.isclose(a.error_bar, b.error_bar, rtol=1e-3)
+    mesh = sk.meshes.quadtree(sk.meshes.uniform(PLATE, 1, 1), PLATE)
+    a, b = (sk.adapt(problem(**each), sk.Displacement(TIP, (0, 0, 1)), rtol=2e-2, mesh=mesh, progress=False)
+            for each in (own, same))  # fmt: skip
+    assert len(a.levels) == len(b.levels) > 1 and a.status is b.status
+    assert np.isclose(a.value, b.value, rtol=1e-6) and np.isclose(a.error_bar, b.error_bar, rtol=1e-2)
+
+
+def test_what_layouts_refuse():
+    part = Second().part(on(n=1).geometry)
+    with pytest.raises(sk.InputError, match="two parts have the name 'second'"):
+        Layout([part, part])
+    with pytest.raises(sk.InputError, match="part 'arm': the layout has 'second'"):
+        Layout([part]).part("arm")
+    with pytest.raises(sk.InputError, match="a vector of 3 nodal coordinates; this system has 48"):
+        Layout([part]).nodal(np.zeros(3))
+    with pytest.raises(sk.InputError, match=r"scales of part 'a'.*greater than zero"):
+        Part("a", np.zeros((1, 4, 3)), np.zeros((1, 12)), np.zeros((1, 3)))
+    with pytest.raises(sk.InputError, match=r"undeformed of part 'a', of shape \(1, 3\)"):
+        Part("a", np.zeros((1, 3)), np.ones((1, 12)), np.zeros((1, 3)))
+
+
+class Wrong(Addition):
+    def __init__(self, cells, matrix):
+        self.cells, self.matrix = np.asarray(cells), matrix
+
+    def on(self, shell, layout):
+        return Quadratic(layout, self.cells, self.matrix)
+
+
+def test_what_couples_blocks_that_are_not_there_is_named():
+    with pytest.raises(sk.InputError, match="cells name the nodes 0 to 40, the mesh has 0 to 3"):
+        on([Wrong([[0, 40]], between(1.0))], n=1)
+    with pytest.raises(sk.InputError, match=r"matrices of shape \(1, 12, 12\) for cells of shape \(1, 2\): give"):
+        sk.solve_linear(on([Wrong([[0, 1]], np.eye(12))], n=1))
+    with pytest.raises(sk.InputError, match=r"terms: .* is none"):
+        problem([3.0])

@@ -121,6 +121,7 @@ def simulate(
         follow.check(system)
     doubled = _doubled(control, follow) if check else None
     warn_if_mass_is_off(system)
+    _require_mass(system)
     begin = 0.0 if start is None or start.time is None else start.time
     system.check_histories(begin, begin + t_end)
     times = output_times(outputs, begin, begin + t_end, system.n_dofs)
@@ -246,6 +247,17 @@ def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:
     if not isinstance(rule, Rule):
         raise InputError(f"rule = {shown(rule)}: give a rule of integration, for example GeneralizedAlpha(0.8)")
     return rule
+
+
+def _require_mass(system: System) -> None:
+    """InputError where an unknown that is free has no inertia; of the shell all have."""
+    layout, free = system.layout, ~system.constraints.fixed
+    none = free & (layout.blocks(system.mass.diagonal()) <= 0)
+    own = none[system.geometry.n_nodes :]
+    if own.any():
+        name = layout.name_of(system.geometry.n_nodes + int(np.argmax(own.any(axis=1))))
+        raise InputError(f"part {name!r} has unknowns without inertia, which do not move by an equation of motion: let its "
+                         "term add a mass (add_mass), or hold them (held)")  # fmt: skip
 
 
 def output_times(

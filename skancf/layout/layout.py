@@ -175,6 +175,11 @@ def _joined(arrays: Sequence[np.ndarray | None]) -> np.ndarray:
     return np.asarray(arrays[0] if len(arrays) == 1 else np.concatenate([np.asarray(a) for a in arrays]))
 
 
+def vectors(q: np.ndarray) -> np.ndarray:
+    """Vectors of unknowns one after another, (n, 3), a view."""
+    return np.reshape(q, (-1, AXES))
+
+
 def nodal(q: np.ndarray) -> np.ndarray:
     """Vectors (n, 4, 3) of unknowns (12 n,) of blocks, a view."""
     return np.reshape(q, (-1, VECTORS, AXES))

@@ -106,7 +106,7 @@ def measure(n: int, largest: int, meter: Meter) -> dict[str, Any]:
     force = system.external_force(bent)
     meter.take("residual", lambda: system.internal_force(bent))
     stresses = meter.take("stresses", lambda: system.stresses(bent, bent - system.undeformed))
-    matrix = meter.take("tangent", lambda: system.tangent(bent, stresses))
+    matrix = meter.take("tangent", lambda: system.tangent(bent, stresses=stresses))
     solver = meter.take("symbolic", lambda: DirectSolver(system.pattern, system.constraints), runs=1)
     meter.take("factor", lambda: solver.factor(matrix))
     meter.take("solve", lambda: solver.solve(force))

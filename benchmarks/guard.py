@@ -229,7 +229,7 @@ def kernel(method: str, theory: str) -> Ratio:
     system = on(plate(), 12, 12, theory)
     q = system.undeformed + 1e-4 * np.random.default_rng(0).standard_normal(system.n_dofs)
     if method == "tangent":
-        return Ratio(partial(system.tangent, q, system.stresses(q)), compiled())
+        return Ratio(partial(system.tangent, q, stresses=system.stresses(q)), compiled())
     return Ratio(partial(repeated, 4, getattr(system, method), q), compiled())
 
 

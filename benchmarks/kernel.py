@@ -116,10 +116,10 @@ def main() -> None:
                 start = time.perf_counter()
                 system.internal_force(q)
                 stresses = system.stresses(q)
-                matrix = system.tangent(q, stresses)
+                matrix = system.tangent(q, stresses=stresses)
                 print(f"{name:<13}first call {time.perf_counter() - start:.2f} s (compiles, or loads what was compiled)")
             stresses = system.stresses(q)
-            matrix = system.tangent(q, stresses)
+            matrix = system.tangent(q, stresses=stresses)
             figures = [
                 1e6 / count * best(call, clock)
                 for call in (

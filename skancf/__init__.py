@@ -56,7 +56,7 @@ from skancf.dynamics import (
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
-from skancf.history import Path, Pulse, Ramp, Table
+from skancf.history import Case, Path, Pulse, Ramp, Table
 from skancf.loads import (
     DiskForce,
     EdgeImpulse,
@@ -134,6 +134,7 @@ __all__ = [
     "BucklingLoad",
     "BucklingResult",
     "Carried",
+    "Case",
     "Change",
     "Check",
     "Checkpoint",

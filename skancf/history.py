@@ -1,6 +1,6 @@
 """Functions of time that multiply loads and prescribed displacements, and paths of loads that move."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite, pi, sin
@@ -42,6 +42,41 @@ def amplitude(history: History | None, time: float | None) -> float:
     except InputError as wrong:
         raise InputError(f"history at t = {time} is {shown(value)}; a function of time must give one finite number over the "
                          "whole run") from wrong  # fmt: skip
+
+
+def knots_of(histories: Iterable[Any]) -> list[float]:
+    """Times, ascending, at which functions of time begin, end or bend, by their attribute ``knots`` (s)."""
+    return sorted({float(t) for history in histories for t in getattr(history, "knots", ())})
+
+
+@dataclass(frozen=True)
+class Case:
+    """When, and under how much of the loads, a system is asked.
+
+    Attributes
+    ----------
+    factor : float
+        Of all loads and prescribed motions.
+    time : float or None
+        In seconds. Statics has none: there every history counts with its full amplitude.
+    """
+
+    factor: float = 1.0
+    time: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in (("factor", self.factor), ("time", self.time)):
+            # Solvers make one for each evaluation, of numbers of their own.
+            if not (type(value) is float and isfinite(value)) and (value is not None or name == "factor"):
+                object.__setattr__(self, name, number(name, value))
+
+    def amplitude(self, history: History | None) -> float:
+        """What a load with this history is multiplied by: its value at the time, see :func:`amplitude`, and the factor."""
+        return self.factor * amplitude(history, self.time)
+
+
+FULL = Case()
+"""Statics under the whole load."""
 
 
 def _moment(time: Any) -> float:

@@ -48,22 +48,21 @@ def require_much(needed: int, subject: str, what: str, way_out: str = WAY_OUT) -
         require(needed, subject, what, way_out)
 
 
-MESH, SYSTEM = 400, {"kirchhoff": 9200, "full": 12_500}
-"""Bytes for each element of a mesh, and of a system on it by theory; measured on equal elements, the least there are."""
-SHAPE = {"kirchhoff": 13_000, "full": 330_000}
-"""Bytes that an undeformed element of another shape than those before takes more while a system is set up; measured."""
+MESH, SYSTEM = 400, 9_200
+"""Bytes for each element of a mesh, and of a system on it in the theory that takes least; measured on equal elements, the
+least there are."""
 
 
-def require_mesh(n_elements: int, each: int = SYSTEM["kirchhoff"]) -> None:
+def require_mesh(n_elements: int, each: int = SYSTEM) -> None:
     """Refuse a mesh of so many elements on which no system would fit; :data:`MESH` of bytes each where some are cut out."""
     many = f"{n_elements}" if n_elements < 10**12 else f"{min(n_elements, 10**300):.3g}"
     require_much(each * n_elements, f"{many} elements", "a mesh" if each == MESH else "a mesh with a system on it")
 
 
-def require_shapes(n_shapes: int, theory: str) -> None:
-    """Refuse a mesh of so many elements of different shapes whose laws would not fit into memory."""
+def require_shapes(n_shapes: int, each: int, theory: str) -> None:
+    """Refuse a mesh of so many elements of different shapes whose laws, of ``each`` bytes, would not fit into memory."""
     require_much(
-        SHAPE[theory] * n_shapes, f"{n_shapes} elements of different shapes", f"the set-up of theory '{theory}'",
+        each * n_shapes, f"{n_shapes} elements of different shapes", f"the set-up of theory '{theory}'",
         f"take equal elements (sk.meshes.uniform, or a quadtree of it), which share what they need; {WAY_OUT}",
     )  # fmt: skip
 

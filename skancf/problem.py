@@ -3,30 +3,26 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import skfem
 
-from skancf.arguments import MESH, having, instance, plain
+from skancf.arguments import MESH, instance, plain
 from skancf.errors import InputError, positive, shown, warn
-from skancf.functions import Noted, is_ours
-from skancf.layout.constrain import constrain
 from skancf.layout.geometry import Geometry
 from skancf.loads import Load
-from skancf.loads.acting import Acting
 from skancf.materials import Damping, Laminate, Law, Section, section_of
-from skancf.materials.shear import warn_if_layers_bend_alone
-from skancf.memory import SYSTEM, require_mesh
+from skancf.memory import require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.surfaces.asked import require_surface, require_vectors
-from skancf.system.system import System, assemble
-from skancf.terms.protocols import Assembly
+from skancf.system.build import build
+from skancf.system.system import System
+from skancf.terms import Addition
 from skancf.theories import Full, Kirchhoff, Theory, theory_named
-from skancf.thinness import Choice, choose, warn_if_full_is_off
+from skancf.thinness import Choice, choose
 
 
 @dataclass(frozen=True)
@@ -44,6 +40,8 @@ class Problem:
     supports, loads : sequences
     damping : Damping, optional
         Of the material and of the mass, in dynamics; without it there is none.
+    terms : sequence of Addition, optional
+        Energies, forces and bodies of your own, see :class:`~skancf.terms.Addition`.
 
     Raises
     ------
@@ -68,12 +66,13 @@ class Problem:
     supports: Sequence[Support] = field(default_factory=tuple)
     loads: Sequence[Load] = field(default_factory=tuple)
     damping: Damping | None = None
+    terms: Sequence[Addition] = field(default_factory=tuple)
 
     def __post_init__(self) -> None:
         plain(self)
         require_surface(self.surface)
         _ = self.section  # what is wrong with it is told here, not where it is first used
-        for name, method in (("supports", "rows"), ("loads", "on")):
+        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "on")):
             items = getattr(self, name)
             if not isinstance(items, Sequence) or isinstance(items, str | bytes):
                 raise InputError(f"{name}: give a list, as in {name}=[...], not {shown(items)}")
@@ -135,46 +134,19 @@ class Problem:
             choice = Choice("full", float("nan"), f"theory 'full': {unfit}")
         else:
             choice = choose(thin, tolerance)
-        system = thin if choice.theory == "kirchhoff" else self._on(mesh, Full())
+        system = thin if choice.share <= tolerance else self._on(mesh, Full())
         system.choice = choice
         return system
 
     def _on(self, mesh: skfem.MeshQuad, theory: Theory) -> System:
-        require_mesh(mesh.nelements, SYSTEM[theory.name])
-        if not theory.twist:
-            warn_if_full_is_off(self.section)
-        else:
+        require_mesh(mesh.nelements, theory.bytes_per_element)
+        if theory.continuity:
             mesh = onto_lines(mesh)
         require_vectors(self.surface, mesh.p[:, mesh.t].mean(axis=1))
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)
-        if not theory.twist:
-            warn_if_layers_bend_alone(self.section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
-        assembly = assemble(geometry, self.section)
-        constraints, prescription = constrain(assembly.geometry, self.supports)
-        loads = [_acting(load, assembly) for load in self.loads]
-        elastic, dashpots = (_matrices(name, self.supports, assembly) for name in ("springs", "dashpots"))
-        return System(assembly, constraints, prescription, loads, elastic, dashpots, problem=self)
-
-
-def _acting(load: Load, assembly: Assembly) -> Any:
-    """What a load is on a mesh; checked where the load is none of this library's."""
-    if is_ours(load):
-        return load.on(assembly)
-    with Noted("load.on"):
-        acting = load.on(assembly)
-    having(f"load.on of {shown(load)}", acting, [name for name in vars(Acting) if not name.startswith("_")],
-           "what acts on the mesh, of a class that is derived from skancf.loads.acting.Acting")  # fmt: skip
-    return acting
-
-
-def _matrices(name: str, supports: Sequence[Any], assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Elements and matrices of springs or dashpots of all supports."""
-    out = []
-    for support in supports:
-        with Noted(f"support.{name}", but=(Exception,) * is_ours(support)):
-            out += [(np.asarray(elements), np.asarray(each)) for elements, each in getattr(support, name)(assembly)]
-    return out
+        theory.warn_of(self.section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
+        return build(self, geometry)
 
 
 SMALLEST_EXTENT, LARGEST_EXTENT = 1e-25, 1e12

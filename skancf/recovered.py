@@ -11,18 +11,20 @@ line or about a point where moments may jump or have no limit: supports and load
 ends of supported edges.
 """
 
-from typing import Any, cast
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from skancf.errors import InputError, finite
+from skancf.history import FULL, Case
 from skancf.layout.geometry import Geometry
 from skancf.layout.patches import STENCIL, Cuts, Patches
 from skancf.layout.places import NONE
+from skancf.layout.singularities import Singularity, nodes_at
 from skancf.materials import Section
+from skancf.system.regularity import singularities
 from skancf.system.system import System
-from skancf.terms.shells.full import BENDING, FullAssembly
+from skancf.terms.shells.full import BENDING
 
 IN_PLANE = [0, 1, 5]
 ON = 1e-8
@@ -40,11 +42,11 @@ def patches_of(system: System) -> Patches:
 
 
 def section_forces(
-    system: System, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
+    system: System, q: np.ndarray, points: np.ndarray, case: Case = FULL
 ) -> np.ndarray:
     """N and M (n_elements, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
-    raw = system.section_forces(q, points, factor, time)
-    if isinstance(system.assembly, FullAssembly):
+    raw = system.shell.section_forces(q, points, case)
+    if system.assembly.recovers_bending:
         forces, moments = np.split(_excess(system, q, points), 2, axis=1)
         raw[:, 3:] += moments - np.einsum("ji,eip->ejp", _coupled(system.problem.section)[1], forces)
     return raw
@@ -52,10 +54,10 @@ def section_forces(
 
 def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
     """What recovery adds to the strains at a depth, (n_elements, n, 6); zero in theory `kirchhoff`."""
-    assembly = system.assembly
-    if not isinstance(assembly, FullAssembly):
+    assembly: Any = system.assembly
+    if not assembly.recovers_bending:
         return np.zeros((system.geometry.n_elements, points.shape[1], 6))
-    nodal = q.reshape(-1, 4, 3)
+    nodal = system.shell.nodal(q)
     said = assembly.bending_strains(nodal, system.geometry.inside(STENCIL), z).swapaxes(1, 2)
     out = patches_of(system).values(said, points).swapaxes(1, 2) - assembly.bending_strains(nodal, points, z)
     forces = _excess(system, q, points)[:, :3]
@@ -65,21 +67,23 @@ def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -
 
 def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Derivative (n_dofs,) of weights (6,) times the recovered section forces at a local point (2, 1) of an element."""
-    assembly, nodal, here = system.assembly, q.reshape(-1, 4, 3), np.array([element])
+    assembly: Any = system.assembly
+    nodal, here = system.shell.nodal(q), np.array([element])
     out = assembly.section_force_gradient(nodal, here, point, weights.reshape(1, 6, 1))
-    if isinstance(assembly, FullAssembly):
+    if assembly.recovers_bending:
         coupled = _coupled(system.problem.section)[1]
         changed = np.concatenate([-coupled.T @ weights[3:], weights[3:]]).reshape(1, 6, 1)
         members, said = Patches.about(system.geometry, cuts(system), here).transposed(point, changed)
         stencil = system.geometry.inside(STENCIL)
         out = out + assembly.section_force_gradient(nodal, members, stencil, said, BENDING)
         out = out - assembly.section_force_gradient(nodal, here, point, changed, BENDING)
-    return np.asarray(out).ravel()
+    return system.shell.flat(np.asarray(out))
 
 
 def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Polynomials of what slopes of the director make of the section forces, less that itself: (n_elements, 6, n)."""
-    assembly, nodal = cast(FullAssembly, system.assembly), q.reshape(-1, 4, 3)
+    assembly: Any = system.assembly
+    nodal = system.shell.nodal(q)
     said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
     return np.asarray(patches_of(system).values(said, points) - assembly.bending_forces(nodal, points))
 
@@ -97,27 +101,27 @@ def cuts(system: System) -> Cuts:
     geometry, mesh = system.geometry, system.mesh
     broken, node_of = np.zeros(mesh.facets.shape[1], dtype=bool), geometry.ties.node_of
     ends = np.isin(node_of, list(reentrant_corners(geometry)))
-    for support in system.problem.supports:
-        if hasattr(support, "where"):
-            lines, points = _of_support(geometry, support.where)
+    for each in singularities(system):
+        if each.moves:
+            continue
+        if each.holds:
+            lines, points = _of_support(geometry, each)
             broken |= lines
             ends |= points
-    for load in system.problem.loads:
-        if hasattr(load, "start") and not callable(load.start):
-            broken |= _along(geometry, finite("start", load.start), finite("end", load.end))
-        if hasattr(load, "at") and not callable(load.at) and not hasattr(load, "radius"):
-            ends |= _near(geometry, finite("at", load.at) - mesh.p.T)
+        elif each.line is not None:
+            broken |= _along(geometry, *each.line.T)
+        for point in () if each.holds else each.alone.T:
+            ends |= _near(geometry, point - mesh.p.T)
     return Cuts(np.flatnonzero(broken | ends[mesh.facets].any(axis=0)), np.flatnonzero(ends))
 
 
-def _of_support(geometry: Geometry, where: Any) -> tuple[np.ndarray, np.ndarray]:
+def _of_support(geometry: Geometry, support: Singularity) -> tuple[np.ndarray, np.ndarray]:
     """Facets (n_facets,) between held nodes, unless all about them is held, and nodes (n_mesh_nodes,) that are held alone or
     at an end of held edges."""
     mesh, node_of = geometry.mesh, geometry.ties.node_of
-    try:
-        nodes, facets = geometry.points_and_facets(where)
-    except InputError:
-        return np.zeros(mesh.facets.shape[1], dtype=bool), np.zeros(len(node_of), dtype=bool)
+    facets = support.facets
+    of_facets = geometry.ends(facets).ravel()
+    nodes = np.union1d(nodes_at(geometry, support.points), of_facets[of_facets >= 0])
     # A hanging node is held where the ends of its edge are.
     held = np.isin(node_of, nodes)
     held[geometry.hanging.nodes] = held[geometry.hanging.ends].all(axis=0)

@@ -10,6 +10,8 @@ import numpy as np
 from skancf.arguments import STATE, flag, instance, plain, system_like, text
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
+from skancf.history import Case
+from skancf.layout.layout import vectors
 from skancf.layout.patches import averaging_nodes
 from skancf.materials import Section
 from skancf.recovered import section_forces, strain_excess
@@ -81,6 +83,11 @@ class Solution:
             object.__setattr__(self, "small", small if np.array_equal(self.system.undeformed + small, self.q) else None)
 
     @property
+    def case(self) -> Case:
+        """The load factor and the time."""
+        return Case(self.load_factor, self.time)
+
+    @property
     def change(self) -> np.ndarray:
         """Nodal coordinates less the undeformed ones, (n_dofs,): of a small-deflection answer with all digits it has."""
         return self.q - self.system.undeformed if self.small is None else self.small
@@ -88,19 +95,19 @@ class Solution:
     @property
     def displacements(self) -> np.ndarray:
         """Displacements of the nodes of the mesh, (3, n_mesh_nodes) (m)."""
-        change = self.change.reshape(-1, 4, 3)
+        change = self.system.shell.nodal(self.change)
         return np.asarray(self.system.geometry.at_mesh_nodes(change)[:, 0].T)
 
     def displacement(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ self.change.reshape(-1, 3)
+        out = probe(self.system, at) @ vectors(self.change)
         if depth := self._depth(z):
             out = out + depth * self._tilts(at)
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def position(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ self.q.reshape(-1, 3)
+        out = probe(self.system, at) @ vectors(self.q)
         if depth := self._depth(z):
             out = out + depth * (normals(self.system, at, self.system.undeformed) + self._tilts(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
@@ -144,7 +151,7 @@ class Solution:
         assembly, inside = self.system.assembly, self._inside(points)
         depth = self._chosen(z, points)
         heat = self._heat(inside)
-        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, depth, heat))
+        return self._of_state(lambda q: assembly.strains(self.system.shell.nodal(q), inside, depth, heat))
 
     def stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
@@ -184,14 +191,11 @@ class Solution:
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
         heat = self._heat(points)
-        section = self.system.problem.section
-        free = section.thermal_strain if self.system.geometry.theory.twist else section.thermal_strain_of_one_director
-        return np.zeros(6) if heat is None else free(z, *heat)
+        return np.zeros(6) if heat is None else self.system.assembly.free_strain(z, *heat)
 
     def _heat(self, points: np.ndarray) -> np.ndarray | None:
         """Temperature change T0 and T1, (2, n_elements, n), or None."""
-        heat = self.system.temperature(points, self.time)
-        return None if heat is None else self.load_factor * heat
+        return self.system.shell.temperature(points, self.case)
 
     def section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         r"""Membrane forces and moments per length in the local frame at points of every element: (n_elements, 6, n).
@@ -207,7 +211,7 @@ class Solution:
             In the reference square. Default: the four corners.
         """
         inside = self._inside(CORNERS.T if points is None else points)
-        return self._of_state(lambda q: self.system.section_forces(q, inside, self.load_factor, self.time))
+        return self._of_state(lambda q: self.system.shell.section_forces(q, inside, self.case))
 
     def recovered_section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         """Section forces as :meth:`section_forces`, in theory `full` with better moments: (n_elements, 6, n).
@@ -216,7 +220,7 @@ class Solution:
         from polynomials through the middles; of one row of elements they tell no more across it than the row does.
         """
         inside = self._inside(CORNERS.T if points is None else points)
-        return self._of_state(lambda q: section_forces(self.system, q, inside, self.load_factor, self.time))
+        return self._of_state(lambda q: section_forces(self.system, q, inside, self.case))
 
     def recovered_strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
@@ -244,11 +248,11 @@ class Solution:
             :func:`skancf.thinness.shear_forces`.
         """
         inside = self._inside(np.array([[0.5], [0.5]]) if points is None else points)
-        system, factor, time = self.system, self.load_factor, self.time
-        if not system.geometry.theory.twist:
+        system, case = self.system, self.case
+        if system.geometry.theory.shear:
             raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
-        moments = self._of_state(lambda q: system.section_forces(q, BILINEAR[0], factor, time)[:, 3:])
-        return shear_forces(system, self.q, moments, inside, factor, time)
+        moments = self._of_state(lambda q: system.shell.section_forces(q, BILINEAR[0], case)[:, 3:])
+        return shear_forces(system, self.q, moments, inside, case)
 
     @property
     def shear_share(self) -> float:
@@ -258,7 +262,7 @@ class Solution:
 
     def shear_share_of(self, elements: np.ndarray | None) -> float:
         """What some elements, a mask (n_elements,), have in that; None: all."""
-        if not self.system.geometry.theory.twist:
+        if self.system.geometry.theory.shear:
             return 0.0
         form, fields = self.shear_fields()
         shares = form.shares(fields, fields)
@@ -266,13 +270,13 @@ class Solution:
             if not isinstance(elements, np.ndarray) or elements.shape != shares.shape or elements.dtype.kind not in "biuf":
                 raise InputError(f"elements = {shown(elements)}: give a mask of the {len(shares)} elements")
             shares = shares * elements
-        heat = self.load_factor**2 * self.system.thermal_energy(self.time)
+        heat = self.system.shell.thermal_energy(self.case)
         return share_of(float(shares.sum()), self.strain_energy, heat)
 
     def shear_fields(self) -> tuple[ShearForm, Fields]:
         """The form that says what leaving shear out changes, and this state's fields in it; for theory `kirchhoff`."""
-        form = ShearForm(self.system, self.time)
-        return form, form.of_state(self.q, self.change if self.linear else None, self.load_factor)
+        form = ShearForm(self.system, self.case)
+        return form, form.of_state(self.q, self.change if self.linear else None)
 
     @property
     def rest_share(self) -> float:
@@ -281,11 +285,11 @@ class Solution:
         Where it is large, motions of single elements that hardly cost energy rule the answer. Zero in theory `full`.
         """
         system = self.system
-        if not system.geometry.theory.twist:
+        if not system.assembly.assumes_membrane:
             return 0.0
-        heat = self.load_factor**2 * system.thermal_energy(self.time)
+        heat = system.shell.thermal_energy(self.case)
         thin: Any = system.assembly
-        membrane = self._of_state(lambda q: thin.membrane_strains(q.reshape(-1, 4, 3)))
+        membrane = self._of_state(lambda q: thin.membrane_strains(system.shell.nodal(q)))
         energy = self.strain_energy
         return 0.0 if energy <= FREE * heat else float(thin.rest_energy(membrane) / energy)
 
@@ -325,8 +329,8 @@ class Solution:
     def strain_energy(self) -> float:
         """Strain energy (J), that of the stress: free expansion has none."""
         if self.linear:
-            return self.system.linear_energy(self.change, self.load_factor, self.time)
-        return self.system.strain_energy(self.q, self.load_factor, self.time)
+            return self.system.linear_energy(self.change, self.case)
+        return self.system.strain_energy(self.q, self.case)
 
     @property
     def work(self) -> float:
@@ -337,7 +341,7 @@ class Solution:
         system, change = self.system, self.change
         if self.linear:
             return 0.5 * self.load_factor * float(system.applied_force(system.undeformed) @ change)
-        return self.load_factor * float(system.applied_force(self.q, self.time) @ change)
+        return float(system.applied_force(self.q, self.case) @ change)
 
     @property
     def kinetic_energy(self) -> float:
@@ -366,12 +370,21 @@ class Solution:
             start = system.undeformed
             residual = system.stiffness() @ self.change - self.load_factor * system.external_force(start)
         else:
-            residual = system.internal_force(self.q) - self.load_factor * system.external_force(self.q, self.time)
+            residual = system.internal_force(self.q) - system.external_force(self.q, self.case)
         support = system.constraints.fixed_part(residual)
-        if system.foundation is not None:
-            support = support - system.foundation @ self.change
-        forces = support.reshape(-1, 4, 3)[:, 0]
-        return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
+        if system.others:
+            support = support - self._others_force()
+        if where is None:
+            return np.asarray(system.layout.positions(support).sum(axis=0))
+        return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
+
+    def _others_force(self) -> np.ndarray:
+        """Forces of the structure's terms but for the shell; to first order in a linear answer."""
+        system = self.system
+        if not self.linear:
+            return system.others_force(self.q, None, self.case)
+        force = system.others_force(system.undeformed, None, self.case)
+        return force if system.foundation is None else force + system.foundation @ self.change
 
     def _depth(self, z: Depth) -> float:
         return depth_of(self.system.problem.section, z)
@@ -395,6 +408,6 @@ def require_same_mesh(system: System, start: Solution, name: str = "start") -> N
     instance(name, start, Solution, STATE)
     if start.system.mesh is not system.mesh:
         raise InputError(f"{name} belongs to another mesh; nodal coordinates have a meaning only on their own one")
-    if start.system.geometry.theory.name != system.geometry.theory.name:
+    if start.system.geometry.theory.nodal_vectors != system.geometry.theory.nodal_vectors:
         raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
                          f"than those of {system.geometry.theory.name!r}")

@@ -117,7 +117,7 @@ def forces():
     """Internal forces as text: the same bytes whether this process compiles or loads machine code."""
     system = system_on("kirchhoff", 3, CLAMP, [])
     q = system.undeformed + 1e-2 * np.cos(np.arange(system.n_dofs))
-    print(system.internal_force(q).tobytes().hex(), system.force_of(q, system.stresses(q)).tobytes().hex())
+    print(system.internal_force(q).tobytes().hex(), system.shell.force_of(q, system.stresses(q)).tobytes().hex())
 
 
 def serve():

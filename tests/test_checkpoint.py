@@ -2,7 +2,6 @@
 
 import errno
 import io
-import json
 import os
 import random
 import shutil
@@ -249,14 +248,10 @@ def test_another_version_is_refused_but_read(folder, monkeypatch):
 
 
 def rewritten(file, **changes):
-    """A file of the same arrays with others among them, or other words."""
+    """A file of the same arrays with others among them; None takes one away."""
     with np.load(file) as data:
-        all_ = {name: data[name] for name in data.files}
-    text = json.loads(str(all_["text"]))
-    for name in list(changes):
-        if name in text:
-            text[name] = changes.pop(name)
-    np.savez(file, **{**all_, "text": np.array(json.dumps(text)), **changes})
+        arrays = {name: data[name] for name in data.files} | changes
+    np.savez(file, **{name: array for name, array in arrays.items() if array is not None})
 
 
 class Trap:
@@ -268,7 +263,7 @@ class Trap:
 
 def trapped(file):
     stream = io.BytesIO()
-    np.savez(stream, text=np.array([Trap()], dtype=object))
+    np.savez(stream, format=np.array([Trap()], dtype=object))
     file.write_bytes(stream.getvalue())
 
 
@@ -290,9 +285,9 @@ def flipped(file):
     ("state.npz", trapped, "is damaged"),
     ("state.npz", lambda file: file.write_bytes(b""), "is damaged"),
     ("state.npz", lambda file: np.savez(file, a=np.zeros(3)), "is no part of a run"),
-    ("state.npz", lambda file: rewritten(file, format="skancf run 99"), "is 'skancf run 99', this version reads"),
-    ("state.npz", lambda file: rewritten(file, counts={"knots": 3, "systems": 1}), "does not fit its pieces"),
-    ("state.npz", lambda file: rewritten(file, numbers=np.zeros(3)), "is no state of a run"),
+    ("state.npz", lambda file: rewritten(file, format="skancf run 99"), "is skancf run 99; this version reads"),
+    ("state.npz", lambda file: rewritten(file, **{"counts.knots": 3}), "does not fit its pieces"),
+    ("state.npz", lambda file: rewritten(file, **{"run.now.q": np.zeros(3)}), "is no state of a run"),
     ("state.npz", Path.unlink, "'state.npz' is missing"),
     ("piece_000001.npz", Path.unlink, "is missing"),
     ("piece_000002.npz", truncated, "is damaged"),
@@ -405,10 +400,10 @@ def test_a_full_disk_ends_the_run_and_keeps_what_there_is(n, tmp_path, monkeypat
 def test_a_last_write_that_fails_does_not_lose_the_run(tmp_path, monkeypatch):
     known = run_files.RunFiles.write_state
 
-    def fail(self, name, text, state):
-        if text["status"] == "FINISHED":
+    def fail(self, name, state):
+        if state["status"] == "FINISHED":
             raise OSError(errno.EIO, os.strerror(errno.EIO))
-        known(self, name, text, state)
+        known(self, name, state)
 
     with monkeypatch.context() as patch:
         patch.setattr(run_files.RunFiles, "write_state", fail)
@@ -454,7 +449,7 @@ def test_read_without_running(folder, monkeypatch):
     whole = start(folder.with_name("whole"))
     monkeypatch.setattr("skancf.dynamics.run.Run.__init__", None)
     with np.load(folder / "state.npz") as state:
-        written = state["q"]
+        written = state["run.now.q"]
     cut = sk.read_motion(small()[0], folder)
     assert cut.status is Status.UNFINISHED and not cut.ok
     assert "until t = 0.02 s of 0.05 s" in cut.message

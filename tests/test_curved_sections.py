@@ -261,7 +261,7 @@ def test_a_ring_expands_freely(offset, theory):
         # Of E alpha T; what is left is of second order in the height over the radius.
         assert np.abs(solution.stresses(points, z)[..., [0, 1, 5]]).max() < 1e-3 * change
     assert np.abs(solution.section_forces(points)).max() < 1e-3 * change
-    assert abs(solution.strain_energy) < 1e-5 * system.thermal_energy()
+    assert abs(solution.strain_energy) < 1e-5 * system.shell.thermal_energy()
 
 
 @pytest.mark.parametrize("offset, tolerance", [(0.0, 0.005), (0.5, 0.05)])
@@ -288,7 +288,7 @@ def test_gradient_of_the_section_forces_on_a_curved_surface(theory, rng):
     weights = rng.normal(size=(2, 6, 2))
     q, eps = system.undeformed + 0.02 * rng.normal(size=system.n_dofs), 1e-6
     step = eps * rng.normal(size=system.n_dofs)
-    ahead, behind = (np.vdot(weights, system.section_forces(q + sign * step, points)) for sign in (1, -1))
+    ahead, behind = (np.vdot(weights, system.shell.section_forces(q + sign * step, points)) for sign in (1, -1))
     gradient = system.assembly.section_force_gradient(q.reshape(-1, 4, 3), elements, points, weights)
     assert (ahead - behind) / 2 == pytest.approx(gradient.ravel() @ step, rel=1e-6)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.theories import kirchhoff_point as point
+from skancf.theories.kirchhoff import point
 
 # Sums of some hundred products, relative to the sum of their sizes.
 SUMS = 1e-12
@@ -113,7 +113,7 @@ def test_compiled_thin_forces_are_those_of_the_plain_twin(body, law, rng):
         one, two = two_states(system, rng, 0.05)
         two = one + amount * (two - one) / 0.05
         stresses = rng.normal(size=system.stresses(one).shape)
-        force = system.force_between(one, two, stresses)
+        force = system.shell.force_between(one, two, stresses)
         gradient = point.discrete_gradient(jet(one), jet(two))
         for u in rng.normal(size=(3, system.n_dofs)):
             terms = np.einsum("ekp,kviep,viep->ekp", stresses, gradient, jet(u))
@@ -131,7 +131,7 @@ def test_work_is_the_change_of_the_energy(theory, body, law, rng):
         two = one + amount * (two - one)
         mean = 0.5 * (system.stresses(one) + system.stresses(two))
         energies = [system.strain_energy(q) for q in (one, two)]
-        force = system.force_between(one, two, mean)
+        force = system.shell.force_between(one, two, mean)
         assert abs(force @ (two - one) - (energies[1] - energies[0])) < SUMS * max(energies)
     one, two = two_states(system, rng)
     change = system.strain_energy(two) - system.strain_energy(one)
@@ -143,7 +143,7 @@ def test_work_is_the_change_of_the_energy(theory, body, law, rng):
 def test_no_force_and_no_moment_in_all(theory, body, rng):
     system = system_on(body, "laminate", theory)
     one, two = two_states(system, rng)
-    force = system.force_between(one, two, system.stresses(one)).reshape(-1, 4, 3)
+    force = system.shell.force_between(one, two, system.stresses(one)).reshape(-1, 4, 3)
     middle = 0.5 * (one + two).reshape(-1, 4, 3)
     assert np.abs(force[:, 0].sum(axis=0)).max() < SUMS * np.abs(force[:, 0]).sum()
     assert np.abs(np.cross(middle, force).sum(axis=(0, 1))).max() < SUMS * np.abs(np.cross(middle, force)).sum()

@@ -171,7 +171,7 @@ def rough(system, seed):
     rng = np.random.default_rng(seed)
     v = np.zeros((system.n_dofs // 12, 4, 3))
     v[:, 0], v[:, 1:3] = rng.standard_normal((len(v), 3)), 5 * rng.standard_normal((len(v), 2, 3))
-    if not system.geometry.theory.twist:
+    if system.geometry.theory.directors:
         v[:, 3] = 5 * rng.standard_normal((len(v), 3))
     return v.ravel() + sk.RigidVelocity((1.0, 2.0, 3.0), (3.0, -5.0, 4.0)).at(system.undeformed)
 

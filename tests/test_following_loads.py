@@ -67,9 +67,9 @@ def test_tangent_and_skew_part_are_the_derivative_of_the_force(load, surface, th
 def test_half_of_the_load_is_half_of_its_tangent(load, theory, rng):
     system = system_on(SURFACES["sector"], theory, [LOADS[load]("outer")])
     q = disturbed(system, rng)
-    none, half, whole = (system.tangent(q, factor=factor).values for factor in (0.0, 0.5, 1.0))
+    none, half, whole = (system.tangent(q, sk.Case(factor)).values for factor in (0.0, 0.5, 1.0))
     assert np.abs(half - (none + whole) / 2).max() < 1e-14 * np.abs(whole).max()
-    assert abs(system.skew(q, factor=0.5) - 0.5 * system.skew(q)).max() == 0
+    assert abs(system.skew(q, sk.Case(0.5)) - 0.5 * system.skew(q)).max() == 0
 
 
 @theories

@@ -98,17 +98,17 @@ def tangent_error(system, seed=0):
     columns = rng.integers(0, system.n_dofs, 40)
 
     def force(state):
-        return sum(load.force(state.reshape(-1, 4, 3), None).ravel() for load in system.loads)
+        return system.external_force(state)
 
     numeric = np.zeros((system.n_dofs, 40))
     for k, column in enumerate(columns):
         e = np.zeros(system.n_dofs)
         e[column] = eps
         numeric[:, k] = -(force(q + e) - force(q - e)) / (2 * eps)
-    out = np.zeros((system.pattern.n_blocks, 12, 12))
+    blocks = system.blocks()
     for load in system.loads:
-        load.add_stiffness(q.reshape(-1, 4, 3), None, 1.0, system._slots, out)
-    exact = type(system.stiffness())(system.pattern, out).to_scipy() + system.skew(q)
+        load.add_tangent(q, None, sk.Case(), blocks)
+    exact = blocks.matrix().to_scipy() + system.skew(q)
     exact = np.asarray(exact.todense())[:, columns]
     return np.abs(exact - numeric).max() / np.abs(exact).max()
 
@@ -191,7 +191,7 @@ def test_a_disk_is_round_where_the_parameters_bend():
     mesh, radius = sk.meshes.uniform(disc, 8, 16), 0.2
     centre = disc.position(np.array([0.3]), np.array([0.0]))[:, 0]
     system, _ = disk_at(disc, (0.3, 0.0), radius, mesh)
-    at = disc.position(*system.load_places()) - centre[:, None]
+    at = disc.position(*system.loads.places()) - centre[:, None]
     # Rings of equal area at their mean radius squared.
     assert np.allclose(at[:2] @ at[:2].T / at.shape[1], radius**2 / 4 * np.eye(2), atol=1e-9)
 
@@ -242,7 +242,7 @@ def test_a_load_on_an_inner_edge_is_that_on_the_line(name):
         loads = [sk.EdgeLoad("line", force), sk.LineLoad(start, end, force)]
         for theory in ("full", "kirchhoff"):
             system = on_plate([], loads, theory, mesh=mesh, surface=surface)
-            edge, line = (load.force(system.undeformed.reshape(-1, 4, 3), None) for load in system.loads)
+            edge, line = (load.force(system.undeformed, None, sk.Case()) for load in system.loads)
             assert np.abs(edge - line).max() < 1e-11 * np.abs(line).max(), (kind, theory)
         hanging += len(getattr(mesh, "hanging", []))
     assert hanging > 4

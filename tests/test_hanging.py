@@ -8,8 +8,8 @@ from problems import SURFACES
 
 import skancf as sk
 from skancf.errors import InputError
-from skancf.layout import hanging
 from skancf.meshes import quadtree, uniform
+from skancf.theories import theory_named
 
 MATERIAL = sk.Isotropic(1e6, 0.3, 2000.0)
 theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
@@ -96,16 +96,17 @@ def test_fields_fit_together(name, theory, seed, rng):
 @pytest.mark.parametrize("name", ["flat", "tube"])
 def test_wrong_weights_tear_the_field(name, theory, vector, field, rng, monkeypatch):
     """Each row of the weights is needed."""
-    right = hanging._weights
+    kind = type(theory_named(theory))
+    right = kind.hanging_weights
 
-    def wrong(way, along_x, twist):
-        out = right(way, along_x, twist)
+    def wrong(self, way, along_x):
+        out = right(self, way, along_x)
         rows = {"r": np.zeros_like(way, dtype=int), "along": np.where(along_x, 1, 2), "across": np.where(along_x, 2, 1),
                 "fourth": np.full(len(way), 3)}[vector]  # fmt: skip
         out[:, np.arange(len(way)), rows] *= 1.5
         return out
 
-    monkeypatch.setattr(hanging, "_weights", wrong)
+    monkeypatch.setattr(kind, "hanging_weights", wrong)
     system = system_on(name, theory)
     found = jumps(system, random_state(system, rng))
     assert found[field : field + 2].max() > 1e-3
@@ -140,7 +141,7 @@ def reproduced(system, i, j):
     x, y = system.geometry.points
     q = np.zeros((len(x), 4, 3))
     q[:, :, 0] = monomial(i, j, x, y).T
-    if not system.geometry.theory.twist:
+    if system.geometry.theory.directors:
         q[:, 3] = 0.0
     elements = np.repeat(np.arange(system.mesh.nelements), 5)
     low, high = box(system.mesh, elements)

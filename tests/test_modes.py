@@ -7,6 +7,7 @@ import pytest
 
 import skancf as sk
 from skancf.errors import InputError
+from skancf.history import FULL
 from skancf.linear import BlockMatrix, BlockPattern, Constraints
 from skancf.statics.modes import checked_count
 
@@ -254,7 +255,7 @@ def test_stiffness_of_the_loads_buckles_too():
         def prescribed(self, time=None):
             return np.zeros(2)
 
-        def external_force(self, q, time=None):
+        def external_force(self, q, case=None):
             return np.ones(2)
 
         def stresses(self, q, change=None):
@@ -263,8 +264,8 @@ def test_stiffness_of_the_loads_buckles_too():
         def stiffness(self):
             return BlockMatrix(self.pattern, 2 * np.eye(2)[None])
 
-        def tangent(self, q, stresses=None, time=None, factor=1.0):
-            return BlockMatrix(self.pattern, (2 * np.eye(2) - factor * np.diag([1.0, 0.5]))[None])
+        def tangent(self, q, case=FULL, stresses=None):
+            return BlockMatrix(self.pattern, (2 * np.eye(2) - case.factor * np.diag([1.0, 0.5]))[None])
 
     assert sk.buckling(Springs(), 2).load_factors == pytest.approx([2.0, 4.0], rel=1e-12)
 

@@ -51,14 +51,14 @@ def test_stiffness_of_eccentric_weight_is_the_derivative_of_its_force(mirrored, 
         mesh = type(mesh)(mesh.p, mesh.t[[0, 3, 2, 1]])
     free = sk.Problem(surface, material=laminate(offset, 1.0), loads=[sk.Gravity(tuple(acceleration))])
     system = free.on(mesh, "kirchhoff")
-    load, shape = system.loads[0], (-1, 4, 3)
+    (load,), shape = system.loads, (-1, 4, 3)
     q, eps = system.undeformed + 0.02 * rng.normal(size=system.n_dofs), 1e-6
     unit = eps * np.eye(system.n_dofs)
-    numeric = np.array([load.force((q - e).reshape(shape), None) - load.force((q + e).reshape(shape), None) for e in unit])
-    numeric = numeric.reshape(system.n_dofs, -1).T / (2 * eps)
-    out = np.zeros((system.pattern.n_blocks, 12, 12))
-    load.add_stiffness(q.reshape(shape), None, 1.0, system._slots, out)
-    stiffness = sk.linear.BlockMatrix(system.pattern, out).to_scipy().toarray()
+    numeric = np.array([load.force(q + e, None, sk.Case()) - load.force(q - e, None, sk.Case()) for e in unit])
+    numeric = numeric.T / (2 * eps)
+    blocks = system.blocks()
+    load.add_tangent(q, None, sk.Case(), blocks)
+    stiffness = blocks.matrix().to_scipy().toarray()
     # Rounding over the step, and its square.
     assert np.abs(stiffness - numeric).max() < 1e-7 * np.abs(stiffness).max()
     sections, theory = system.assembly.sections, system.geometry.theory

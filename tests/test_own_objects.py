@@ -101,7 +101,7 @@ class OwnLaw:
 
 class OwnLoad:
     def on(self, assembly: Any) -> Any:
-        return like(Acting, force=lambda s, q, time: np.ones_like(q))
+        return like(Acting, force=lambda s, q, case: np.ones_like(q))
 
 
 class OwnSupport(Support):

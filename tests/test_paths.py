@@ -33,10 +33,10 @@ class Springs:
     def stresses(self, q, change=None):
         return np.zeros(0)
 
-    def external_force(self, q, time=None):
+    def external_force(self, q, case=None):
         return np.eye(self.n)[-1]
 
-    def tangent(self, q, stresses=None, time=None, factor=1.0):
+    def tangent(self, q, case=None, stresses=None):
         return BlockMatrix(self.pattern, self.stiffness(q)[None])
 
 
@@ -145,7 +145,7 @@ def test_a_motion_without_stiffness_is_not_taken_for_converged():
             stiff, soft = turn @ q
             return turn.T @ np.array([stiff, 1e-6 * (soft - 1.0) ** 3])
 
-        def external_force(self, q, time=None):
+        def external_force(self, q, case=None):
             return turn.T @ np.array([1.0, 0.0])
 
         def stiffness(self, q):
@@ -607,7 +607,7 @@ def test_newton_uses_the_skew_part():
         def stiffness(self, q):
             return 2.0 * np.eye(2)
 
-        def external_force(self, q, time=None):
+        def external_force(self, q, case=None):
             return np.array([1.0 - self.k * q[1], self.k * q[0]])
 
         def skew(self, q, time, factor):

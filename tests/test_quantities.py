@@ -138,9 +138,9 @@ def test_a_gradient_without_skew_stiffness_or_heat_would_be_seen(rng):
     system, along = solution.system, bump(solution.system, rng, 0.1)
     reaction, energy = (quantities(SURFACES["curved"])[k] for k in ("reaction", "energy"))
     held_part = system.constraints.fixed_part(reaction._motion(system))
-    skew = system.skew(solution.q, None, 0.7) @ held_part
+    skew = system.skew(solution.q, sk.Case(0.7)) @ held_part
     assert abs(skew @ along) > 1e-5 * np.linalg.norm(reaction.gradient(solution) * along)
-    heat = 0.7 * system.held_back_force(solution.q)
+    heat = 0.7 * system.shell.held_back_force(solution.q, sk.Case())
     assert abs(heat @ along) > 1e-5 * np.linalg.norm(energy.gradient(solution) * along)
 
 

@@ -254,7 +254,7 @@ def test_forces_of_a_temperature_change_that_is_held_back_have_no_error():
     system = problem.on(uneven(), "kirchhoff")
     held = sk.Solution(system, system.undeformed)
     # Without expansion, forces that are linear in x, and known to the elements.
-    assert recovery(held).sum() < 1e-12 * system.thermal_energy()
+    assert recovery(held).sum() < 1e-12 * system.shell.thermal_energy()
     assert np.abs(held.section_forces()).max() > 1e-7
 
 

@@ -83,7 +83,7 @@ def test_a_bar_between_walls(theory):
         assert np.allclose(solution.reactions("right"), [expected * 0.1 * T, 0, 0], rtol=1e-9, atol=1e-9)
         assert np.allclose(solution.section_forces(INSIDE)[:, 0], expected * T, rtol=1e-9)
     q = system.undeformed
-    assert np.allclose(system.external_force(q, time=0.25), 0.25 * system.external_force(q), rtol=1e-14)
+    assert np.allclose(system.external_force(q, sk.Case(time=0.25)), 0.25 * system.external_force(q), rtol=1e-14)
 
 
 @theories
@@ -164,10 +164,10 @@ def test_tangent_is_the_derivative_of_the_residual(surface, theory, rng):
     unit = eps * np.eye(system.n_dofs)
     for factor in (1.0, 0.5):
         numeric = np.array([residual(q + e, factor) - residual(q - e, factor) for e in unit]).T / (2 * eps)
-        tangent = system.tangent(q, factor=factor).to_scipy().toarray()
+        tangent = system.tangent(q, sk.Case(factor)).to_scipy().toarray()
         # Rounding over the step, and eps^2.
         assert np.abs(tangent - numeric).max() < 1e-7 * np.abs(tangent).max()
-    cold = system.tangent(q, factor=0.0).to_scipy().toarray()
+    cold = system.tangent(q, sk.Case(0.0)).to_scipy().toarray()
     assert np.abs(cold - tangent).max() > 1e-3 * np.abs(tangent).max()
 
 
@@ -205,8 +205,8 @@ def test_energy_is_that_of_the_residual(theory, rng):
     system = system_on(theory, sk.SphereSector(1.0, (0.6, 1.4), 0.9), [], load, (2, 1), sk.Laminate(layers), None)
     q, eps = system.undeformed + 0.02 * rng.normal(size=system.n_dofs), 1e-6
     step = eps * rng.normal(size=system.n_dofs)
-    difference = system.strain_energy(q + step, 0.7, 0.6) - system.strain_energy(q - step, 0.7, 0.6)
-    residual = system.internal_force(q) - 0.7 * system.external_force(q, 0.6)
+    difference = system.strain_energy(q + step, sk.Case(0.7, 0.6)) - system.strain_energy(q - step, sk.Case(0.7, 0.6))
+    residual = system.internal_force(q) - system.external_force(q, sk.Case(0.7, 0.6))
     # Rounding over the step.
     assert np.isclose(difference / 2, residual @ step, rtol=1e-5)
 
@@ -260,7 +260,7 @@ def test_a_free_plate_with_a_gradient_has_no_stress_across():
     """Strain 33 of theory `full` is one through the thickness: if laws do not couple it, the mean of the free one."""
     load = sk.Temperature(0.0, 5000.0)
     solution = sk.solve_linear(system_on("full", PLATE, JUST_HELD, load))
-    held = solution.system.thermal_energy()
+    held = solution.system.shell.thermal_energy()
     assert abs(solution.strain_energy) < 1e-9 * held
     for z in ("top", "bottom"):
         assert np.abs(solution.stresses(INSIDE, z)).max() < 1e-9 * E * ALPHA * 5000.0 * T

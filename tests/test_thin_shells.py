@@ -10,7 +10,7 @@ from problems import hemisphere as hemisphere_problem
 from reference import cylinder
 
 import skancf as sk
-from skancf.theories import kirchhoff
+from skancf.theories.kirchhoff import theory as kirchhoff
 
 MESHES = (8, 16, 32)
 ROOF = cylinder.Cylinder(radius=25.0, length=50.0, thickness=0.25, young=4.32e8, poisson=0.0)

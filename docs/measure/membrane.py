@@ -22,7 +22,7 @@ import skancf as sk
 from skancf import output
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.terms.shells import kirchhoff_sections as sections
-from skancf.theories import kirchhoff
+from skancf.theories.kirchhoff import theory as kirchhoff
 from skancf.theories.kirchhoff.point import gradient
 
 HERE = Path(__file__).resolve().parent.parent

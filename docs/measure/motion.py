@@ -39,7 +39,7 @@ def struck(system: System, place: tuple[float, float], radius: float) -> np.ndar
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     bell = SPEED * np.exp(-(way**2).sum(axis=1) / radius**2)
     slopes = [-2 * (way * X[:, k]).sum(axis=1) / radius**2 for k in (1, 2)]
-    factors = [np.ones_like(bell), *slopes, slopes[0] * slopes[1] * geometry.theory.twist]
+    factors = [np.ones_like(bell), *slopes, slopes[0] * slopes[1] * (not geometry.theory.directors)]
     v = np.stack([(factor * bell)[:, None] * normal for factor in factors], axis=1)
     return system.constraints.free_part(v.ravel())
 
@@ -59,7 +59,7 @@ def rolled(mesh: MeshQuadTree, theory: str) -> sk.Solution:
     angle = pi * q[:, 0, 0]
     q[:, 0, 0], q[:, 0, 2] = np.sin(angle) / pi, (1 - np.cos(angle)) / pi
     q[:, 1] = np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=1)
-    if not system.geometry.theory.twist:
+    if system.geometry.theory.directors:
         q[:, 3] = np.stack([-np.sin(angle), 0 * angle, np.cos(angle)], axis=1)
     return sk.Solution(system, q.ravel(), np.zeros(system.n_dofs), 0.0)
 

@@ -20,14 +20,13 @@ from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.errors import SingularMatrix, vector
+from skancf.history import Case
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
 from skancf.statics.stopping import work
 from skancf.system.system import System
 
-SOFTEST = {True: 1e-3, False: 1e-5}
-r""":math:`\sigma` over the squared frequency of the residual, in theory `kirchhoff` and in `full`."""
 STEPS, ENOUGH = 3, 1e-2
 """Steps towards the internal forces, at most, and the excess of strain energy over the energy where they end."""
 NOTHING = 1e-12
@@ -131,7 +130,7 @@ def carried(
         factor, v = 1.0, None
         if state.velocity is not None:
             now = Momenta(system, q, passage.new_mass.solve)
-            before = now.rigid(state.q) @ (state.system.mass @ state.velocity)
+            before = now.rigid(state.system.layout, state.q) @ (state.system.mass @ state.velocity)
             v = now.corrected(passage.velocity(), before)
             if settle:
                 v, factor = now.slowed(v, passage.energy - passage.strain_energy(system, q))
@@ -170,10 +169,10 @@ class _Passage:
     def __init__(self, state: Solution, system: System, backend: str):
         self.state, self.old, self.new, self.backend = state, state.system, system, backend
         self.old_mass, self.new_mass = _Mass(self.old, backend), _Mass(system, backend)
-        self.there = Interpolation(self.old.geometry, system.geometry)
+        self.there = Interpolation.of(self.old, system)
         finer = is_finer(system.mesh.leaves, self.old.mesh.leaves)
-        self.back = None if finer else Interpolation(system.geometry, self.old.geometry)
-        wanted = system.undeformed + state.load_factor * system.prescribed(state.time)
+        self.back = None if finer else Interpolation.of(system, self.old)
+        wanted = system.undeformed + system.prescribed(state.case)
         at_nodes = self.there.positions(state.q)
         self._taken = at_nodes + system.constraints.fixed_part(wanted - at_nodes)
         self._lost = None if self.back is None else self._significant(state.q - self.back.positions(self._taken), state.q)
@@ -199,10 +198,11 @@ class _Passage:
 
     def mean(self, system: System, change: np.ndarray) -> np.ndarray:
         """The translation that moves the centre of mass of a free body as a change does on a system, (n_new_dofs,)."""
-        out = np.zeros((self.new.n_dofs // 12, 4, 3))
-        if self.new.foundation is None and not self.new.constraints.fixed.any():
+        layout = self.new.layout
+        out = np.zeros_like(layout.undeformed)
+        if not self.new.others and not self.new.constraints.fixed.any():
             moment, mass = _moments(system, change)
-            out[:, 0] = moment / mass
+            out[layout.moving, 0] = moment / mass
         return out.ravel()
 
     def rates(self, v: np.ndarray) -> np.ndarray:
@@ -245,14 +245,14 @@ class _Passage:
         return lost_nothing or abs(excess) <= NOTHING * self.energy
 
     def net_force(self, system: System, q: np.ndarray) -> np.ndarray:
-        return self.state.load_factor * system.external_force(q, self.state.time) - system.internal_force(q)
+        return system.external_force(q, self.state.case) - system.internal_force(q)
 
     def excess(self, q: np.ndarray) -> float:
         """Strain energy on the new mesh beyond that of the state (J)."""
         return self.strain_energy(self.new, q) - self._strain
 
     def strain_energy(self, system: System, q: np.ndarray) -> float:
-        return system.strain_energy(q, self.state.load_factor, self.state.time)
+        return system.strain_energy(q, self.state.case)
 
     def change(self, q: np.ndarray, v: np.ndarray | None, factor: float) -> Change:
         state, still = self.state, Solution(self.new, q, v)
@@ -282,11 +282,11 @@ class _Settling:
         new = self.passage.new
         if not residual.any():
             return residual, 0.0
-        elastic = new.tangent(q, np.zeros_like(new.stresses(q)), factor=0.0)
+        elastic = new.tangent(q, Case(0.0), np.zeros_like(new.stresses(q)))
         mass = new.mass.diagonal()  # a pole has a vector without any
         direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
         squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))
-        self.solver.factor(elastic + SOFTEST[new.geometry.theory.twist] * squared_frequency * new.mass)
+        self.solver.factor(elastic + new.geometry.theory.softest * squared_frequency * new.mass)
         step = self.solver.solve(residual)
         return step - self.passage.mean(new, step), work(step, residual)
 
@@ -316,4 +316,4 @@ def _rate(system: System, time: float | None) -> np.ndarray:
 
 def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:
     """Mass times the place of its centre (3,), and the mass."""
-    return np.einsum("nk,nki->i", system.shares, q.reshape(-1, 4, 3)), float(system.shares[:, 0].sum())
+    return np.einsum("nk,nki->i", system.shares, system.layout.nodal(q)), system.total_mass

@@ -15,11 +15,13 @@ import numpy as np
 
 from skancf.adaptive.between import Interpolation, ancestors_in
 from skancf.adaptive.energies import Strained, energies, virtual_work
-from skancf.adaptive.grow import LEFT, SMALLEST, SMALLEST_LARGE, may_be_quartered
+from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE, may_be_quartered
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
-from skancf.adaptive.singular import images, nodes_at, singular_points, touching
-from skancf.errors import InputError
+from skancf.adaptive.singular import images, singular_points, touching
+from skancf.errors import InputError, finite
+from skancf.history import Case
+from skancf.layout.singularities import nodes_at
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
@@ -28,7 +30,10 @@ from skancf.statics.equilibrium import equilibrium
 from skancf.statics.newton import newton, skew_part
 from skancf.statics.stopping import work
 from skancf.system.system import System
+from skancf.theories import left_per_halving
 
+AT_POLES = 1 / 4
+"""Part of an error that is left on quartered elements at a pole, whose membrane strains are no assumed ones."""
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
 MOST = 12
@@ -72,8 +77,8 @@ class Refined:
         self.coarse, self.points, self._quantity = coarse, singular_points(coarse, quantity), quantity
         fine_mesh = enriched_mesh(coarse, self.points, smallest) if mesh is None else mesh
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
-        self._up = Interpolation(coarse.geometry, self.system.geometry)
-        self._down = Interpolation(self.system.geometry, coarse.geometry)
+        self._up = Interpolation.of(coarse, self.system)
+        self._down = Interpolation.of(self.system, coarse)
 
     def halvings(self, *pairs: Pair, before: Halvings | None = None) -> Halvings:
         """What a halving leaves at the singular points of the problem, by energies of answers and weights here, and by
@@ -83,13 +88,12 @@ class Refined:
     def left(self, halved: Halvings) -> np.ndarray:
         """Part of what each element contributes to an error that is left on the refined mesh, (n_elements,).
 
-        A sixteenth in `kirchhoff`, where errors are of order four, and a quarter in `full`, of order two, and in elements at
-        a pole, whose membrane strains are no assumed ones; at singular points no less than the power of what one halving
+        By the order of the theory, at poles :data:`AT_POLES`; at singular points no less than the power of what one halving
         leaves there.
         """
         coarse, fine, geometry = self.coarse.mesh.leaves, self.system.mesh.leaves, self.coarse.geometry
-        left = np.full(len(coarse), LEFT[geometry.theory.twist])
-        left[geometry.at_poles] = LEFT[False]
+        left = np.full(len(coarse), left_per_halving(geometry.theory))
+        left[geometry.at_poles] = AT_POLES
         deepest = np.zeros(len(coarse), dtype=int)
         np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
         there, once = halved.of(coarse, self.points)
@@ -110,7 +114,7 @@ class Refined:
         A weight that is singular at a node has slopes and a twist there that are those of the smallest element, and say
         nothing of larger ones: its interpolant has none.
         """
-        coarse = self.down(weight).reshape(-1, 4, 3)
+        coarse = self.coarse.layout.nodal(self.down(weight))
         coarse[self._at_quantity, 1:] = 0.0
         return weight - self.up(coarse.ravel())
 
@@ -119,12 +123,13 @@ class Refined:
         """Coarse nodes at the point of a section force, at most one."""
         if not isinstance(self._quantity, SectionForce) or self._quantity.at is None:
             return np.empty(0, dtype=int)
-        return nodes_at(self.coarse.geometry, self._quantity.at)
+        geometry = self.coarse.geometry
+        return nodes_at(geometry, geometry.within(finite("at", self._quantity.at)[:, None]))
 
     def shares(self, products: np.ndarray) -> np.ndarray:
         """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
         geometry = self.system.geometry
-        sizes = np.abs(products.reshape(-1, 12).sum(axis=1))
+        sizes = np.abs(self.system.layout.blocks(products)[: geometry.n_nodes].sum(axis=1))
         nodes = geometry.ties.node_of[geometry.mesh.t]
         valence = np.bincount(nodes[nodes >= 0], minlength=len(sizes))
         parts = np.where(nodes >= 0, (sizes / np.maximum(valence, 1))[nodes], 0.0).sum(axis=0)
@@ -132,11 +137,11 @@ class Refined:
         return np.bincount(ancestors_in(coarse.leaves, geometry.mesh.leaves), parts, minlength=coarse.nelements)
 
     def is_new(self) -> np.ndarray:
-        """Which nodes of the refined mesh the coarse one does not have, (n_fine_nodes,)."""
+        """Which nodes of the refined mesh the coarse one does not have, (n_fine_blocks,)."""
         fine, coarse = self.system.geometry, self.coarse.geometry
         old = coarse.mesh.leaves.forest.point_keys(coarse.mesh.leaves.cells).ravel()
         new = fine.mesh.leaves.forest.point_keys(fine.mesh.leaves.cells).ravel()
-        out = np.zeros(fine.n_nodes, dtype=bool)
+        out = np.zeros(self.system.layout.n_blocks, dtype=bool)
         out[fine.ties.node_of[fine.mesh.t.ravel()[~np.isin(new, old)]]] = True
         return out
 
@@ -169,7 +174,7 @@ class Enriched(Refined):
         else:
             self.start = self._up.positions(state.q)
             gap = fine.undeformed + factor * fine.prescribed() - self.start
-            self.residual, self.stiffness = self.residual_of(self.start), fine.tangent(self.start, factor=factor)
+            self.residual, self.stiffness = self.residual_of(self.start), fine.tangent(self.start, Case(factor))
         self._moved = fine.constraints.fixed_part(gap)
 
     @cached_property
@@ -207,7 +212,7 @@ class Enriched(Refined):
         if not result.ok:
             start = Solution(fine, self.start, load_factor=factor)
             q = equilibrium(fine, factor, start=start, rtol=NEAR, backend=self._solver.backend_name).unwrap().q
-        self.stiffness = fine.tangent(q, factor=factor)
+        self.stiffness = fine.tangent(q, Case(factor))
         self._solver.factor(self.stiffness)
         return np.asarray(q)
 
@@ -251,7 +256,7 @@ class Enriched(Refined):
         """
         system, factor = self.system, abs(self.state.load_factor)
         force = system.external_force(system.undeformed if self.state.linear else self.corrected.q)
-        sizes = [np.linalg.norm(v.reshape(-1, 4, 3), axis=2) for v in (smooth, force)]
+        sizes = [np.linalg.norm(system.layout.nodal(v), axis=2) for v in (smooth, force)]
         most = [2 * np.sqrt(energies(answer).sum() * energies(weight).sum()), factor * (sizes[0] * sizes[1]).sum()]
         return max(float(np.abs(virtual_work(answer, weight)).sum()), NOTHING * float(max(most)))
 
@@ -273,14 +278,15 @@ class Enriched(Refined):
         """The diagonal blocks of the tangent in nodal coordinates, one where they are held, (n_fine_nodes, 12, 12)."""
         pattern, constraints = self.system.pattern, self.system.constraints
         blocks = self.stiffness.values[pattern.diagonal_slots].copy()
-        upper = np.triu(np.ones((12, 12), dtype=bool))
+        upper = np.triu(np.ones(blocks.shape[1:], dtype=bool))
         blocks = np.where(upper, blocks, blocks.swapaxes(1, 2))
-        frames = np.broadcast_to(np.eye(12), blocks.shape).copy()
+        frames = np.broadcast_to(np.eye(blocks.shape[1]), blocks.shape).copy()
         frames[constraints.frame_nodes] = constraints.frames
         turned = frames @ blocks @ frames.swapaxes(1, 2)
         free = ~constraints.fixed
         turned *= free[:, :, None] & free[:, None, :]
-        turned += np.einsum("ni,ij->nij", (~free).astype(float) * np.abs(blocks).max(axis=(1, 2))[:, None], np.eye(12))
+        held = (~free).astype(float) * np.abs(blocks).max(axis=(1, 2))[:, None]
+        turned += np.einsum("ni,ij->nij", held, np.eye(blocks.shape[1]))
         return frames.swapaxes(1, 2) @ turned @ frames
 
 

@@ -7,19 +7,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.adaptive.carry import carried
-from skancf.adaptive.grow import LEFT, may_be_quartered
+from skancf.adaptive.grow import may_be_quartered
 from skancf.adaptive.marking import check_indicators
 from skancf.adaptive.recovery import recovery
 from skancf.arguments import function, plain, whole
 from skancf.dynamics import MeshEvent
+from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
 from skancf.errors import InputError, OutOfDepth, positive
 from skancf.functions import called
+from skancf.history import Case
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.solution import Solution
 from skancf.system.system import System
+from skancf.theories import left_per_halving
 
 EARLY, AIM = 0.5, 0.25
 """Of the asked squared error: how much there may be before elements are quartered, and how much should be left then."""
@@ -99,9 +102,12 @@ class Follow:
         function("indicator", self.indicator, "a function of a Solution, for example sk.recovery")
 
     def check(self, system: System) -> None:
-        """InputError for a mesh that cannot be refined."""
+        """InputError for a mesh that cannot be refined, and for terms that remember something."""
         if not isinstance(system.mesh, MeshQuadTree):
             raise InputError("follow: the mesh of the system must be a quadtree; make it by sk.meshes.quadtree(mesh)")
+        if names := flat(system.state()):
+            raise InputError(f"follow: a term remembers '{min(names)}', which does not go from mesh to mesh; let the motion "
+                             "be on one mesh, without follow")  # fmt: skip
 
     def change(
         self, system: System, before: State, now: State, end: float, energy: float, again: bool
@@ -141,7 +147,7 @@ class Follow:
         mesh, own = system.mesh, np.zeros(len(values), dtype=bool)
         if values.sum() > EARLY * asked:
             order = np.argsort(-values, kind="stable")
-            gained = np.cumsum(values[order]) * (1 - LEFT[system.geometry.theory.twist])
+            gained = np.cumsum(values[order]) * (1 - left_per_halving(system.geometry.theory))
             own[order[: np.searchsorted(gained, values.sum() - AIM * asked) + 1]] = True
         finest = np.full(mesh.p.shape[1], -1)
         np.maximum.at(finest, mesh.t[:, own].ravel(), np.tile(mesh.levels[own], 4))
@@ -150,13 +156,13 @@ class Follow:
 
     def _in_the_way(self, system: System, now: float, ahead: float) -> np.ndarray:
         """Elements where loads will be until the next look, if they are coarser than where these are now."""
-        out, here = np.zeros(system.geometry.n_elements, dtype=bool), system.load_places(now)
+        out, here = np.zeros(system.geometry.n_elements, dtype=bool), system.loads.places(Case(time=now))
         if not here.shape[1]:
             return out
         level = system.mesh.levels
         finest = level[system.geometry.locate_all(here)[0]].max()
         for time in np.linspace(now, ahead, PLACES)[1:]:
-            places = system.load_places(float(time))
+            places = system.loads.places(Case(time=float(time)))
             if places.shape[1]:
                 elements = system.geometry.locate_all(places)[0]
                 out[elements[level[elements] < finest]] = True
@@ -181,7 +187,7 @@ class Follow:
         """The target with elements merged that will have little of the error; None where there are none."""
         leaves: Leaves = system.mesh.leaves
         # The merged element has what its quarters have over what a quartering leaves.
-        added = values * (1 / LEFT[system.geometry.theory.twist] - 1)
+        added = values * (1 / left_per_halving(system.geometry.theory) - 1)
         order = np.argsort(added, kind="stable")
         small = order[: np.searchsorted(np.cumsum(added[order]), SURE * asked)]
         cells = leaves.cells.take(small[leaves.cells.level[small] > self.coarsest])

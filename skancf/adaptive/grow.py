@@ -15,14 +15,12 @@ from skancf.layout.geometry import Geometry
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.surfaces import Surface
+from skancf.theories import left_per_halving
 
 AGAIN, AT_MOST = 3, 8
 """Largest number of times that an element is quartered from one mesh to the next; at singular points until no more than
 :data:`ENOUGH` of its error is left."""
 ENOUGH = 1 / 16
-LEFT = {True: 1 / 16, False: 1 / 4}
-"""Part of an error that is left on quartered elements where the solution is smooth: order four in `kirchhoff`, two in
-`full`. Of an element's indicator each quarter has a quarter of it."""
 SMALLEST, SMALLEST_LARGE = 2.0**-18, 2.0**-14
 """Size of the smallest elements, of the extent of the surface: of small-deflection answers, and of others, whose strains are
 rounded as the squares of positions are. Rounding grows with the inverse square of the size. The refined mesh of an estimate
@@ -101,13 +99,14 @@ class Growth:
     ) -> Leaves:  # fmt: skip
         """With quarters quartered again whose indicators will exceed the smallest of the marked ones twice.
 
-        At a singular point one of the quarters has all that the halving leaves.
+        Of an indicator each quarter has a quarter of what is left; at a singular point one of them has all that the halving
+        leaves.
         """
-        leaves, thin = geometry.mesh.leaves, geometry.theory.twist
+        leaves, smooth = geometry.mesh.leaves, left_per_halving(geometry.theory)
         for depth in range(1, AT_MOST):
             above = ancestors_in(leaves, finer)
             quartered = finer.cells.level - leaves.cells.level[above]
-            left = np.where(quartered > 0, indicators[above] * (LEFT[thin] / 4) ** quartered, 0.0)
+            left = np.where(quartered > 0, indicators[above] * (smooth / 4) ** quartered, 0.0)
             singular, halved = halvings.of(finer, images(geometry, finer, points))
             left[singular] = indicators[above[singular]] * halved ** quartered[singular]
             more = np.full(len(finer), depth < AGAIN)

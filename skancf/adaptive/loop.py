@@ -37,7 +37,7 @@ from skancf.theories import Theory
 
 BELOW = Below(0.01)
 EVEN = Even(0.65)
-"""By default in theory `full`, whose error is of order two."""
+"""By default in theories of order two."""
 FINER_STARTS = 2
 """How often the first mesh is quartered where it has no answer."""
 COST = 1.3
@@ -134,7 +134,7 @@ def adapt(
     with Progress("adapt", 1.0, shown=progress) as bar:
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
         system = first_system(problem, first, theory, quantity, analysis, max_dofs)
-        even = indicator == "goal" and not system.geometry.theory.twist
+        even = indicator == "goal" and system.geometry.theory.order == 2
         growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening, analysis.smallest)
         return _Run(system, quantity, analysis, growth, by, asked, bar).go()
 

@@ -8,10 +8,10 @@ import numpy as np
 from skancf.adaptive.analysis import Answer
 from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.estimate import Estimate
-from skancf.adaptive.grow import LEFT
 from skancf.adaptive.rings import UNKNOWN
 from skancf.adaptive.singular import images, singular_points
 from skancf.meshes import MeshQuadTree
+from skancf.theories import left_per_halving
 
 SLOWER, FASTER = 0.85, 1.5
 """Parts of the factor by which differences fall at the full order, between which they are trusted."""
@@ -59,7 +59,7 @@ class Nested:
             return None
         if (before.halvings.left > UNKNOWN).any():
             return None
-        left = LEFT[system.geometry.theory.twist]
+        left = left_per_halving(system.geometry.theory)
         last, error = answer.value - self.values[-1], extrapolated(self.values[-2], self.values[-1], answer.value, 1 / left)
         if error is None or not abs(last + error - before.error) <= AGREES * abs(before.error):
             return None

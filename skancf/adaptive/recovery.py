@@ -64,7 +64,7 @@ def recovery(solution: Solution) -> np.ndarray:
     instance("solution", solution, Solution, STATE)
     geometry, (points, weights) = solution.system.geometry, square_quadrature(3)
     raw = solution.section_forces(points)
-    bending = 2 if geometry.theory.twist else 1
+    bending = geometry.theory.order // 2
     error = np.concatenate([recovered(geometry, raw[:, :3], 2), recovered(geometry, raw[:, 3:], bending)], axis=1) - raw
     jets = geometry.theory.jets(geometry.undeformed_local, geometry.inside(points))
     areas = np.linalg.norm(np.cross(jets[0], jets[1], axis=0), axis=0) * weights

@@ -9,6 +9,7 @@ from skancf.adaptive.estimate import check_quantity, gradient_of, value_of
 from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
 from skancf.arguments import STATE, instance
 from skancf.errors import InputError
+from skancf.history import FULL
 from skancf.linear import DirectSolver, SkewSolver, check_backend
 from skancf.solution import Solution
 from skancf.statics.newton import skew_part
@@ -83,7 +84,7 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     check_backend(backend)
     quantity = StrainEnergy() if quantity is None else quantity
     check_quantity(quantity)
-    if not solution.system.geometry.theory.twist:
+    if solution.system.geometry.theory.shear:
         return NOTHING
     if solution.velocity is not None or solution.time is not None:
         raise InputError("the error of the theory is that of an equilibrium, and this is a state of a motion; give one of "
@@ -135,18 +136,18 @@ def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fiel
             weight = weight - quantity.lift(state)
     fields = form.fields(moment_rates(system, at, weight))
     # The weight of the energy is the answer to the loads themselves, eccentric weight and moments on edges among them.
-    return form.loaded(fields, state.q, state.load_factor) if isinstance(quantity, StrainEnergy) else fields
+    return form.loaded(fields, state.q) if isinstance(quantity, StrainEnergy) else fields
 
 
 def _is_loaded_alone(state: Solution) -> bool:
     """Is the dual weight of the energy the answer itself? In small deflections without moved supports and free strains."""
     system = state.system
-    return state.linear and not system.prescribed().any() and system.held_back(None) is None
+    return state.linear and not system.prescribed().any() and system.shell.held_back(FULL) is None
 
 
 def _weight(state: Solution, at: np.ndarray, gradient: np.ndarray, backend: str) -> np.ndarray:
     system = state.system
-    tangent = system.stiffness() if state.linear else system.tangent(at, factor=state.load_factor)
+    tangent = system.stiffness() if state.linear else system.tangent(at, state.case)
     skew = None if state.linear else skew_part(system, at, state.load_factor)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         solver.factor(tangent)

@@ -32,8 +32,8 @@ def transfer(state: Solution, system: System) -> Solution:
     old, new = state.system.geometry, system.geometry
     require_one_tree(old, new)
     if state.linear:
-        q = system.undeformed + Interpolation(old, new).field(state.q - state.system.undeformed)
-        wanted = system.undeformed + state.load_factor * system.prescribed(state.time)
+        q = system.undeformed + Interpolation.of(state.system, system).field(state.q - state.system.undeformed)
+        wanted = system.undeformed + system.prescribed(state.case)
         q, v = q + system.constraints.fixed_part(wanted - q), None
     else:
         there = carried(state, system, settle=not is_finer(new.mesh.leaves, old.mesh.leaves))

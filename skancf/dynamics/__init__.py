@@ -7,6 +7,7 @@ from skancf.dynamics.initial import RigidVelocity
 from skancf.dynamics.ledger import Ledger, MeshEvent
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.motion import Motion
+from skancf.dynamics.named_state import HasState
 from skancf.dynamics.simulate import simulate
 from skancf.dynamics.spectrum import Spectrum, spectrum
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, NewtonCount
@@ -18,6 +19,7 @@ __all__ = [
     "EnergyMomentum",
     "FixedStep",
     "GeneralizedAlpha",
+    "HasState",
     "ImplicitMidpoint",
     "Ledger",
     "LocalError",

@@ -8,8 +8,10 @@ from skancf.arguments import plain
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.state import State
 from skancf.errors import InputError, number
+from skancf.history import Case
 from skancf.linear import BlockMatrix
 from skancf.system.system import System
+from skancf.terms.shell import Shell
 
 LEAST = 1 / 3
 """The smallest spectral radius that a real dissipation has."""
@@ -117,20 +119,26 @@ class EnergyMomentum(ImplicitMidpoint):
             start.kept["last change"] = at_start - (system.stresses(start.before) if before is None else before)
         return min(1.0, dt / start.dt) * start.kept["last change"]
 
-    def force_of(self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> np.ndarray:
-        return system.force_between(start.q, start.q + u, stresses)
+    def force_of(self, shell: Shell, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> np.ndarray:
+        return shell.force_between(start.q, start.q + u, stresses)
+
+    def others_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        case = Case(time=self.at_stage(u, start, dt)[1])
+        return system.others_between(start.q, start.q + u, self.rate(u, start, dt), case)
 
     def internal_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        stresses, held = self.stresses(system, u, start, dt), system.held_back(start.time)
+        stresses, held = self.stresses(system, u, start, dt), system.shell.held_back(Case(time=start.time))
         if held is not None:
-            stresses = stresses - 0.5 * (held + system.held_back(start.time + dt))
-        return self.force_of(system, u, start, dt, stresses)
+            stresses = stresses - 0.5 * (held + system.shell.held_back(Case(time=start.time + dt)))
+        force = self.force_of(system.shell, u, start, dt, stresses)
+        return force + self.others_force(system, u, start, dt) if system.others else force
 
     def stiffness(
         self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray
     ) -> BlockMatrix:
         stiffer = 1 + 2 * (system.retardation / dt + self.chi)
-        tangent = system.tangent(start.q + 0.5 * u, stresses, start.time + 0.5 * dt, stiffer=stiffer)
+        case = Case(time=start.time + 0.5 * dt)
+        tangent = system.tangent(start.q + 0.5 * u, case, stresses, stiffer, self.rate(u, start, dt))
         tangent.values[:] *= 0.5
         return tangent
 

@@ -15,9 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from skancf.dynamics.log import Log
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.errors import InputError, finite
+from skancf.history import Case
 from skancf.system.system import System
 from skancf.vectors import sum_of_cross
 
@@ -150,27 +152,36 @@ KINDS = tuple(field.name for field in fields(Forces) if field.name != "time")
 class Book:
     """Keeps the ledger of a run, step by step."""
 
-    def __init__(self, system: System, state: State):
-        self.times: list[float] = []
-        self.rows: list[dict[str, Any]] = []
-        self.events: list[MeshEvent] = []
+    def __init__(self) -> None:
+        self.rows, self.events = Log(), Log(MeshEvent)
+        self.logs = {"book": self.rows, "events": self.events}
         self.sums: dict[str, Any] = {name: np.zeros(3) if "impulse" in name else 0.0 for name in SUMS}
         self.turnover = 0.0
+
+    def begin(self, system: System, state: State) -> None:
+        """The first row."""
         self.before = forces_at_rest(system, state)
         self._write(system, state)
 
+    def state(self) -> dict[str, Any]:
+        """What the next row needs to know of those before."""
+        return {"turnover": self.turnover, "sums": self.sums, "before": vars(self.before)}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        self.turnover, self.sums, self.before = state["turnover"], state["sums"], Forces(**state["before"])
+
     def ledger(self) -> Ledger:
-        columns = {name: np.array([row[name] for row in self.rows]) for name in COLUMNS}
-        return Ledger(np.array(self.times), **columns, events=tuple(self.events))
+        columns = {name: np.array([row[name] for row in self.rows]) for name in ("time", *COLUMNS)}
+        return Ledger(columns.pop("time"), **columns, events=tuple(self.events))
 
     def _write(self, system: System, state: State) -> None:
         linear, angular = system.momenta(state.q, state.v)
+        case = Case(time=state.time)
         row = {
-            "kinetic": system.kinetic_energy(state.v), "strain": system.strain_energy(state.q, 1.0, state.time),
-            "potential": -float(system.weight @ (state.q - system.undeformed)), "linear": linear, "angular": angular,
+            "time": state.time, "kinetic": system.kinetic_energy(state.v), "strain": system.strain_energy(state.q, case),
+            "potential": system.loads.energy(state.q, case), "linear": linear, "angular": angular,
             **self.sums,
         }  # fmt: skip
-        self.times.append(state.time)
         self.rows.append(row)
         self.turnover = max(self.turnover, *(abs(row[name]) for name in AMOUNTS))
 
@@ -195,12 +206,14 @@ class Book:
         forces = self._forces(system, rule, start, u, dt, residual)
         middle = forces.at(start.time + 0.5 * dt, self.before)
         self.before = forces
-        total, q = middle.loads + middle.supports + middle.springs + middle.viscous + system.weight, start.q + 0.5 * u
+        q, case = start.q + 0.5 * u, Case(time=start.time + 0.5 * dt)
+        weight = system.loads.applied(q, None, case, potential=True)
+        total = middle.loads + middle.supports + middle.springs + middle.viscous + weight
         self._add(
             work=float((middle.loads + middle.supports) @ u) + heat(system, start, end),
             dissipation=-float((middle.viscous + middle.material) @ u),
             numerical=_numerical(system, rule, start, u, dt),
-            linear_impulse=dt * total.reshape(-1, 4, 3)[:, 0].sum(axis=0),
+            linear_impulse=dt * _sum_of_forces(system, total),
             angular_impulse=dt * sum_of_cross(q, total),
         )  # fmt: skip
         self._write(system, end)
@@ -209,22 +222,25 @@ class Book:
         self, system: System, rule: Rule, start: State, u: np.ndarray, dt: float, residual: Any
     ) -> Forces:
         at, time = rule.at_stage(u, start, dt)
+        case, v = Case(time=time), rule.rate(u, start, dt)
         supports, springs, viscous, material = np.zeros((4, u.size))
         if system.constraints.fixed.any():
             supports = system.constraints.fixed_part(residual())
-        if system.foundation is not None:
-            springs = -(system.foundation @ (at - system.undeformed))
+        if system.others:
+            springs = -rule.others_force(system, u, start, dt)
         if system.viscous is not None:
-            viscous = -(system.viscous @ rule.rate(u, start, dt))
+            viscous = -(system.viscous @ v)
         if system.retardation:
-            material = -_force_of(system, rule, start, u, dt, rule.viscous_stresses(system, u, start, dt))
-        return Forces(time, system.applied_force(at, time) - system.weight, supports, springs, viscous, material)
+            stresses = rule.viscous_stresses(system, u, start, dt)
+            material = -rule.force_of(system.shell, u, start, dt, stresses)
+        loads, working = system.loads.applied(at, v, case, potential=False), _working(system, at, v, case)
+        return Forces(time, loads + working, supports, springs - working, viscous, material)
 
     def jump(self, system: System, before: State, after: State) -> None:
         """Book an impulse: its work is that on the mean of the rates, and so is that of the supports."""
         change = system.mass @ (after.v - before.v)
         self._add(
-            work=float(change @ (0.5 * (before.v + after.v))), linear_impulse=change.reshape(-1, 4, 3)[:, 0].sum(axis=0),
+            work=float(change @ (0.5 * (before.v + after.v))), linear_impulse=_sum_of_forces(system, change),
             angular_impulse=sum_of_cross(after.q, change),
         )  # fmt: skip
         self.before = forces_at_rest(system, after)
@@ -242,15 +258,6 @@ class Book:
         last.update(self.sums)
         self.events.append(event)
 
-    def mark(self) -> tuple[Any, ...]:
-        """What :meth:`rewind` goes back to."""
-        return len(self.times), len(self.events), self.sums, self.turnover, self.before
-
-    def rewind(self, mark: tuple[Any, ...]) -> None:
-        """Forget what was booked since a mark."""
-        n, n_events, self.sums, self.turnover, self.before = mark
-        del self.times[n:], self.rows[n:], self.events[n_events:]
-
     def _add(self, **amounts: Any) -> None:
         self.sums = {name: value + amounts.get(name, 0.0) for name, value in self.sums.items()}
 
@@ -258,38 +265,37 @@ class Book:
 def _numerical(system: System, rule: Rule, start: State, u: np.ndarray, dt: float) -> float:
     """Energy that the rule takes out of what a step does not resolve (J)."""
     stresses = rule.numerical_stresses(system, u, start, dt)
-    if stresses is None:
-        return 0.0
-    return float(_force_of(system, rule, start, u, dt, stresses) @ u)
+    return 0.0 if stresses is None else float(rule.force_of(system.shell, u, start, dt, stresses) @ u)
 
 
-def _force_of(
-    system: System, rule: Rule, start: State, u: np.ndarray, dt: float, stresses: np.ndarray
-) -> np.ndarray:
-    """The internal force of stresses alone, (n_dofs,), without that on the springs, which the rule adds."""
-    force = rule.force_of(system, u, start, dt, stresses)
-    at = rule.at_stage(u, start, dt)[0]
-    return force if system.foundation is None else force - system.foundation @ (at - system.undeformed)
+def _sum_of_forces(system: System, force: np.ndarray) -> np.ndarray:
+    return np.asarray(system.layout.positions(force).sum(axis=0))
+
+
+def _working(system: System, q: np.ndarray, v: np.ndarray, case: Case) -> np.ndarray:
+    """Forces on the body of terms of the structure that have no energy, whose work is booked as that of loads."""
+    forces = (term.force(q, v, case) for term in system.others if term.energy(q, case) is None)
+    return -sum(forces, np.zeros(q.size))
 
 
 def forces_at_rest(system: System, state: State) -> Forces:
     """The forces of a state between two steps."""
-    q, time = state.q, state.time
-    loads = system.applied_force(q, time)
-    supports, springs, viscous = np.zeros((3, q.size))
-    if system.foundation is not None:
-        springs = -(system.foundation @ (q - system.undeformed))
+    q, v, case = state.q, state.v, Case(time=state.time)
+    loads, working = system.loads.applied(q, v, case, potential=False), _working(system, q, v, case)
+    supports, viscous = np.zeros((2, q.size))
+    springs = -system.others_force(q, v, case) - working
     if system.viscous is not None:
-        viscous = -(system.viscous @ state.v)
-    material = -system.retarding_force(q, state.v)
+        viscous = -(system.viscous @ v)
+    material = -system.shell.retarding_force(q, v)
     if system.constraints.fixed.any():
-        supports = system.constraints.fixed_part(system.mass @ state.a - system.net_force(q, state.v, time))
-    return Forces(time, loads - system.weight, supports, springs, viscous, material)
+        supports = system.constraints.fixed_part(system.mass @ state.a - system.net_force(q, v, case))
+    return Forces(state.time, loads + working, supports, springs, viscous, material)
 
 
 def heat(system: System, start: State, end: State) -> float:
     """Change of the strain energy with the temperature, the mean of that at both ends."""
-    if system.temperature(system.geometry.theory.quadrature[0], end.time) is None:
+    if not system.shell.heats:
         return 0.0
-    values = [system.strain_energy(s.q, 1.0, end.time) - system.strain_energy(s.q, 1.0, start.time) for s in (start, end)]
+    at = [Case(time=start.time), Case(time=end.time)]
+    values = [system.shell.energy(s.q, at[1]) - system.shell.energy(s.q, at[0]) for s in (start, end)]
     return 0.5 * sum(values)

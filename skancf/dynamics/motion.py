@@ -54,7 +54,7 @@ class Stretch:
         k = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
         if self.times[k] >= time or k == len(self.times) - 1:
             return Solution(self.system, self.q[k], self.v[k], time)
-        between = Between(self.system.constraints)
+        between = Between(self.system.layout, self.system.constraints)
         q, v = between.cubic(time, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
         return Solution(self.system, q, v, time)
 

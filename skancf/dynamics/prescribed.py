@@ -3,19 +3,20 @@
 import numpy as np
 
 from skancf.errors import InputError
+from skancf.history import Case
 from skancf.system.system import System
 
 
 def prescribed_rate(system: System, time: float, moment: float) -> np.ndarray:
     """The rate at a time, (n_dofs,), forwards over ``moment`` (s); backwards where a table ends."""
-    now = system.prescribed(time)
+    now = system.prescribed(Case(time=time))
     try:
-        return (system.prescribed(time + moment) - now) / moment
+        return (system.prescribed(Case(time=time + moment)) - now) / moment
     except InputError:
-        return (now - system.prescribed(time - moment)) / moment
+        return (now - system.prescribed(Case(time=time - moment))) / moment
 
 
 def prescribed_acceleration(system: System, time: float, moment: float) -> np.ndarray:
     """The acceleration at a time, (n_dofs,), over twice ``moment`` (s); backwards where it is negative."""
-    now, soon, later = (system.prescribed(time + k * moment) for k in range(3))
+    now, soon, later = (system.prescribed(Case(time=time + k * moment)) for k in range(3))
     return (later - 2 * soon + now) / moment**2

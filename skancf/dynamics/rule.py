@@ -10,8 +10,10 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from skancf.dynamics.state import State
+from skancf.history import Case
 from skancf.linear import BlockMatrix
 from skancf.system.system import System
+from skancf.terms.shell import Shell
 
 
 class Rule(ABC):
@@ -88,18 +90,25 @@ class Rule(ABC):
         """The part of them that takes energy out of what the steps do not resolve, if the rule has one."""
         return None
 
-    def force_of(self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> np.ndarray:
-        """Internal force of given stresses."""
-        return system.force_of(self.at_stage(u, start, dt)[0], stresses)
+    def force_of(self, shell: Shell, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> np.ndarray:
+        """Internal force of given stresses of the shell."""
+        return shell.force_of(self.at_stage(u, start, dt)[0], stresses)
+
+    def others_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        """Force of the other terms of the structure."""
+        at, time = self.at_stage(u, start, dt)
+        return system.others_force(at, self.rate(u, start, dt), Case(time=time))
 
     def internal_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         """Internal force, less that of held back free strains."""
         at, time = self.at_stage(u, start, dt)
-        force = (
-            system.force_of(at, self.stresses(system, u, start, dt)) if system.retardation else system.internal_force(at)
-        )
-        held = system.held_back_force(at, time)
-        return force if held is None else force - held
+        if system.retardation:
+            force = self.force_of(system.shell, u, start, dt, self.stresses(system, u, start, dt))
+        else:
+            force = system.shell.internal_force(at)
+        held = system.shell.held_back_force(at, Case(time=time))
+        force = force if held is None else force - held
+        return force + self.others_force(system, u, start, dt) if system.others else force
 
     def stiffness(
         self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray
@@ -107,6 +116,6 @@ class Rule(ABC):
         """Derivative of the internal less the external force with respect to u, its symmetric part, with given stresses."""
         at, time = self.at_stage(u, start, dt)
         stiffer = 1 + system.retardation * self.damping_factor(dt) / self.stage
-        tangent = system.tangent(at, stresses, time, stiffer=stiffer)
+        tangent = system.tangent(at, Case(time=time), stresses, stiffer, self.rate(u, start, dt))
         tangent.values[:] *= self.stage
         return tangent

@@ -15,12 +15,14 @@ from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion
 from skancf.dynamics.motion_checks import warn_of
+from skancf.dynamics.named_state import flat, nested
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, StepControl
 from skancf.errors import InputError, finite, positive, shown
+from skancf.history import Case
 from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -119,6 +121,7 @@ def simulate(
         follow.check(system)
     doubled = _doubled(control, follow) if check else None
     warn_if_mass_is_off(system)
+    _require_mass(system)
     begin = 0.0 if start is None or start.time is None else start.time
     system.check_histories(begin, begin + t_end)
     times = output_times(outputs, begin, begin + t_end, system.n_dofs)
@@ -126,7 +129,7 @@ def simulate(
     q = system.undeformed.copy() if start is None else start.q.copy()
     v = _initial_velocity(system, velocity, start, begin, t_end)
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
-    began = clock.perf_counter()
+    began, remembered = clock.perf_counter(), flat(system.state())
     # A state that has a time is the one after what happened then.
     struck = start is not None and start.time is not None
     with Progress("dynamics", t_end, shown=progress) as bar:
@@ -137,6 +140,7 @@ def simulate(
             run.close()
     motion = run.motion(status, message)
     if doubled is not None and motion.ok:
+        system.restore(nested(remembered, system.state()))
         with Progress("the same with steps twice as long", t_end, shown=progress) as bar:
             again = Run(system, replace(settings, control=doubled), Recorder(motion.times, {}), q, v, struck)
             try:
@@ -245,6 +249,17 @@ def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:
     return rule
 
 
+def _require_mass(system: System) -> None:
+    """InputError where an unknown that is free has no inertia; of the shell all have."""
+    layout, free = system.layout, ~system.constraints.fixed
+    none = free & (layout.blocks(system.mass.diagonal()) <= 0)
+    own = none[system.geometry.n_nodes :]
+    if own.any():
+        name = layout.name_of(system.geometry.n_nodes + int(np.argmax(own.any(axis=1))))
+        raise InputError(f"part {name!r} has unknowns without inertia, which do not move by an equation of motion: let its "
+                         "term add a mass (add_mass), or hold them (held)")  # fmt: skip
+
+
 def output_times(
     outputs: int | str | Sequence[float], begin: float, end: float, n_dofs: int = 12
 ) -> np.ndarray | None:
@@ -268,7 +283,7 @@ def _initial_velocity(
     system: System, velocity: Velocity, start: Solution | None, begin: float, t_end: float
 ) -> np.ndarray:
     """The given velocity along free directions, the rate of the prescribed motion along the others."""
-    moved = system.prescribed(begin)
+    moved = system.prescribed(Case(time=begin))
     at = system.undeformed if start is None else start.q
     jump = np.abs(system.constraints.fixed_part(at - system.undeformed) - moved).max(initial=0.0)
     if jump > 1e-9 * np.abs(system.undeformed).max():

@@ -10,7 +10,8 @@ from skancf.dynamics.acceleration import Anderson
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.turning import TurningFactors
-from skancf.linear import BlockMatrix, Constraints, DirectSolver
+from skancf.history import Case
+from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solving import End, Status
 from skancf.statics.stopping import ROUNDING
 from skancf.system.system import System
@@ -52,7 +53,8 @@ class Equations:
         out = system.mass @ rule.acceleration(u, start, dt) + rule.internal_force(system, u, start, dt)
         if system.viscous is not None:
             out += system.viscous @ rule.rate(u, start, dt)
-        return out - system.applied_force(*rule.at_stage(u, start, dt))
+        at, time = rule.at_stage(u, start, dt)
+        return out - system.applied_force(at, Case(time=time), rule.rate(u, start, dt))
 
     def tangent(self, u: np.ndarray, before: np.ndarray, step: np.ndarray) -> BlockMatrix:
         """The symmetric part of its derivative, with stresses extrapolated from an increment along a ``step``."""
@@ -76,8 +78,8 @@ class KeptFactors(TurningFactors):
         The energy that rounding of the coordinates puts into a correction (J).
     """
 
-    def __init__(self, linear: DirectSolver, constraints: Constraints) -> None:
-        super().__init__(linear, constraints)
+    def __init__(self, linear: DirectSolver, system: System) -> None:
+        super().__init__(linear, system.constraints, system.layout.moves)
         self.dt = self.rounding = 0.0
 
     def of(self, equations: Equations, u: np.ndarray, before: np.ndarray, step: np.ndarray) -> None:
@@ -140,7 +142,7 @@ class StepTangents:
         """
         if self.equations.rule.symmetric:
             return change
-        sizes = self.equations.system.geometry.scales.ravel()
+        sizes = self.equations.system.layout.scales.ravel()
         scaled = change / sizes
 
         def product(x: np.ndarray) -> np.ndarray:

@@ -1,6 +1,7 @@
 """One implicit step: Newton's method that keeps its factors as long as they converge."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -8,6 +9,7 @@ from skancf.dynamics.first_guess import advanced
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.step_newton import Effort, Equations, KeptFactors, StepRule, StepTangents
+from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.solving import Status, iterate
 from skancf.system.system import System
@@ -48,7 +50,7 @@ class StepSolver:
     def __init__(self, system: System, rule: Rule, rtol: float | None = None, backend: str = "auto"):
         self.system, self.rule, self.rtol = system, rule, rule.newton_rtol if rtol is None else rtol
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
-        self.factors = KeptFactors(self.linear, system.constraints)
+        self.factors = KeptFactors(self.linear, system)
         self.effort = Effort.KEEP
         self.energy = 0.0
 
@@ -59,6 +61,14 @@ class StepSolver:
         """Newton's method measures by the largest kinetic energy of the motion, not of steps that were rejected."""
         self.energy = max(self.energy, self.system.kinetic_energy(state.v))
 
+    def state(self) -> dict[str, Any]:
+        """All but the factors."""
+        return {"energy": self.energy, "effort": int(self.effort), "rounding": self.factors.rounding}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        self.energy, self.effort, self.factors.rounding = state["energy"], Effort(state["effort"]), state["rounding"]
+        self.forget()
+
     def forget(self) -> None:
         """Factor anew at the next step, as a run that starts there does."""
         self.factors.dt = 0.0
@@ -68,7 +78,7 @@ class StepSolver:
         self.linear.factor(self.system.mass)
         self.forget()
         self.energy = max(self.energy, self.system.kinetic_energy(v))
-        return driven + self.linear.solve(self.system.net_force(q, v, time) - self.system.mass @ driven)
+        return driven + self.linear.solve(self.system.net_force(q, v, Case(time=time)) - self.system.mass @ driven)
 
     def jump(self, impulse: np.ndarray) -> np.ndarray:
         """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""
@@ -138,11 +148,14 @@ class StepSolver:
     def _first_guess(self, start: State, dt: float, easy: bool) -> tuple[np.ndarray, np.ndarray]:
         """An increment that meets the supports, and its rigid part."""
         u, rigid = advanced(self.system, start, dt, easy)
-        target = self.system.undeformed + self.system.prescribed(start.time + dt) - start.q
+        target = self.system.undeformed + self.system.prescribed(Case(time=start.time + dt)) - start.q
         return u + self.system.constraints.fixed_part(target - u), rigid
 
     def _place(self, residual: np.ndarray) -> str:
         """Where in the plate the residual is largest."""
-        sizes = np.nan_to_num(np.abs(residual), nan=np.inf).reshape(-1, 12).max(axis=1)
-        x, y = self.system.geometry.points[:, int(np.argmax(sizes))]
+        sizes = self.system.layout.blocks(np.nan_to_num(np.abs(residual), nan=np.inf)).max(axis=1)
+        block, geometry = int(np.argmax(sizes)), self.system.geometry
+        if block >= geometry.n_nodes:
+            return f"in {self.system.layout.name_of(block)}"
+        x, y = geometry.points[:, block]
         return f"near the node at (x, y) = ({x:.4g}, {y:.4g})"

@@ -15,9 +15,10 @@ from scipy.sparse.csgraph import connected_components
 
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import Noted, is_ours
-from skancf.history import amplitude
+from skancf.history import Case
 from skancf.layout.geometry import Geometry
-from skancf.linear import BlockMatrix, Constraints
+from skancf.layout.layout import Layout
+from skancf.linear import Constraints
 
 PARALLEL = 1e-9
 
@@ -37,16 +38,16 @@ class PrescribedMotion:
         """What is to be said where values are taken without a time."""
         return sorted({hint for history in self.histories() if (hint := getattr(history, "without_time", None))})
 
-    def values(self, time: float | None) -> np.ndarray:
-        """(n_dofs,); without a time at full amplitude, and at rest where there is none: see ``without_time``."""
+    def values(self, case: Case) -> np.ndarray:
+        """(n_dofs,); in statics at full amplitude, and at rest where there is none: see ``without_time``."""
         total = np.zeros(self.n_dofs)
         for change, history in self.parts:
-            total += amplitude(history, time) * change
+            total += case.amplitude(history) * change
         return total
 
 
-def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints, PrescribedMotion]:
-    """Constraints and prescribed motion of all supports together.
+def constrain(geometry: Geometry, supports: Sequence[Any], layout: Layout) -> tuple[Constraints, PrescribedMotion]:
+    """Constraints and prescribed motion of all supports together, on a layout whose first blocks are the plate's nodes.
 
     Raises
     ------
@@ -58,7 +59,7 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
         if not any(history is known for known in histories):
             histories.append(history)
     conditions = [_conditions(geometry, support, histories) for support in supports]
-    if geometry.theory.twist:
+    if not geometry.theory.directors:
         none = np.hstack([np.eye(12)[9:], np.zeros((3, len(histories)))])  # a pole has three vectors only
         conditions += [(np.full(3, node), none) for node in geometry.ties.poles]
     nodes, rows = np.empty(0, dtype=int), np.empty((0, 12 + len(histories)))
@@ -66,8 +67,8 @@ def constrain(geometry: Geometry, supports: Sequence[Any]) -> tuple[Constraints,
         nodes, rows = (np.concatenate(parts) for parts in zip(*conditions, strict=True))
     order = np.argsort(nodes, kind="stable")
     held, first = np.unique(nodes[order], return_index=True)
-    fixed = np.zeros((geometry.n_nodes, 12), dtype=bool)
-    changes = np.zeros((len(histories), geometry.n_nodes, 12))
+    fixed = layout.held.copy()
+    changes = np.zeros((len(histories), layout.n_blocks, 12))
     frame_nodes, frames = [], []
     known: dict[bytes, tuple[np.ndarray, np.ndarray | None, np.ndarray]] = {}
     for node, begin, end in zip(held.tolist(), first, [*first[1:], len(order)], strict=False):
@@ -180,57 +181,3 @@ def _check_consistent(geometry: Geometry, node: int, found: np.ndarray, values: 
     if np.abs(found - values).max() > 1e-9 * max(1e-300, np.abs(values).max()):
         raise InputError(f"supports at the node {tuple(geometry.points[:, node].tolist())} prescribe different values "
                          "for the same coordinate; let one of them go")  # fmt: skip
-
-
-AXES = np.eye(3)
-
-
-def rigid_motions(undeformed: np.ndarray, size: float) -> np.ndarray:
-    """The six rigid motions of nodal coordinates (n_nodes, 4, 3), translations by ``size`` and rotations about the centre by
-    one, linear: (6, n_dofs)."""
-    centred = undeformed.copy()
-    centred[:, 0] -= undeformed[:, 0].mean(axis=0)
-    modes = np.zeros((6, *undeformed.shape))
-    for i, axis in enumerate(AXES):
-        modes[i, :, 0] = size * axis
-        modes[3 + i] = np.cross(axis, centred)
-    return modes.reshape(6, -1)
-
-
-def free_rigid_motions(
-    geometry: Geometry, constraints: Constraints, foundation: BlockMatrix | None = None
-) -> list[str]:
-    """The rigid motions that the constraints, and springs if there are any, leave free, in words."""
-    nodal, scales = geometry.undeformed, geometry.scales
-    centre = nodal[:, 0].mean(axis=0)
-    size = float(np.abs(nodal[:, 0] - centre).max())
-    modes = rigid_motions(nodal, size)
-    fixed, sizes = constraints.fixed.ravel(), scales.copy()
-    if constraints.frame_nodes.size:
-        sizes[constraints.frame_nodes] = np.linalg.norm(constraints.frames * scales[constraints.frame_nodes, None], axis=2)
-    held = np.array([(constraints.to_frame(mode) / sizes.ravel())[fixed] for mode in modes])
-    if foundation is not None:
-        resisting = np.array([scales.ravel() * (foundation @ mode) for mode in modes])
-        held = np.hstack([held, resisting / np.abs(resisting).max()])
-    vectors, sizes, _ = np.linalg.svd(np.hstack([held, np.zeros((6, 6))]), full_matrices=False)
-    free = vectors[:, sizes < 1e-9 * max(1.0, sizes[0])].T
-    pure = [i for i in range(6) if not held.size or np.abs(held[i]).max() < 1e-9]
-    rest = free - free[:, pure] @ np.eye(6)[pure] if pure else free
-    _, sizes, rows = np.linalg.svd(rest) if rest.size else (None, np.zeros(0), np.zeros((0, 6)))
-    others = rows[: int((sizes > 1e-6).sum())]
-    names = [f"translation along {'xyz'[i]}" if i < 3 else f"rotation about {'xyz'[i - 3]}" for i in pure]
-    return names + [_motion_in_words(row[:3] * size, row[3:], centre) for row in others]
-
-
-def _motion_in_words(translation: np.ndarray, rotation: np.ndarray, centre: np.ndarray) -> str:
-    """A rigid motion given by the translation of the centre and the rotation about it."""
-    def text(v: np.ndarray) -> str:
-        return "(" + ", ".join(f"{x + 0.0:.4g}" for x in np.round(v, 12)) + ")"
-
-    turn = np.linalg.norm(rotation)
-    if turn * np.linalg.norm(centre) < 1e-9 * np.linalg.norm(translation) or turn < 1e-12:
-        return f"translation along {text(translation / np.linalg.norm(translation))}"
-    axis = rotation / turn
-    point = centre + np.cross(rotation, translation) / turn**2
-    slide = "" if abs(axis @ translation) < 1e-9 * np.linalg.norm(translation) else " with a slide along it"
-    return f"rotation about the line through {text(point)} along {text(axis)}{slide}"

@@ -51,13 +51,13 @@ class Geometry(Places):
     def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Theory):
         check_mesh_on(mesh, getattr(surface, "bounds", None))
         check_derivatives(surface, mesh)
-        if theory.twist:
+        if theory.continuity:
             require_aligned(mesh)
             having("surface", surface, ("second_derivatives",), "one with second_derivatives, which theory 'kirchhoff' "
                    "needs; sk.MappedSurface makes them of a position")  # fmt: skip
         self.mesh, self.surface, self.theory = mesh, surface, theory
         check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
-        self.ties = find_ties(mesh, surface, theory.twist)
+        self.ties = find_ties(mesh, surface, theory)
         self.hanging = Hanging.of(mesh, theory)
         self.points = mesh.p[:, self.ties.representative]
         jacobian = nodal_jacobian(mesh)
@@ -89,7 +89,7 @@ class Geometry(Places):
         nodal = np.ascontiguousarray(np.stack(vectors).transpose(2, 0, 1))
         for node, tangents in self.ties.poles.items():
             nodal[node, 1:3] = tangents
-            nodal[node, 3] = 0.0 if self.theory.twist else self._normal_at_pole(node, tangents)
+            nodal[node, 3] = self._normal_at_pole(node, tangents) if self.theory.directors else 0.0
         return nodal
 
     def _normal_at_pole(self, node: int, tangents: np.ndarray) -> np.ndarray:
@@ -102,10 +102,10 @@ class Geometry(Places):
     @cached_property
     def scales(self) -> np.ndarray:
         """What each of the 12 coordinates at a node counts in, (n_nodes, 12), powers of two: of the size of the surface, of
-        the undeformed slopes, and of a twist or of one, whatever the units of length and of the parameters."""
+        the undeformed slopes, and of a fourth vector made of them or of one, whatever the units."""
         extent = np.ptp(self.undeformed[:, 0], axis=0).max()
         slopes = np.linalg.norm(self.undeformed[:, 1:3], axis=2)
-        fourth = slopes.prod(axis=1) / extent if self.theory.twist else np.ones(self.n_nodes)
+        fourth = self.theory.fourth_factor(np.einsum("ij,ni->ijn", np.eye(2), slopes / [1.0, extent]))
         sizes = np.column_stack([np.full(self.n_nodes, extent), slopes, fourth])
         return np.repeat(np.exp2(np.round(np.log2(sizes))), 3, axis=1)
 

@@ -1,17 +1,5 @@
-r"""Nodes in the middle of a larger element's edge: their nodal vectors are those of that edge.
-
-With the ends 0 and 1 of an edge of the parameter vector s, along which t and across which n are directions of the
-parameter plane, the cubic Hermite function gives at the middle
-
-.. math::
-    r = \tfrac12 (r_0 + r_1) + \tfrac18 |s| (r_{,t0} - r_{,t1}), \qquad
-    r_{,t} = \tfrac{3}{2 |s|} (r_1 - r_0) - \tfrac14 (r_{,t0} + r_{,t1}).
-
-On the bicubic element the same holds for the pair :math:`r_{,n}, r_{,nt}`: the field is C1 across the edge, and what the
-larger elements can be, smaller ones can. In theory `full`, :math:`r_{,n}` and :math:`r_{,z}` are the means of the ends'.
-For :math:`r_{,z}`, which is linear along an edge, nothing is lost by that; :math:`r_{,n}` of the larger element is a cubic
-that depends on all its nodes, and only its linear part is kept.
-"""
+"""Nodes in the middle of a larger element's edge: their nodal vectors are those of that edge, as the theory has them (see
+:mod:`skancf.theories.edges`)."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -19,8 +7,6 @@ from typing import Any
 import numpy as np
 
 from skancf.theories import Theory
-
-R, R_X, R_Y, FOURTH = range(4)
 
 
 @dataclass(frozen=True)
@@ -47,20 +33,4 @@ class Hanging:
         ends = np.asarray(getattr(mesh, "hanging_ends", np.empty((2, 0), dtype=int)))
         way = mesh.p[:, ends[1]] - mesh.p[:, ends[0]]
         along_x = np.abs(way[0]) > np.abs(way[1])
-        return cls(nodes, ends, _weights(np.where(along_x, way[0], way[1]), along_x, theory.twist))
-
-
-def _weights(way: np.ndarray, along_x: np.ndarray, twist: bool) -> np.ndarray:
-    """Weights (2, m, 4, 4) of edges of signed lengths (m,) along x or y."""
-    out = np.zeros((2, len(way), 4, 4))
-    edge = np.arange(len(way))
-    t, n = np.where(along_x, R_X, R_Y), np.where(along_x, R_Y, R_X)
-    for end, sign in enumerate((1.0, -1.0)):
-        for value, slope in ((R, t), (n, FOURTH)) if twist else ((R, t),):
-            out[end, edge, value, value] = 0.5
-            out[end, edge, value, slope] = sign * way / 8
-            out[end, edge, slope, value] = -sign * 1.5 / way
-            out[end, edge, slope, slope] = -0.25
-        if not twist:
-            out[end, edge, n, n] = out[end, edge, FOURTH, FOURTH] = 0.5
-    return out
+        return cls(nodes, ends, theory.hanging_weights(np.where(along_x, way[0], way[1]), along_x))

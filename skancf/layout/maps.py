@@ -3,6 +3,7 @@
 import numpy as np
 import skfem
 
+from skancf.kernels.constants import FOURTH, R_X, R
 from skancf.kernels.gather import Maps
 from skancf.layout.hanging import Hanging
 from skancf.layout.ties import Ties
@@ -16,12 +17,12 @@ def local_maps(mesh: skfem.MeshQuad, jacobian: np.ndarray, theory: Theory, ties:
     """
     n = mesh.t.shape[1]
     own = np.zeros((n, 4, 4, 4))  # element, corner, local vector, vector at the mesh node
-    own[:, :, 0, 0] = own[:, :, 3, 3] = 1
-    own[:, :, 1:3, 1:3] = jacobian.transpose(3, 2, 1, 0)
-    if theory.twist:
-        own[:, :, 3, 3] = (jacobian[0, 0] * jacobian[1, 1] + jacobian[0, 1] * jacobian[1, 0]).T
+    own[:, :, R, R] = 1
+    own[:, :, R_X:FOURTH, R_X:FOURTH] = jacobian.transpose(3, 2, 1, 0)
+    own[:, :, FOURTH, FOURTH] = theory.fourth_factor(jacobian).T
     size = np.abs(jacobian).max(axis=(0, 1, 2))
-    own[np.abs(own) < 1e-14 * np.minimum(size, size**2 if theory.twist else 1.0)[:, None, None, None]] = 0
+    least = np.minimum(size, theory.fourth_factor(np.multiply.outer(np.eye(2), size)))
+    own[np.abs(own) < 1e-14 * least[:, None, None, None]] = 0
     corners = mesh.t.T.copy()  # the mesh node whose node is the element's there
     element, corner, near, parts = _hanging_corners(mesh, hanging, ties.mix, own, corners)
     own = own @ ties.mix[corners]

@@ -17,6 +17,7 @@ import skfem
 from skancf.errors import InputError
 from skancf.meshes.snap import OF_AN_EDGE, SINGLE
 from skancf.surfaces import Surface, check_regular, closed_directions
+from skancf.theories import Theory
 
 # Of the size of the surface: two positions closer than this are one.
 SAME = 1e-9
@@ -43,8 +44,8 @@ class Ties:
     poles: dict[int, np.ndarray]
 
 
-def find_ties(mesh: skfem.MeshQuad, surface: Surface, twist: bool) -> Ties:
-    """Ties of a mesh on a surface; ``twist`` says that the fourth nodal vector is r_xy.
+def find_ties(mesh: skfem.MeshQuad, surface: Surface, theory: Theory) -> Ties:
+    """Ties of a mesh on a surface, with the nodal vectors of a theory.
 
     Raises
     ------
@@ -66,7 +67,7 @@ def find_ties(mesh: skfem.MeshQuad, surface: Surface, twist: bool) -> Ties:
     for nodes, axis in collapsed:
         root = int(first[nodes].min())
         first[nodes] = root
-        tangents[root] = _pole(mesh, surface, nodes, axis, twist, mix)
+        tangents[root] = _pole(mesh, surface, nodes, axis, theory, mix)
     representative, number = np.unique(first[~hanging], return_inverse=True)
     node_of = np.full(len(first), -1, dtype=np.int32)
     node_of[~hanging] = number
@@ -109,7 +110,7 @@ def _collapsed(mesh: skfem.MeshQuad, surface: Surface) -> list[tuple[np.ndarray,
 
 
 def _pole(
-    mesh: skfem.MeshQuad, surface: Surface, nodes: np.ndarray, along: int, twist: bool, mix: np.ndarray
+    mesh: skfem.MeshQuad, surface: Surface, nodes: np.ndarray, along: int, theory: Theory, mix: np.ndarray
 ) -> np.ndarray:
     """Tangents (2, 3) of a pole; writes the mixes of its nodes."""
     x, y = mesh.p[:, nodes]
@@ -124,8 +125,5 @@ def _pole(
     square = (tangents[0] ** 2).sum()
     mix[nodes, 1:] = 0.0
     mix[nodes, 2 - along, 1:3] = slopes @ tangents.T / square
-    if twist:
-        mix[nodes, 3, 1:3] = twists @ tangents.T / square
-    else:
-        mix[nodes, 3, 3] = 1.0
+    mix[nodes, 3] = theory.fourth_at_pole(twists @ tangents.T / square)
     return np.asarray(tangents)

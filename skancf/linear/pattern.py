@@ -32,12 +32,14 @@ class BlockPattern:
     coordinates: np.ndarray
 
     @classmethod
-    def from_cells(cls, cells: np.ndarray, n_nodes: int, block: int, coordinates: np.ndarray) -> "BlockPattern":
+    def from_cells(
+        cls, cells: np.ndarray | tuple[np.ndarray, ...], n_nodes: int, block: int, coordinates: np.ndarray
+    ) -> "BlockPattern":
         """The pattern in which all nodes of a cell are coupled.
 
         Parameters
         ----------
-        cells : (m, n_cells) int array
+        cells : (m, n_cells) int array, or a tuple of several
         coordinates : (d, n_nodes) array
 
         Raises
@@ -45,13 +47,15 @@ class BlockPattern:
         InputError
             For a node number outside the mesh or coordinates of another number of nodes.
         """
-        cells, coordinates = np.asarray(cells), np.asarray(coordinates, float)
-        if cells.size and not (cells.min() >= 0 and cells.max() < n_nodes):
-            raise InputError(f"cells name the nodes {cells.min()} to {cells.max()}, the mesh has 0 to {n_nodes - 1}")
+        every = [np.asarray(each) for each in (cells if isinstance(cells, tuple) else [cells])]
+        coordinates = np.asarray(coordinates, float)
+        for each in every:
+            if each.size and not (each.min() >= 0 and each.max() < n_nodes):
+                raise InputError(f"cells name the nodes {each.min()} to {each.max()}, the mesh has 0 to {n_nodes - 1}")
         if coordinates.ndim != 2 or coordinates.shape[1] != n_nodes:
             raise InputError(f"coordinates of shape {coordinates.shape}: give (d, {n_nodes}), one column per node")
         diagonal = np.arange(n_nodes, dtype=np.int64) * (n_nodes + 1)
-        keys = np.unique(np.concatenate([diagonal, _upper_keys(cells, n_nodes).ravel()]))
+        keys = np.unique(np.concatenate([diagonal, *[_upper_keys(each, n_nodes).ravel() for each in every]]))
         rows, columns = np.divmod(keys[keys >= 0], n_nodes)
         indptr = np.searchsorted(rows, np.arange(n_nodes + 1))
         return cls(n_nodes, block, indptr.astype(np.int32), columns.astype(np.int32), coordinates)

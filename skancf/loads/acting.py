@@ -1,73 +1,93 @@
 """What a load is on a mesh, and the ways that forces get to the nodes."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from skancf import functions
 from skancf.errors import vector
-from skancf.history import History, amplitude, check_history
+from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, places_of
+from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
 
 class Acting:
-    """A load on a given mesh; a kind of load overrides what it has. See :class:`skancf.terms.protocols.Loading`."""
+    """A load on a given mesh; a kind of load overrides what it has. ``q`` has the shape (n_nodes, 4, 3)."""
 
     history: History | None = None
 
     def histories(self) -> list[Any]:
+        """Its functions of time, among them None for one that is constant."""
         return [self.history]
 
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+    def force(self, q: np.ndarray, case: Case) -> np.ndarray:
+        """External force (n_nodes, 4, 3) in the configuration q, with the factor ``case.amplitude(self.history)``."""
         return np.zeros_like(q)
 
-    def add_stiffness(
-        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
-    ) -> None:
-        """A load that does not follow the motion has none."""
+    def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
+        """Add minus the derivative of the force, by ``blocks.add(elements, matrices)``. Default: zero, the force is dead."""
 
-    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
+    def initial_stresses(self, case: Case) -> np.ndarray | None:
+        """Stresses (n_elements, n_strains, n_points) that hold back a free strain; None if there are none."""
         return None
 
-    def initial_stresses(self, time: float | None) -> np.ndarray | None:
+    def temperature(self, points: np.ndarray, case: Case) -> np.ndarray | None:
+        """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
         return None
 
-    def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray | None:
+    def couple(self, case: Case) -> np.ndarray | None:
+        """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
         return None
 
-    def couple(self, time: float | None) -> np.ndarray | None:
+    def edge_moments(self, facets: np.ndarray, at: np.ndarray, case: Case) -> np.ndarray | None:
+        """Moments per length that it applies along boundary facets (m,), at their points (2, m, n) of the parameter plane:
+        (3, m, n); None without any."""
         return None
 
-    def places(self, time: float | None) -> np.ndarray:
-        return np.empty((2, 0))
+    def singularities(self, case: Case) -> list[Singularity]:
+        """What it does that is not smooth; of a force at a point its force. Default: nothing."""
+        return []
+
+    def places(self, case: Case) -> np.ndarray:
+        """Points (2, n) of the parameter plane at which it acts, if it is at some only; else (2, 0). Default: the single
+        points of its singularities."""
+        return places_of(self.singularities(case))
 
     def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
+        """A time (s) and the impulse (n_nodes, 4, 3) that acts then; None of what acts all the time."""
         return None
 
     def weight(self) -> np.ndarray | None:
+        """Nodal forces (n_nodes, 4, 3) of a weight that changes with neither time nor configuration; None of any other."""
         return None
 
 
 class DeadLoad(Acting):
-    """A force (n_nodes, 4, 3) that does not depend on the configuration, at points (2, n) if it is at some only."""
+    """A force (n_nodes, 4, 3) that does not depend on the configuration; spread over points (2, n) if it is at some only."""
 
-    def __init__(self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None):
-        self.nodal, self.history = nodal, history
-        self.at = np.empty((2, 0)) if at is None else at
+    def __init__(
+        self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None, singular: Sequence[Singularity] = ()
+    ):
+        self.nodal, self.history, self.at, self.singular = nodal, history, at, singular
 
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        return np.asarray(amplitude(self.history, time) * self.nodal)
+    def force(self, q: np.ndarray, case: Case) -> np.ndarray:
+        return np.asarray(case.amplitude(self.history) * self.nodal)
 
-    def places(self, time: float | None) -> np.ndarray:
-        return self.at
+    def singularities(self, case: Case) -> list[Singularity]:
+        return list(self.singular)
+
+    def places(self, case: Case) -> np.ndarray:
+        return super().places(case) if self.at is None else self.at
 
 
 class Load(Protocol):
     """What a problem knows of a load."""
 
     def on(self, assembly: Assembly) -> Any:
-        """The load on a given mesh: see :class:`skancf.terms.protocols.Loading`."""
+        """The load on a given mesh, an :class:`Acting`."""
 
 
 class Spread(NamedTuple):

@@ -4,9 +4,9 @@ from functools import cached_property
 
 import numpy as np
 
-from skancf.history import History, amplitude
-from skancf.kernels import gather
+from skancf.history import Case, History
 from skancf.loads.acting import DeadLoad
+from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 from skancf.theories.kirchhoff.point import dot, dual, unit_normal
 
@@ -33,28 +33,27 @@ class DeadLoadOnNormals(DeadLoad):
         """r_1 and r_2 of the local functions at the integration points, (2, 16, n_points)."""
         return self.geometry.theory.slope_table(self.geometry.theory.quadrature[0])
 
-    def _surface(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, ...]:
+    def _surface(self, q: np.ndarray, case: Case) -> tuple[np.ndarray, ...]:
         """n, a^1 and a^2; s at a time with the areas, and s . a^1 and s . a^2."""
         jet = np.einsum("gap,eai->giep", self.slopes, self.geometry.local(q), optimize=True)
-        duals, s = dual(jet), np.multiply.outer(self.couple(time), self.areas)
+        duals, s = dual(jet), np.multiply.outer(self.couple(case), self.areas)
         return unit_normal(jet), duals, s, np.stack([dot(s, a) for a in duals])
 
-    def couple(self, time: float | None) -> np.ndarray:
-        return np.asarray(amplitude(self.history, time) * self.s)
+    def couple(self, case: Case) -> np.ndarray:
+        return np.asarray(case.amplitude(self.history) * self.s)
 
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        n, _, _, along = self._surface(q, time)
+    def force(self, q: np.ndarray, case: Case) -> np.ndarray:
+        n, _, _, along = self._surface(q, case)
         on_normals = -np.einsum("gap,gep,iep->eai", self.slopes, along, n, optimize=True)
-        return super().force(q, time) + self.geometry.nodal(on_normals, np.arange(self.geometry.n_elements))
+        return super().force(q, case) + self.geometry.nodal(on_normals, np.arange(self.geometry.n_elements))
 
-    def add_stiffness(
-        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
-    ) -> None:
-        n, duals, s, along = self._surface(q, time)
+    def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
+        if blocks.skew:
+            return
+        n, duals, s, along = self._surface(q, case)
         metric = np.einsum("giep,liep->glep", duals, duals)
         # Half of s . delta^2 n is the product of the normal parts with these.
         others = np.einsum("lep,giep,lbp->geibp", along, duals, self.slopes, optimize=True)
         others -= 0.5 * np.einsum("ep,glep,iep,lbp->geibp", dot(s, n), metric, n, self.slopes, optimize=True)
         half = np.einsum("gap,iep,gejbp->eiajb", self.slopes, n, others, optimize=True).reshape(-1, 48, 48)
-        elements = np.arange(self.geometry.n_elements, dtype=np.int32)
-        gather.add_local(elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)
+        blocks.add(np.arange(self.geometry.n_elements), -(half + half.swapaxes(1, 2)))

@@ -8,10 +8,11 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, vector
 from skancf.functions import is_function, values_at
-from skancf.history import History, amplitude, check_history
-from skancf.kernels import gather
+from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import Acting
+from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 from skancf.theories.kirchhoff.point import R1, R2, dual, unit_normal
 from skancf.vectors import cross
@@ -20,7 +21,6 @@ ROUNDING = 1e-12
 """A moment's part normal to the surface that is none, relative to the moment."""
 ALONG = 1e-9
 """Sine of the angle between a moment and the normal below which it is along it."""
-NOWHERE = np.empty((2, 0))
 
 
 @dataclass(frozen=True)
@@ -58,9 +58,10 @@ class EdgeMoment:
         geometry = assembly.geometry
         elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
         moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
-        if geometry.theory.twist:
-            return MomentOnNormals(assembly, elements, points, moments, self.history)
-        return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history)
+        ends = at_place(geometry, self.where, "moment", "an EdgeMoment", single=False)
+        if geometry.theory.directors:
+            return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history, ends)
+        return EdgeMomentOnNormals(assembly, elements, points, moments, self, ends)
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class PointMoment:
 
     Its virtual work is that on the spin of the director or normal there, :math:`m \cdot (d \times \delta d) / d \cdot d`:
     the part of m along the normal does no work. The rotation under it has no limit as the mesh is refined, it grows with the
-    logarithm of the element size; displacements of the thin theory have one.
+    logarithm of the element size; the displacement has one.
 
     Parameters
     ----------
@@ -112,10 +113,11 @@ class PointMoment:
             raise InputError(f"moment = {self.moment} at {self.at} is along the normal of the surface, about which it has "
                              "no stiffness; give a couple of forces instead")  # fmt: skip
         at = geometry.within(np.asarray(self.at, float)[:, None])
-        if geometry.theory.twist:
-            return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, at)
-        tables = geometry.theory.position_table(points[0])[1].T
-        return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, at)
+        singular = [Singularity("moment", at, "a PointMoment", moment)]
+        if geometry.theory.directors:
+            tables = geometry.theory.position_table(points[0])[1].T
+            return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, singular)
+        return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, singular)
 
 
 def _on_nodes(
@@ -148,42 +150,32 @@ class MomentOnDirectors(Acting):
 
     def __init__(
         self, assembly: Assembly, elements: np.ndarray, tables: np.ndarray, moments: np.ndarray, history: History | None,
-        at: np.ndarray = NOWHERE,
+        singular: list[Singularity],
     ):  # fmt: skip
         self.geometry, self.elements, self.tables = assembly.geometry, elements, tables
-        self.moments, self.history, self.at = moments, history, at
+        self.moments, self.history, self.singular = moments, history, singular
 
-    def places(self, time: float | None) -> np.ndarray:
-        return self.at
+    def singularities(self, case: Case) -> list[Singularity]:
+        return self.singular
 
     def _directors(self, q: np.ndarray) -> np.ndarray:
         return np.einsum("ma,mai->mi", self.tables, self.geometry.local(q, self.elements))
 
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+    def force(self, q: np.ndarray, case: Case) -> np.ndarray:
         d = self._directors(q)
-        on_d = amplitude(self.history, time) * np.cross(self.moments, d) / (d * d).sum(axis=1, keepdims=True)
+        on_d = case.amplitude(self.history) * np.cross(self.moments, d) / (d * d).sum(axis=1, keepdims=True)
         return self.geometry.nodal(np.einsum("ma,mi->mai", self.tables, on_d), self.elements)
 
-    def _blocks(self, q: np.ndarray, time: float | None) -> np.ndarray:
+    def _derivative(self, q: np.ndarray, case: Case) -> np.ndarray:
         """Minus the derivative of the force, (m, 3, 3)."""
-        d, m = self._directors(q), amplitude(self.history, time) * self.moments
+        d, m = self._directors(q), case.amplitude(self.history) * self.moments
         square = (d * d).sum(axis=1)[:, None, None]
         against = np.cross(np.eye(3), m[:, None, :]).swapaxes(1, 2)  # columns e_j x m
         return np.asarray(2 * np.einsum("ni,nj->nij", np.cross(m, d), d) / square**2 + against / square)
 
-    def _matrices(self, blocks: np.ndarray) -> np.ndarray:
-        return np.einsum("ma,mij,mb->miajb", self.tables, blocks, self.tables).reshape(-1, 48, 48)
-
-    def add_stiffness(
-        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
-    ) -> None:
-        blocks = self._blocks(q, time)
-        symmetric = self._matrices(factor * (blocks + blocks.swapaxes(1, 2)) / 2)
-        gather.add_local(self.elements, symmetric, self.geometry.maps, slots, out)
-
-    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
-        blocks = self._blocks(q, time)
-        return self.elements, self._matrices((blocks - blocks.swapaxes(1, 2)) / 2)
+    def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
+        on_d = self._derivative(q, case)
+        blocks.add(self.elements, np.einsum("ma,mij,mb->miajb", self.tables, on_d, self.tables).reshape(-1, 48, 48))
 
 
 class MomentOnNormals(Acting):
@@ -200,48 +192,65 @@ class MomentOnNormals(Acting):
 
     def __init__(
         self, assembly: Assembly, elements: np.ndarray, points: np.ndarray, moments: np.ndarray, history: History | None,
-        at: np.ndarray = NOWHERE,
+        singular: list[Singularity],
     ):  # fmt: skip
-        self.at = at
+        self.singular = singular
         self.geometry, self.elements, self.moments, self.history = assembly.geometry, elements, moments, history
         # (m, 2, 16, n): r_1 and r_2 of the local functions at each facet's points.
         self.slopes = np.stack([self.geometry.theory.slope_table(p) for p in points])
-        self._seen: tuple[float | None, np.ndarray, tuple[np.ndarray, ...]] | None = None
+        self._seen: tuple[Case, np.ndarray, tuple[np.ndarray, ...]] | None = None
 
-    def places(self, time: float | None) -> np.ndarray:
-        return self.at
+    def singularities(self, case: Case) -> list[Singularity]:
+        return self.singular
 
-    def _surface(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, ...]:
+    def _surface(self, q: np.ndarray, case: Case) -> tuple[np.ndarray, ...]:
         """Normals, dual vectors, moments and c; of the last state they are kept, since force and stiffness ask in turn."""
-        if self._seen is None or self._seen[0] != time or not np.array_equal(self._seen[1], q):
+        if self._seen is None or self._seen[0] != case or not np.array_equal(self._seen[1], q):
             jet = np.einsum("mgan,mai->gimn", self.slopes, self.geometry.local(q, self.elements))
             n, duals = unit_normal(jet), dual(jet)
-            m = amplitude(self.history, time) * self.moments
-            self._seen = time, q.copy(), (n, duals, m, np.einsum("imn,gimn->gmn", cross(m, n), duals))
+            m = case.amplitude(self.history) * self.moments
+            self._seen = case, q.copy(), (n, duals, m, np.einsum("imn,gimn->gmn", cross(m, n), duals))
         return self._seen[2]
 
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        n, _, _, c = self._surface(q, time)
+    def force(self, q: np.ndarray, case: Case) -> np.ndarray:
+        n, _, _, c = self._surface(q, case)
         return self.geometry.nodal(-np.einsum("mgan,gmn,imn->mai", self.slopes, c, n), self.elements)
 
-    def add_stiffness(
-        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
-    ) -> None:
-        n, duals, _, c = self._surface(q, time)
+    def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
+        if blocks.skew:
+            self._add_skew(q, case, blocks)
+            return
+        n, duals, _, c = self._surface(q, case)
         # Sums over points as products of matrices; a sum of so many factors takes longer to plan than to do.
         left = np.einsum("mgan,gjmn->majn", self.slopes, duals).reshape(len(self.slopes), 48, -1)
         right = np.einsum("mlbn,lmn,imn->mibn", self.slopes, c, n).reshape(len(self.slopes), 48, -1)
         half = (left @ right.swapaxes(1, 2)).reshape(-1, 16, 3, 3, 16).transpose(0, 3, 1, 2, 4).reshape(-1, 48, 48)
-        gather.add_local(self.elements, -factor * (half + half.swapaxes(1, 2)), self.geometry.maps, slots, out)
+        blocks.add(self.elements, -(half + half.swapaxes(1, 2)))
 
-    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
-        n, duals, m, _ = self._surface(q, time)
+    def _add_skew(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
+        n, duals, m, _ = self._surface(q, case)
         spanned = cross(duals[R1], duals[R2])
         normal_part = np.einsum("imn,imn->mn", m, spanned)
         # A moment in the surface: the rest is rounding, and an unsymmetric solve costs as much as all else in an iteration.
         if not (np.abs(normal_part) > ROUNDING * np.abs(m).max() * np.abs(spanned).max()).any():
-            return None
+            return
         # Along each normal, r_1 and r_2 of the functions: (m, 48, points), component by component.
         one, two = (np.einsum("man,imn->mian", self.slopes[:, g], n).reshape(len(self.slopes), 48, -1) for g in (0, 1))
         half = (normal_part[:, None] * one) @ two.swapaxes(1, 2)
-        return self.elements, half - half.swapaxes(1, 2)
+        blocks.add(self.elements, half - half.swapaxes(1, 2))
+
+
+class EdgeMomentOnNormals(MomentOnNormals):
+    """An :class:`EdgeMoment` on normals, which says what it applies along any edge."""
+
+    def __init__(
+        self, assembly: Assembly, elements: np.ndarray, points: np.ndarray, moments: np.ndarray, load: EdgeMoment,
+        singular: list[Singularity],
+    ):  # fmt: skip
+        super().__init__(assembly, elements, points, moments, load.history, singular)
+        self.load = load
+
+    def edge_moments(self, facets: np.ndarray, at: np.ndarray, case: Case) -> np.ndarray:
+        here, out = np.isin(facets, self.geometry.points_and_facets(self.load.where)[1]), np.zeros((3, *at.shape[1:]))
+        out[:, here] = case.amplitude(self.history) * values_at("moment", self.load.moment, at[:, here], 3)
+        return out

@@ -9,10 +9,10 @@ from skancf.arguments import plain
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import number
 from skancf.functions import is_function, values_at
-from skancf.history import History, amplitude, check_history
-from skancf.kernels import gather
+from skancf.history import Case, History, check_history
 from skancf.loads.acting import Acting
 from skancf.loads.pressure_kernel import pressure_stiffness
+from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
 EXACT = 5
@@ -68,7 +68,7 @@ class PressureOnSurface(Acting):
     """A follower pressure on all elements."""
 
     def __init__(self, assembly: Assembly, pressure: float, history: History | None):
-        self.assembly, self.geometry, self.pressure, self.history = assembly, assembly.geometry, pressure, history
+        self.geometry, self.pressure, self.history = assembly.geometry, pressure, history
         theory, geometry = self.geometry.theory, self.geometry
         # N r_x x r_y is of degree 8; the boundary integral of the skew part is that of exact integrals only.
         points, self.weights = square_quadrature(EXACT)
@@ -77,29 +77,27 @@ class PressureOnSurface(Acting):
         self.edges = geometry.mesh.f2t[0, facets]
         self.edge_points, self.edge_tangents, self.edge_weights = geometry.edge_points(facets, EXACT)
 
-    def _amount(self, time: float | None) -> np.ndarray:
+    def _amount(self, case: Case) -> np.ndarray:
         """Pressure of each element along r_1 x r_2, (n_elements,)."""
-        return np.asarray(amplitude(self.history, time) * self.pressure * self.geometry.side)
+        return np.asarray(case.amplitude(self.history) * self.pressure * self.geometry.side)
 
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
+    def force(self, q: np.ndarray, case: Case) -> np.ndarray:
         geometry = self.geometry
         one, two = np.einsum("gap,eai->gpei", self.slopes, geometry.local(q), optimize=True)
-        along = np.cross(one, two) * (self._amount(time) * self.weights[:, None])[:, :, None]
+        along = np.cross(one, two) * (self._amount(case) * self.weights[:, None])[:, :, None]
         return geometry.nodal(np.einsum("ap,pei->eai", self.values, along, optimize=True), np.arange(geometry.n_elements))
 
-    def add_stiffness(
-        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
-    ) -> None:
-        self.assembly.schedule.run(
-            pressure_stiffness, q, factor * self._amount(time), self.values * self.weights, self.slopes,
-            self.geometry.maps, slots, out,
-        )  # fmt: skip
+    def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
+        if blocks.skew:
+            self._add_skew(q, case, blocks)
+            return
+        blocks.run(pressure_stiffness, q, self._amount(case), self.values * self.weights, self.slopes, self.geometry.maps)
 
-    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
+    def _add_skew(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
         if not len(self.edges):
-            return None
+            return
         geometry, matrices = self.geometry, np.zeros((len(self.edges), 3, 16, 3, 16))
-        vectors, amount = geometry.local(q, self.edges), self._amount(time)[self.edges]
+        vectors, amount = geometry.local(q, self.edges), self._amount(case)[self.edges]
         for k, points in enumerate(self.edge_points):
             N = geometry.theory.position_table(points)[0]
             slopes = geometry.theory.slope_table(points)
@@ -107,7 +105,7 @@ class PressureOnSurface(Acting):
             # u . (v x dr) = -u . (dr x v); minus the derivative of the force has the opposite sign.
             cross = 0.5 * amount[k] * np.cross(np.eye(3)[:, :, None], dr[:, None], axis=0)  # (i, j, n) of e_j x dr
             matrices[k] = -np.einsum("an,ijn,bn->iajb", N, cross, N)
-        return self.edges, matrices.reshape(-1, 48, 48)
+        blocks.add(self.edges, matrices.reshape(-1, 48, 48))
 
 
 class VaryingPressure(Acting):
@@ -127,26 +125,18 @@ class VaryingPressure(Acting):
         """r_1 and r_2 at the points, (2, n_elements, n_points, 3)."""
         return np.einsum("gap,eai->gepi", self.slopes, self.geometry.local(q), optimize=True)
 
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        along = np.cross(*self._tangents(q)) * (amplitude(self.history, time) * self.amounts)[:, :, None]
+    def force(self, q: np.ndarray, case: Case) -> np.ndarray:
+        along = np.cross(*self._tangents(q)) * (case.amplitude(self.history) * self.amounts)[:, :, None]
         return self.geometry.nodal(np.einsum("ap,epi->eai", self.values, along), np.arange(self.geometry.n_elements))
 
-    def _matrices(self, q: np.ndarray, time: float | None) -> np.ndarray:
+    def _matrices(self, q: np.ndarray, case: Case) -> np.ndarray:
         """Minus the derivative of the force, (n_elements, 48, 48), component by component."""
         one, two = self._tangents(q)
-        amounts, axes = amplitude(self.history, time) * self.amounts, np.eye(3)[:, None, None]
+        amounts, axes = case.amplitude(self.history) * self.amounts, np.eye(3)[:, None, None]
         # (j, e, p, i): r_1 x e_j with the slope along 2, and e_j x r_2 with that along 1.
         turned = np.stack([np.cross(axes, two), np.cross(one, axes)]) * amounts[:, :, None]
         full = -np.einsum("ap,gjepi,gbp->eiajb", self.values, turned, self.slopes, optimize=True)
         return full.reshape(-1, 48, 48)
 
-    def add_stiffness(
-        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
-    ) -> None:
-        full = self._matrices(q, time)
-        elements = np.arange(self.geometry.n_elements, dtype=np.int32)
-        gather.add_local(elements, factor * (full + full.swapaxes(1, 2)) / 2, self.geometry.maps, slots, out)
-
-    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray]:
-        full = self._matrices(q, time)
-        return np.arange(self.geometry.n_elements), (full - full.swapaxes(1, 2)) / 2
+    def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
+        blocks.add(np.arange(self.geometry.n_elements), self._matrices(q, case))

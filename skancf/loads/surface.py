@@ -55,7 +55,7 @@ class Gravity:
         moments = assembly.sections.moments[assembly.sections.shape][:, :2]
         acceleration = np.asarray(self.acceleration, float)
         nodal = over_elements(geometry, np.einsum("evp,i->evip", moments, acceleration))
-        if geometry.theory.twist and assembly.section.first_moment:
+        if not geometry.theory.directors and assembly.section.first_moment:
             return DeadLoadOnNormals(assembly, nodal, assembly.section.first_moment * acceleration, self.history)
         return Weight(nodal, self.history)
 

@@ -8,7 +8,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, finite
 from skancf.functions import is_function, values_at
-from skancf.history import History, amplitude, check_history
+from skancf.history import Case, History, check_history
 from skancf.loads.acting import Acting
 from skancf.terms.protocols import Assembly
 
@@ -52,8 +52,8 @@ class Heating(Acting):
         self.load, self.history, self.geometry = load, load.history, assembly.geometry
         self.held = assembly.thermal_stresses(*load.values(self.geometry.parameters(self.geometry.theory.quadrature[0])))
 
-    def initial_stresses(self, time: float | None) -> np.ndarray:
-        return np.asarray(amplitude(self.history, time) * self.held)
+    def initial_stresses(self, case: Case) -> np.ndarray:
+        return np.asarray(case.amplitude(self.history) * self.held)
 
-    def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray:
-        return np.asarray(amplitude(self.history, time) * np.stack(self.load.values(self.geometry.parameters(points))))
+    def temperature(self, points: np.ndarray, case: Case) -> np.ndarray:
+        return np.asarray(case.amplitude(self.history) * np.stack(self.load.values(self.geometry.parameters(points))))

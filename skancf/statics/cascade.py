@@ -9,6 +9,7 @@ import numpy as np
 
 from skancf.checks import Check, failures
 from skancf.errors import SingularMatrix
+from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -219,5 +220,5 @@ class Cascade:
         first = min(stable[-1] + 1, len(factors) - 1)
         at = self.path[-1]
         message = UNSTABLE.format(self.pivots[-1], factors[first - 1], factors[first])
-        skew = is_skew(self.system, self.system.tangent(at.q, factor=at.load_factor), at.q, at.load_factor)
+        skew = is_skew(self.system, self.system.tangent(at.q, Case(at.load_factor)), at.q, at.load_factor)
         return f"{message}. {SYMMETRIC_ONLY}" if skew else message

@@ -3,6 +3,7 @@
 import numpy as np
 
 from skancf.errors import warn
+from skancf.history import Case
 from skancf.solution import Solution
 from skancf.statics.depth import THICK
 from skancf.thinness import ShearForm, product_of, rotary_inertia, with_shear
@@ -14,13 +15,13 @@ def frequency_changes(state: Solution, eigenvalues: np.ndarray, shapes: np.ndarr
     Eigenvalues (n,) and shapes (n, n_dofs) of unit modal mass; NaN where an eigenvalue is not positive.
     """
     system = state.system
-    if not (hasattr(system, "geometry") and system.geometry.theory.twist):
+    if not hasattr(system, "geometry") or system.geometry.theory.shear:
         return np.zeros(len(eigenvalues))
     start = system.undeformed
     at = start if state.linear else state.q
     form, elastic = ShearForm(system), eigenvalues
     if not np.array_equal(state.q, start):
-        plain = system.stiffness() if state.linear else system.tangent(at, np.zeros_like(system.stresses(start)), factor=0.0)
+        plain = system.stiffness() if state.linear else system.tangent(at, Case(0.0), np.zeros_like(system.stresses(start)))
         elastic = np.array([2 * plain.energy(shape) for shape in shapes])
     out = np.full(len(eigenvalues), np.nan)
     for k in np.flatnonzero((eigenvalues > 0) & (elastic > 0)):
@@ -34,7 +35,7 @@ def buckling_changes(linear: Solution, shapes: np.ndarray) -> np.ndarray:
     r"""By which part of itself shear changes each buckling load, :math:`1 / (1 + F(\phi, \phi)) - 1` with
     :math:`\phi \cdot K_0 \phi = 1`, (n,)."""
     system = linear.system
-    if not (hasattr(system, "geometry") and system.geometry.theory.twist):
+    if not hasattr(system, "geometry") or system.geometry.theory.shear:
         return np.zeros(len(shapes))
     form = ShearForm(system)
     return np.array([with_shear(1.0, 1.0, product_of(form, system.undeformed, shape)) - 1 for shape in shapes])

@@ -352,7 +352,7 @@ def _largest_inside(system: Any, mode: np.ndarray) -> float:
     """Largest movement at the integration points: of single elements only slopes and twists of nodes may move."""
     geometry = system.geometry
     table = geometry.theory.position_table(geometry.theory.quadrature[0])[0]
-    inside = np.einsum("ap,eai->epi", table, geometry.local(mode.reshape(-1, 4, 3)))
+    inside = np.einsum("ap,eai->epi", table, geometry.local(system.shell.nodal(mode)))
     return float(np.linalg.norm(inside, axis=2).max()) or 1.0
 
 
@@ -361,7 +361,8 @@ MODE = "mode of arbitrary size"
 
 def moved_along(state: Solution, mode: np.ndarray, size: float | None) -> Solution:
     """A state moved along a mode until its nodes moved by ``size`` at most; by default a tenth of the structure's extent."""
-    r = state.system.undeformed.reshape(-1, 4, 3)[:, 0]
+    layout = state.system.layout
+    r = layout.positions(state.system.undeformed)
     size = 0.1 * float(np.linalg.norm(np.ptp(r, axis=0))) if size is None else positive("size", size, "m")
-    largest = float(np.linalg.norm(mode.reshape(-1, 4, 3)[:, 0], axis=1).max()) or _largest_inside(state.system, mode)
+    largest = float(np.linalg.norm(layout.positions(mode), axis=1).max()) or _largest_inside(state.system, mode)
     return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor, note=MODE)

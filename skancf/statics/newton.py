@@ -13,6 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import DidNotConverge
+from skancf.history import FULL, Case
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
 from skancf.solving import End, Status, iterate
 from skancf.statics.stopping import Constraint, Pull, StopRule, moves, work
@@ -21,8 +22,8 @@ from skancf.statics.stopping import Constraint, Pull, StopRule, moves, work
 class System(Protocol):
     """All that statics knows of a model.
 
-    A model may also have ``strain_energy(q, factor)``, by which the end of a solve is judged; ``largest_turn(change)``, the
-    largest change of a slope; ``pretension``, the stiffness of a uniform dilation; ``skew(q, time, factor)``, the
+    A model may also have ``strain_energy(q, case)``, by which the end of a solve is judged; ``largest_turn(change)``, the
+    largest change of a slope; ``pretension``, the stiffness of a uniform dilation; ``skew(q, case)``, the
     skew-symmetric part of its tangent as a sparse matrix or None; ``folded(q)``, the number and the place of an element that
     folded or None; ``foundation``, its springs as a matrix or None; ``plain_stiffness()``, that of the undeformed state with
     membrane strains as they are; and ``free_rigid_motions()``, those that nothing holds, in words.
@@ -35,12 +36,12 @@ class System(Protocol):
     @property
     def mass(self) -> BlockMatrix: ...
     def internal_force(self, q: np.ndarray) -> np.ndarray: ...
-    def external_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray: ...
+    def external_force(self, q: np.ndarray, case: Case = FULL) -> np.ndarray: ...
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray: ...
     def tangent(
-        self, q: np.ndarray, stresses: np.ndarray | None = None, time: float | None = None, factor: float = 1.0
+        self, q: np.ndarray, case: Case = FULL, stresses: np.ndarray | None = None
     ) -> BlockMatrix: ...
-    def prescribed(self, time: float | None = None) -> np.ndarray: ...
+    def prescribed(self, case: Case = FULL) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
@@ -92,7 +93,7 @@ FAR = "the first correction turns a slope by {:.2g} of its length, more than the
 def skew_part(system: System, q: np.ndarray, load_factor: float) -> sp.csr_matrix | None:
     """Skew-symmetric part of the tangent at (q, load factor); None if there is none."""
     hook: Any = getattr(system, "skew", None)
-    return hook(q, None, load_factor) if hook and load_factor else None
+    return hook(q, Case(load_factor)) if hook and load_factor else None
 
 
 def factored(
@@ -105,7 +106,7 @@ def factored(
     ------
     SingularMatrix
     """
-    matrix = system.tangent(q, stresses, factor=load_factor)
+    matrix = system.tangent(q, Case(load_factor), stresses)
     if pull:
         matrix = matrix + pull.strength * pull.metric
     solver.factor(matrix)

@@ -6,6 +6,7 @@ import numpy as np
 
 from skancf.checks import Check, failures
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, shown
+from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -198,7 +199,7 @@ class _Run:
         last = points[-1]
         if len(points) < 2 or not hasattr(self.system, "strain_energy"):
             return ()
-        sizes = np.abs(self.system.tangent(last.q, factor=last.load_factor).diagonal())
+        sizes = np.abs(self.system.tangent(last.q, Case(last.load_factor)).diagonal())
         balance = Balance.of_state(self.system, last.q, last.load_factor, points[0].q)
         return checks_of(balance.measured(sizes))
 

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
 from skancf.statics.newton import NewtonResult, System, factored, largest_turn
 from skancf.statics.stopping import Pull, work
@@ -143,7 +144,7 @@ class Relaxation:
 
     def has_potential(self, q: np.ndarray) -> bool:
         """Whether the tangent of a state is symmetric."""
-        return not is_skew(self.system, self.system.tangent(q, factor=self.load_factor), q, self.load_factor)
+        return not is_skew(self.system, self.system.tangent(q, Case(self.load_factor)), q, self.load_factor)
 
     def _first_strength(self, q: np.ndarray) -> tuple[float, float]:
         """The stiffness against the load, relative to G, of the way that the load begins; and that times its turn, so that
@@ -171,15 +172,16 @@ class Relaxation:
         """Change of the strain energy less the work of the loads, of which the mean of both ends acts on the way."""
         system: Any = self.system
         factor = self.load_factor
-        stored = system.strain_energy(to, factor) - system.strain_energy(q, factor)
+        stored = system.strain_energy(to, Case(factor)) - system.strain_energy(q, Case(factor))
         force = 0.5 * factor * (system.external_force(q) + system.external_force(to))
         return float(stored - force @ (to - q))
 
     def _far(self, change: np.ndarray) -> float:
         """Largest displacement in a change, over that of a push."""
-        positions = self.system.undeformed.reshape(-1, 4, 3)[:, 0]
+        layout: Any = self.system.layout  # type: ignore[attr-defined]
+        positions = layout.positions(self.system.undeformed)
         push = PUSH * float(np.linalg.norm(np.ptp(positions, axis=0)))
-        return float(np.abs(change.reshape(-1, 4, 3)[:, 0]).max()) / push
+        return float(np.abs(layout.positions(change)).max()) / push
 
 
 def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:
@@ -187,7 +189,7 @@ def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: floa
 
     Of its two directions the one in which the first of its largest components is positive: the same on every machine.
     """
-    matrix = system.tangent(q, factor=load_factor)
+    matrix = system.tangent(q, Case(load_factor))
     factor_shifted(solver, matrix, system.mass)
     values, motions = soft_motions(system, solver, matrix, CANDIDATES, INVERSE_ITERATIONS)
     motion = motions[int(np.argmin(values))]

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver, factor_shifted, soft_motions
 from skancf.statics.newton import System
 
@@ -31,7 +32,7 @@ def softest_mode(
     ``without_work`` keeps to motions x with x . F = 0: their tangent is regular at a limit point. With K u = F they are the
     K-projection :math:`x - (x \cdot F / u \cdot F)\,u`, and have one negative eigenvalue less where u . F < 0.
     """
-    tangent = SkewSolver(system.tangent(q, factor=load_factor), None, solver)
+    tangent = SkewSolver(system.tangent(q, Case(load_factor)), None, solver)
     factor_shifted(solver, tangent.matrix, system.mass)
     with np.errstate(over="ignore", invalid="ignore"):
         return _softest(system, solver, q, tangent, without_work)

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from skancf.history import Case
 from skancf.linear import BlockMatrix, SkewSolver
 
 ROUNDING = 1e-15
@@ -148,9 +149,9 @@ class StopRule:
         if stored is None:
             return np.inf
         if self._at_origin is None:
-            self._at_origin = stored(self.origin, load_factor)
+            self._at_origin = stored(self.origin, Case(load_factor))
         with np.errstate(over="ignore", invalid="ignore"):
-            scale = 2 * (stored(q, load_factor) + self._at_origin + (self.pull.energy(q) if self.pull else 0.0))
+            scale = 2 * (stored(q, Case(load_factor)) + self._at_origin + (self.pull.energy(q) if self.pull else 0.0))
         return scale if np.isfinite(scale) else 0.0
 
     def _is_small(self, change: np.ndarray, way: np.ndarray) -> bool:

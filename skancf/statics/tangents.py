@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.errors import OutOfDepth
+from skancf.history import Case
 from skancf.linear import BlockMatrix
 from skancf.solution import Solution
 from skancf.statics.newton import skew_part
@@ -36,7 +37,7 @@ def geometric_stiffness(system: System, change: np.ndarray, load_factor: float =
     start, size = system.undeformed, float(np.abs(change).max(initial=0.0))
     power = int(np.frexp(np.abs(start).max())[1] - np.frexp(size)[1]) if size else 0
     stresses = system.stresses(start, np.ldexp(change, power)) - system.stresses(start)
-    scaled = system.tangent(start, stresses, factor=float(np.ldexp(load_factor, power)))
+    scaled = system.tangent(start, Case(float(np.ldexp(load_factor, power))), stresses)
     return BlockMatrix(scaled.pattern, np.ldexp(scaled.values - system.stiffness().values, -power))
 
 
@@ -46,7 +47,7 @@ def state_tangent(system: System, state: Solution | None) -> BlockMatrix:
         return system.stiffness()
     if state.linear:
         return linear_tangent(system, state.change, state.load_factor)
-    return system.tangent(state.q, factor=state.load_factor)
+    return system.tangent(state.q, state.case)
 
 
 def is_skew(system: Any, tangent: BlockMatrix, q: np.ndarray, load_factor: float) -> bool:

@@ -12,33 +12,31 @@ of (x, y) where it is true at both ends of one: slopes along them are held too. 
 nodes inside as well, as one with a wide tolerance is, is warned of too, unless it is true everywhere.
 """
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from skancf.errors import InputError
+from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.terms.protocols import Assembly
+from skancf.theories.rows import Row, condition
 from skancf.vectors import cross
-
-R, R_X, R_Y, FOURTH = range(4)
-
-
-class Row(NamedTuple):
-    """One condition a . (e - e0) = value on the 12 coordinates e at a node of the mesh.
-
-    Of a support with several functions of time there is a value for each.
-    ``own`` says that at a pole e are r and the tangents that the pole has itself, not the slopes seen from that node.
-    """
-
-    node: int
-    a: np.ndarray
-    value: Any = 0.0
-    own: bool = False
 
 
 class Support:
-    """What a problem knows of a support: conditions, springs or dashpots."""
+    """What a problem knows of a support: conditions, springs or dashpots.
+
+    Attributes
+    ----------
+    holds : tuple of str
+        What it holds where it has a place ``where``, the kinds of a :class:`~skancf.supports.Singularity`: positions in all
+        directions, in part, normals.
+    """
+
+    holds: ClassVar[tuple[str, ...]] = ("part",)
 
     @property
     def histories(self) -> tuple[Any, ...]:
@@ -57,13 +55,14 @@ class Support:
         """The same of forces in proportion to velocities."""
         return []
 
-
-def condition(kinds: dict[int, Any], direction: np.ndarray) -> np.ndarray:
-    """Coefficients (12,) of a combination of nodal vectors: each factor times the direction, or a vector of its own."""
-    a = np.zeros((4, 3))
-    for kind, factor in kinds.items():
-        a[kind] = factor if np.ndim(factor) else factor * direction
-    return a.ravel()
+    def singularities(self, geometry: Geometry) -> list[Singularity]:
+        """What it does that is not smooth; by default what it ``holds`` at its place ``where``, if it has one, and with a
+        ``kind`` of ``"hard"`` the tilt along its edges."""
+        if not hasattr(self, "where"):
+            return []
+        kinds = self.holds + ("tilt",) * (getattr(self, "kind", None) == "hard")
+        name = type(self).__name__
+        return at_place(geometry, self.where, kinds, f"{'an' if name[0] in 'AEIOU' else 'a'} {name}")
 
 
 Edges = dict[int, list[np.ndarray]]
@@ -126,49 +125,48 @@ def space_tangent(geometry: Geometry, node: int, along: np.ndarray) -> np.ndarra
     return np.asarray(tangent / np.linalg.norm(tangent))
 
 
-def across(along: np.ndarray) -> int:
-    """The nodal vector that is the slope across an edge along a parameter."""
-    return R_X if abs(along[1]) > abs(along[0]) else R_Y
+@dataclass(frozen=True)
+class SpotOfMesh:
+    """The undeformed surface at a node of a mesh: see :class:`skancf.theories.rows.Spot`."""
+
+    geometry: Geometry
+    node: int
+
+    @property
+    def normal(self) -> np.ndarray:
+        return self.geometry.normal_at(self.node)
+
+    @property
+    def normal_slopes(self) -> np.ndarray:
+        return self.geometry.normal_slopes_at(self.node)
+
+    @property
+    def slopes(self) -> np.ndarray:
+        return np.asarray(self.geometry.undeformed_at(self.node)[[R_X, R_Y]])
+
+    @property
+    def vectors(self) -> np.ndarray:
+        return slopes_or_tangents(self.geometry, self.node)[0]
+
+    @property
+    def own(self) -> bool:
+        return slopes_or_tangents(self.geometry, self.node)[1]
+
+    def tangent(self, along: np.ndarray) -> np.ndarray:
+        return space_tangent(self.geometry, self.node, along)
 
 
 def no_tilt_along(geometry: Geometry, place: Edges) -> list[Row]:
     """The normal does not tilt along the edge."""
-    rows = []
-    for node, tangents in place.items():
-        for along in tangents:
-            if geometry.theory.twist:
-                rows.append(Row(node, condition({R_X: along[0], R_Y: along[1]}, geometry.normal_at(node))))
-            else:
-                rows.append(Row(node, condition({FOURTH: 1.0}, space_tangent(geometry, node, along))))
-    return rows
+    spots = [(SpotOfMesh(geometry, node), tangents) for node, tangents in place.items()]
+    return [row for spot, tangents in spots for along in tangents for row in geometry.theory.no_tilt(spot, along)]
 
 
 def no_turn_about(geometry: Geometry, place: Edges) -> list[Row]:
-    """The normal does not turn about the edge; at single points not at all.
-
-    On the thin element the slope across the edge stays in the tangent plane, n . r_,x = 0 all along it: the stretch of the
-    surface at the edge is free. Its derivative along the edge is n . r_,xy + n_,y . r_,x = 0. At a point n . r_,x =
-    n . r_,y = 0.
-    """
-    rows, thin = [], geometry.theory.twist
-    for node, tangents in place.items():
-        if tangents and not thin:
-            rows += _director_held(node)
-        for along in tangents if thin else ():
-            n, kind = geometry.normal_at(node), across(along)
-            rows.append(Row(node, condition({kind: 1.0}, n)))
-            rows.append(Row(node, condition({FOURTH: 1.0, kind: geometry.normal_slopes_at(node)[kind - 1 ^ 1]}, n)))
-    for node in single_points(geometry, place):
-        if thin:
-            n, own = geometry.normal_at(node), slopes_or_tangents(geometry, node)[1]
-            rows += [Row(node, condition({kind: 1.0}, n), own=own) for kind in (R_X, R_Y)]
-        else:
-            rows += _director_held(node)
-    return rows
-
-
-def _director_held(node: int) -> list[Row]:
-    return [Row(node, condition({FOURTH: 1.0}, axis)) for axis in np.eye(3)]
+    """The normal does not turn about the edge; at single points not at all."""
+    nodes = [(node, tangents) for node, tangents in place.items() if tangents]
+    nodes += [(node, []) for node in single_points(geometry, place)]
+    return [row for node, tangents in nodes for row in geometry.theory.no_turn(SpotOfMesh(geometry, node), tangents)]
 
 
 def no_drilling(geometry: Geometry, place: Edges) -> list[Row]:

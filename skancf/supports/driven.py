@@ -11,8 +11,10 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
+from skancf.kernels.constants import FOURTH, R
 from skancf.layout.geometry import Geometry
-from skancf.supports.conditions import FOURTH, R, Row, Support, condition, edges
+from skancf.supports.conditions import Support, edges
+from skancf.theories.rows import Row, condition
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,7 @@ class DrivenClamp(Support):
     >>> hub = sk.DrivenClamp("left", axis=(0.0, 0.0, 1.0), angle=lambda t: 3.0 * t**2)
     """
 
+    holds = ("position", "normal")
     where: Any
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     through: tuple[float, float, float] = (0.0, 0.0, 0.0)

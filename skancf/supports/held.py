@@ -6,26 +6,12 @@ from typing import Any
 import numpy as np
 
 from skancf.errors import InputError, shown, unit_vector, warn
+from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
 from skancf.supports.alone import edges_or_points
-from skancf.supports.conditions import (
-    FOURTH,
-    R_X,
-    R_Y,
-    R,
-    Row,
-    Support,
-    across,
-    condition,
-    edges,
-    held_along,
-    no_drilling,
-    no_tilt_along,
-    no_turn_about,
-    slopes_or_tangents,
-    space_tangent,
-)
+from skancf.supports.conditions import SpotOfMesh, Support, edges, held_along, no_drilling, no_tilt_along, no_turn_about
 from skancf.supports.plane import check_planes
+from skancf.theories.rows import Row, across, condition
 from skancf.vectors import cross
 
 
@@ -40,6 +26,7 @@ def checked_kind(kind: str) -> str:
 class Pin(Support):
     """Positions held, as by a hinge along an edge or a ball joint at a point; rotations are free."""
 
+    holds = ("position",)
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
@@ -53,6 +40,7 @@ class Clamp(Support):
     At single points the position, the normal and the rotation about it are held; the surface may stretch there.
     """
 
+    holds = ("position", "normal")
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
@@ -67,6 +55,7 @@ class NoRotation(Support):
     With :class:`Roller` a clamped edge that is free to slide in the surface.
     """
 
+    holds = ("normal",)
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
@@ -89,6 +78,7 @@ class SimpleSupport(Support):
         hard supports. ``"soft"`` leaves it free.
     """
 
+    holds = ("position",)
     where: Any
     kind: str = "soft"
 
@@ -143,7 +133,7 @@ class Roller(Support):
         if self.kind != "hard":
             return rows
         upright = max((abs(geometry.normal_at(node) @ direction) for node in place), default=1.0)
-        if geometry.theory.twist and upright < ASKEW:
+        if not geometry.theory.shear and upright < ASKEW:
             said = f"Roller({self.where!r}, {self.direction}, kind='hard'): in theory 'kirchhoff' the normal tilts along an"
             way_out = "hold the deflection too, take kind='soft', or theory 'full'"
             if upright < IN_PLANE:
@@ -167,6 +157,7 @@ class Symmetry(Support):
         theory where lines of the parameters do not cross the edge at right angles.
     """
 
+    holds = ("mirror",)
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
@@ -180,18 +171,11 @@ class Symmetry(Support):
         return rows
 
     def _rows_at(self, geometry: Geometry, node: int, along: np.ndarray) -> list[Row]:
-        normal, tangent = geometry.normal_at(node), space_tangent(geometry, node, along)
-        out = cross(tangent, normal)
-        slopes, own = slopes_or_tangents(geometry, node)
+        spot = SpotOfMesh(geometry, node)
+        out = cross(spot.tangent(along), spot.normal)
         rows = [Row(node, condition({R: 1.0}, out)), Row(node, condition({R_X: along[0], R_Y: along[1]}, out))]
-        if geometry.theory.twist:
-            kind = across(along)
-            slope = geometry.undeformed_at(node)[kind]
-            if np.linalg.norm(cross(slope, out)) > 1e-6 * np.linalg.norm(slope):
-                raise InputError(f"Symmetry({self.where!r}): the lines of the parameter {'xy'[kind - 1]} do not cross the "
-                                 "edge at right angles; use a surface on which they do")  # fmt: skip
-            return rows + [Row(node, condition({k: 1.0}, v)) for k in (kind, FOURTH) for v in (tangent, normal)]
-        # The combination of slopes that is across the plane in the undeformed state.
-        x, y = np.linalg.lstsq(slopes.T, out, rcond=None)[0]
-        rows.append(Row(node, condition({FOURTH: 1.0}, out)))
-        return rows + [Row(node, condition({R_X: x, R_Y: y}, v), own=own) for v in (tangent, normal)]
+        held = geometry.theory.symmetric(spot, along)
+        if held is None:
+            raise InputError(f"Symmetry({self.where!r}): the lines of the parameter {'xy'[across(along) - 1]} do not cross "
+                             "the edge at right angles; use a surface on which they do")  # fmt: skip
+        return rows + held

@@ -11,23 +11,13 @@ from skancf.arguments import plain
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function, values_at
 from skancf.history import History, check_history
+from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.supports.alone import edges_or_points
-from skancf.supports.conditions import (
-    FOURTH,
-    R_X,
-    R_Y,
-    Edges,
-    R,
-    Row,
-    Support,
-    across,
-    condition,
-    single_points,
-    slopes_or_tangents,
-)  # fmt: skip
+from skancf.supports.conditions import Edges, SpotOfMesh, Support, single_points
 from skancf.surfaces import normal
-from skancf.vectors import cross
+from skancf.theories.rows import Row, condition
 
 N_EDGE = 9
 """Points on an edge at which functions are differentiated: exact to degree eight."""
@@ -103,6 +93,11 @@ class Prescribed(Support):
                 rows += fields.rows(place, axis, lambda at, u=u: values_at("displacement", u, at))
         return rows if self.rotation is None else rows + self._rotated(geometry, place, fields)
 
+    def singularities(self, geometry: Geometry) -> list[Singularity]:
+        given = [u is not None for u in self._components(geometry)]
+        kinds = ("position",) * all(given) or ("part",) * any(given)
+        return at_place(geometry, self.where, kinds + ("normal",) * (self.rotation is not None), "a Prescribed")
+
     def _components(self, geometry: Geometry) -> list[Any]:
         """A number or a function of (x, y) for each direction, None where it is free."""
         whole = self.displacement
@@ -132,40 +127,25 @@ class Prescribed(Support):
         def rotation(at: np.ndarray) -> np.ndarray:
             return values_at("rotation", self.rotation, at, 3)
 
-        if not geometry.theory.twist:
-            turned = fields.nodal(lambda at: cross(rotation(at), normal(geometry.surface, *at)))
-            rows = []
-            for node in place:
-                tangents = np.linalg.svd(geometry.normal_at(node)[None])[2][1:]
-                rows += [Row(node, condition({FOURTH: 1.0}, t), float(t @ turned[:, node])) for t in tangents]
-            return rows
-        rows = []
+        theory = geometry.theory
 
-        def slope(kind: int) -> Any:
+        def turn_of(kind: int) -> Any:
             def values(at: np.ndarray) -> np.ndarray:
-                across_edge = geometry.surface.derivatives(*at)[kind - 1]
-                n = normal(geometry.surface, *at)
-                return (cross(rotation(at), across_edge) * n).sum(axis=0)
+                slopes = geometry.surface.derivatives(*at)
+                return theory.turn_of(kind, rotation(at), normal(geometry.surface, *at), slopes)
 
             return values
 
-        found = {kind: (fields.nodal(slope(kind)), fields.slopes(slope(kind))) for kind in (R_X, R_Y)}
-        for node, directions in place.items():
-            n = geometry.normal_at(node)
-            for k, along in enumerate(directions):
-                kind = across(along)
-                values, slopes = found[kind]
-                sign = along[2 - kind]  # the derivative by the parameter itself
-                rows.append(Row(node, condition({kind: 1.0}, n), float(values[node])))
-                rate = geometry.normal_slopes_at(node)[kind - 1 ^ 1]
-                rows.append(Row(node, condition({FOURTH: 1.0, kind: rate}, n), slopes[node][k] / sign))
-        for node in single_points(geometry, place):
-            vectors, own = slopes_or_tangents(geometry, node)
-            n, theta = geometry.normal_at(node), rotation(geometry.mesh.p[:, [node]])[:, 0]
-            rows += [
-                Row(node, condition({kind: 1.0}, n), float(n @ np.cross(theta, vectors[kind - 1])), own)
-                for kind in (R_X, R_Y)
-            ]
+        found = {kind: fields.nodal(turn_of(kind)) for kind in theory.turns}
+        rates = {kind: fields.slopes(turn_of(kind)) for kind in theory.turns} if theory.continuity else {}
+        nodes = [(node, directions) for node, directions in place.items() if directions]
+        nodes += [(node, []) for node in single_points(geometry, place)]
+        rows = []
+        for node, directions in nodes:
+            here = {kind: values[..., node] for kind, values in found.items()}
+            along = {kind: slopes[node] for kind, slopes in rates.items()}
+            turn = np.zeros(3) if directions else rotation(geometry.mesh.p[:, [node]])[:, 0]
+            rows += theory.turned(SpotOfMesh(geometry, node), directions, turn, here, along)
         return rows
 
 

@@ -4,8 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from skancf.history import Case
+from skancf.layout.folds import first_fold
 from skancf.layout.geometry import Geometry
 from skancf.linear import BlockMatrix
+
+__all__ = ["first_fold", "largest_turn", "pretension"]
 
 NO_SLOPE = 1e-9
 """A slope so short, relative to the longest, has no direction."""
@@ -15,7 +19,7 @@ def pretension(system: Any) -> BlockMatrix:
     """Geometric stiffness of a uniform dilation by one: see :attr:`skancf.system.system.System.pretension`."""
     start = system.undeformed
     dilated = system.stresses(start, start) - system.stresses(start)
-    return BlockMatrix(system.pattern, system.tangent(start, dilated, factor=0.0).values - system.stiffness().values)
+    return BlockMatrix(system.pattern, system.tangent(start, Case(0.0), dilated).values - system.stiffness().values)
 
 
 def largest_turn(geometry: Geometry, change: np.ndarray) -> float:

@@ -1,6 +1,6 @@
-"""A problem on a mesh with a theory: what solvers know."""
+"""What solvers know: sums of terms over a layout of unknowns, and which of these are held."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from itertools import chain
 from typing import Any
@@ -8,37 +8,43 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.errors import InputError
-from skancf.history import check_cover
-from skancf.kernels import gather
-from skancf.kernels.schedule import Schedule
-from skancf.layout.constrain import free_rigid_motions
-from skancf.layout.folds import first_fold
-from skancf.layout.geometry import Geometry
+from skancf.history import FULL, Case, check_cover
+from skancf.kernels.constants import BLOCK
+from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
-from skancf.materials import Section
-from skancf.system import dilation
+from skancf.system import dilation, rigid
 from skancf.system.unstressed import ByStrains, derivative
-from skancf.terms.protocols import Assembly, Loading, Prescription
-from skancf.terms.shells.full import FullAssembly
-from skancf.terms.shells.kirchhoff import ThinAssembly
+from skancf.terms.blocks import Blocks, SkewBlocks
+from skancf.terms.load import Loads
+from skancf.terms.protocols import Assembly, Prescription
+from skancf.terms.shell import Shell, total
+from skancf.terms.term import Term
 from skancf.vectors import sum_of_cross
-
-ASSEMBLIES: dict[str, type] = {"full": FullAssembly, "kirchhoff": ThinAssembly}
 
 
 class System:
     """Residual, tangent and mass of a problem on a mesh.
 
-    Nodal coordinates are one vector q of 12 per node: r, r_x, r_y and r_z (`full`) or r_xy (`kirchhoff`), three components
-    each.
+    Unknowns are one vector q of 12 per block, see :class:`~skancf.layout.layout.Layout`: at a node r, r_x, r_y and r_z
+    (`full`) or r_xy (`kirchhoff`), three components each.
+
+    Parameters
+    ----------
+    layout : Layout
+    shell : Shell
+    terms : sequence of Term
+        The others, loads among them.
+    constraints : Constraints
+    prescription : Prescription
+    problem : Problem
 
     Attributes
     ----------
-    assembly : Assembly
-    geometry : Geometry
     undeformed : (n_dofs,) array
-    constraints : Constraints
+    loads : Loads
+        The terms that act from outside.
+    others : tuple of Term
+        Those of the structure, but for the shell.
     choice
         With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
     """
@@ -46,92 +52,96 @@ class System:
     choice: Any = None
 
     def __init__(
-        self,
-        assembly: Assembly,
-        constraints: Constraints,
-        prescription: Prescription,
-        loads: Sequence[Loading],
-        elastic: Sequence[tuple[np.ndarray, np.ndarray]],
-        dashpots: Sequence[tuple[np.ndarray, np.ndarray]],
+        self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,
         problem: Any,
-    ):
-        self.assembly, self.geometry = assembly, assembly.geometry
-        self.constraints, self.prescription, self.loads, self.problem = constraints, prescription, loads, problem
-        geometry = self.geometry
-        self.undeformed = geometry.undeformed.ravel()
-        self.pattern = BlockPattern.from_cells(geometry.nodes.T, geometry.n_nodes, 12, geometry.undeformed[:, 0].T)
-        self._slots = self.pattern.slots(geometry.nodes.T)
-        self.foundation = self._gathered(elastic) if elastic else None
-        self._dashpots = dashpots
+    ):  # fmt: skip
+        self.layout, self.shell, self.problem = layout, shell, problem
+        self.constraints, self.prescription = constraints, prescription
+        self.undeformed = layout.undeformed.ravel()
+        self.terms = (shell, *terms)
+        self.loads = Loads([term for term in terms if term.load], layout.n_dofs)
+        self.others = tuple(term for term in terms if not term.load)
+        cells = {id(each): each for each in (term.couples() for term in self.terms) if each.size}
+        graph = tuple(each.T for each in cells.values())
+        self.pattern = BlockPattern.from_cells(graph, layout.n_blocks, BLOCK, layout.places.T)
+        self._known = {key: (each, self.pattern.slots(each.T)) for key, each in cells.items()}
+        for term in self.terms:
+            term.bind(self.blocks())
+
+    def blocks(self) -> Blocks:
+        """A sum to which terms add their matrices."""
+        return Blocks(self.pattern, self._known)
 
     @property
     def n_dofs(self) -> int:
-        """Nodal coordinates, prescribed ones included."""
-        return self.undeformed.size
+        """Unknowns, prescribed ones included."""
+        return self.layout.n_dofs
+
+    @property
+    def assembly(self) -> Assembly:
+        """The theory on the mesh."""
+        return self.shell.assembly
+
+    @property
+    def geometry(self) -> Any:
+        """The mesh on the surface."""
+        return self.shell.geometry
 
     @property
     def mesh(self) -> Any:
         """The mesh in the parameter plane."""
         return self.geometry.mesh
 
-    def free_rigid_motions(self) -> list[str]:
-        """Rigid motions that no support and no spring holds, in words."""
-        return free_rigid_motions(self.geometry, self.constraints, self.foundation)
+    def internal_force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
+        """Force of the structure, (n_dofs,): the derivative of its energy without that of free strains."""
+        force = self.shell.internal_force(q)
+        return force + self.others_force(q, v, case) if self.others else force
 
-    def internal_force(self, q: np.ndarray) -> np.ndarray:
-        """Derivative of the strain energy, springs and foundations included, (n_dofs,)."""
-        return self._with_springs(self.assembly.internal_force(self._nodal(q)), q)
+    def others_force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
+        """The part of it that the shell does not have: springs, foundations, terms of the user's own."""
+        return sum((term.force(q, v, case) for term in self.others), np.zeros(self.n_dofs))
 
-    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        """:meth:`internal_force` with given stresses, those of :meth:`stresses`: (n_dofs,)."""
-        return self._with_springs(self.assembly.force_of(self._nodal(q), stresses), q)
-
-    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
-        """The force f of given stresses, and of springs, between two states, (n_dofs,).
-
-        With the mean of the stresses of both, f . (q1 - q0) is the change of the strain energy, to rounding, and f has no
-        moment about the middle of the two: see :func:`skancf.theories.kirchhoff.point.discrete_gradient`.
-        """
-        force = self.assembly.force_between(self._nodal(q0), self._nodal(q1), stresses)
-        return self._with_springs(force, 0.5 * (q0 + q1))
-
-    def _with_springs(self, force: np.ndarray, q: np.ndarray) -> np.ndarray:
-        return force.ravel() if self.foundation is None else force.ravel() + self.foundation @ (q - self.undeformed)
+    def others_between(self, q0: np.ndarray, q1: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
+        """The same between two states, so that it does the work of the energy where terms know how."""
+        out = np.zeros(self.n_dofs)
+        for term in self.others:
+            between = term.between(q0, q1, case)
+            out += term.force(0.5 * (q0 + q1), v, case) if between is None else between
+        return out
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
         """Stresses at the integration points with their weights, extrapolated linearly along ``change``.
 
         Shape (n_elements, n_strains, n_points). Those of a temperature change are not subtracted.
         """
-        change = None if change is None else self._nodal(change)
-        return self.assembly.stresses(self._nodal(q), change, keep_strains=False)[1]
+        return self.shell.stresses(q, change)
 
     def tangent(
-        self, q: np.ndarray, stresses: np.ndarray | None = None, time: float | None = None, factor: float = 1.0,
-        stiffer: float = 1.0,
+        self, q: np.ndarray, case: Case = FULL, stresses: np.ndarray | None = None, stiffer: float = 1.0,
+        v: np.ndarray | None = None,
     ) -> BlockMatrix:  # fmt: skip
         """Symmetric part of the derivative of the residual.
 
         Stresses other than those of q give the mixed tangent of Newton's method. The law counts ``stiffer`` times, as that
         of a material with damping does over a step.
         """
-        if stresses is None:
-            stresses = self.stresses(q)
-        held = self.held_back(time)
-        stresses = stresses if held is None else stresses - factor * held
-        out = np.zeros((self.pattern.n_blocks, 12, 12))
-        self.assembly.tangent(self._nodal(q), stresses if stiffer == 1 else stresses / stiffer, self._slots, out)
+        blocks = self.blocks()
+        self.shell.add_tangent(q, v, case, blocks, stresses, stiffer)
         if stiffer != 1:
-            out *= stiffer
-        nodal = q.reshape(-1, 4, 3)
-        for load in self.loads:
-            load.add_stiffness(nodal, time, factor, self._slots, out)
-        if self.foundation is not None:
-            out += self.foundation.values
-        return BlockMatrix(self.pattern, out)
+            blocks.values *= stiffer
+        for term in self.terms[1:]:
+            term.add_tangent(q, v, case, blocks)
+        return blocks.matrix()
+
+    def skew(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> sp.csr_matrix | None:
+        """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
+        blocks = SkewBlocks(self.pattern)
+        for term in self.terms[1:]:
+            term.add_tangent(q, v, case, blocks)
+        return blocks.skew_matrix()
 
     def stiffness(self) -> BlockMatrix:
-        """Tangent of the undeformed and unloaded state, without stresses.
+        """Tangent of the undeformed and unloaded state, without stresses of the shell.
 
         The computed strains of that state are rounding, 1e-16; as a prestress they would count against the bending of a
         plate of thickness t and side a with the factor (a / t)^2. Products with it are made of the strains of each element,
@@ -141,12 +151,28 @@ class System:
 
     @cached_property
     def _stiffness(self) -> BlockMatrix:
-        by_strains = ByStrains(self.assembly, self.geometry.undeformed, self.foundation)
-        return BlockMatrix(self.pattern, self._unstressed().values, by_strains)
+        return BlockMatrix(self.pattern, self._unstressed().values, ByStrains(self.shell, self.undeformed, self.foundation))
 
     def plain_stiffness(self) -> BlockMatrix:
         """The same with membrane strains as they are, not assumed ones: an upper bound that locks on coarse meshes."""
         return self._unstressed(plain=True)
+
+    def _unstressed(self, plain: bool = False) -> BlockMatrix:
+        blocks = self.blocks()
+        self.shell.add_stiffness(blocks, plain)
+        return blocks.matrix() if self.foundation is None else blocks.matrix() + self.foundation
+
+    @cached_property
+    def foundation(self) -> BlockMatrix | None:
+        """Tangent of the structure's terms but for the shell in the undeformed state, that of springs; None without any."""
+        return self.others_tangent(self.undeformed)
+
+    def others_tangent(self, q: np.ndarray, case: Case = FULL) -> BlockMatrix | None:
+        """Derivative of :meth:`others_force`, its symmetric part; None where it is zero."""
+        blocks = self.blocks()
+        for term in self.others:
+            term.add_tangent(q, None, case, blocks)
+        return None if blocks.is_zero else blocks.matrix()
 
     @cached_property
     def pretension(self) -> BlockMatrix:
@@ -158,85 +184,22 @@ class System:
         """
         return dilation.pretension(self)
 
-    def largest_turn(self, change: np.ndarray) -> float:
-        """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""
-        return dilation.largest_turn(self.geometry, self._nodal(change))
-
-    def _unstressed(self, plain: bool = False) -> BlockMatrix:
-        out = np.zeros((self.pattern.n_blocks, 12, 12))
-        none = np.zeros_like(self.stresses(self.undeformed))
-        self.assembly.tangent(self.geometry.undeformed, none, self._slots, out, plain)
-        return BlockMatrix(self.pattern, out if self.foundation is None else out + self.foundation.values)
-
-    def skew(self, q: np.ndarray, time: float | None = None, factor: float = 1.0) -> sp.csr_matrix | None:
-        """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
-        found = [part for part in (load.skew(q.reshape(-1, 4, 3), time) for load in self.loads) if part is not None]
-        sum_of_parts = total(self._sparse(*part) for part in found)
-        return factor * sum_of_parts if sum_of_parts is not None and sum_of_parts.nnz else None
-
-    def external_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
-        """Loads at a time and the forces of held back free strains, (n_dofs,); without a time at their full amplitude."""
-        applied, held = self.applied_force(q, time), self.held_back_force(q, time)
+    def external_force(self, q: np.ndarray, case: Case = FULL) -> np.ndarray:
+        """Loads and the forces of held back free strains, (n_dofs,)."""
+        applied, held = self.applied_force(q, case), self.shell.held_back_force(q, case)
         return applied if held is None else applied + held
 
-    def held_back_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray | None:
-        """Forces of held back free strains at a time, (n_dofs,); None without any."""
-        held = self.held_back(time)
-        return None if held is None else self.assembly.force_of(self._nodal(q), held).ravel()
+    def applied_force(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> np.ndarray:
+        """Loads without those of temperature, which do no work on the body from outside: (n_dofs,)."""
+        return self.loads.applied(q, v, case)
 
-    def applied_force(self, q: np.ndarray, time: float | None = None) -> np.ndarray:
-        """Loads at a time without those of temperature, which do no work on the body from outside: (n_dofs,)."""
-        nodal = self._nodal(q)
-        return sum((load.force(nodal, time) for load in self.loads), np.zeros_like(nodal)).ravel()
-
-    def load_places(self, time: float | None = None) -> np.ndarray:
-        """Points (2, n) of the parameter plane where loads at points and along lines act at a time, moving ones too."""
-        return np.hstack([np.empty((2, 0)), *[load.places(time) for load in self.loads]])
-
-    def impulses(self) -> list[tuple[float, np.ndarray]]:
-        """Times, ascending, and the impulses (n_dofs,) that act then, those of equal times together (N s)."""
-        out: dict[float, np.ndarray] = {}
-        for time, nodal in filter(None, (load.impulse(self.geometry.undeformed) for load in self.loads)):
-            out[time] = out.get(time, 0.0) + nodal.ravel()
-        return sorted(out.items(), key=lambda item: item[0])
-
-    def held_back(self, time: float | None) -> np.ndarray | None:
-        """Stresses of held back free strains at a time, as :meth:`stresses` has them; None without any."""
-        return total(load.initial_stresses(time) for load in self.loads)
-
-    def temperature(self, points: np.ndarray, time: float | None = None) -> np.ndarray | None:
-        """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
-        return total(load.temperature(points, time) for load in self.loads)
-
-    def couple(self, time: float | None = None) -> np.ndarray | None:
-        """Dead forces per area times the height above the surface where they act, (3,) (N/m); None where they act on it."""
-        return total(load.couple(time) for load in self.loads)
-
-    @cached_property
-    def weight(self) -> np.ndarray:
-        """Nodal forces of constant gravity, (n_dofs,): its potential energy (J) is -weight @ (q - undeformed).
-
-        Without gravity, with a function of time, and on a section whose centre of mass is off the thin surface, where the
-        force turns with the normals, it is zero.
-        """
-        found = total(load.weight() for load in self.loads)
-        return np.zeros(self.n_dofs) if found is None else found.ravel()
-
-    def section_forces(
-        self, q: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
-    ) -> np.ndarray:
-        """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n); the temperature change
-        counts with ``factor``."""
-        heat = self.temperature(points, time)
-        return self.assembly.section_forces(self._nodal(q), points, None if heat is None else factor * heat)
-
-    def prescribed(self, time: float | None = None) -> np.ndarray:
+    def prescribed(self, case: Case = FULL) -> np.ndarray:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,)."""
-        return self.prescription.values(time)
+        return self.prescription.values(case)
 
     def histories(self) -> list[Any]:
-        """The functions of time of loads and prescribed motions, and the paths of loads that move, each once."""
-        every = chain.from_iterable([*[load.histories() for load in self.loads], self.prescription.histories()])
+        """The functions of time of terms and prescribed motions, and the paths of loads that move, each once."""
+        every = chain(*[term.histories() for term in self.terms], self.prescription.histories())
         return list({id(history): history for history in every if history is not None}.values())
 
     def check_histories(self, begin: float, end: float) -> None:
@@ -244,37 +207,15 @@ class System:
         for history in self.histories():
             check_cover(history, begin, end)
 
-    def knots(self) -> list[float]:
-        """Times, ascending, at which the functions of time of loads and prescribed motions begin, end or bend (s)."""
-        return sorted({float(t) for history in self.histories() for t in getattr(history, "knots", ())})
+    def strain_energy(self, q: np.ndarray, case: Case = FULL) -> float:
+        """Energy of the structure (J): of the shell, see :meth:`~skancf.terms.shell.Shell.energy`, springs and foundations,
+        and of other terms that have one."""
+        return self.shell.energy(q, case) + sum((term.energy(q, case) or 0.0 for term in self.others), 0.0)
 
-    def strain_energy(self, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
-        r"""Half of stress times elastic strain, integrated, and the energy of springs and foundations (J).
-
-        .. math:: \tfrac12 \int (\varepsilon - \lambda \varepsilon_T) \cdot C (\varepsilon - \lambda \varepsilon_T)
-
-        with the free strain of the temperature change at a time, and its ``factor``.
-        """
-        strains, stresses = self.assembly.stresses(self._nodal(q), None, keep_strains=True)
-        energy, held = 0.5 * float(np.vdot(strains, stresses)), self.held_back(time)
-        if held is not None:
-            energy += factor**2 * self.thermal_energy(time) - factor * float(np.vdot(held, strains))
-        if self.foundation is not None:
-            change = q - self.undeformed
-            energy += 0.5 * float(change @ (self.foundation @ change))
-        return energy
-
-    def linear_energy(self, change: np.ndarray, factor: float = 1.0, time: float | None = None) -> float:
-        """:meth:`strain_energy` of a small change (n_dofs,) from the undeformed state."""
-        energy, force = self.stiffness().energy(change), self.held_back_force(self.undeformed, time)
-        if force is None:
-            return energy
-        return energy + factor**2 * self.thermal_energy(time) - factor * float(force @ change)
-
-    def thermal_energy(self, time: float | None = None) -> float:
-        """Strain energy of the undeformed state under the temperature change at a time (J), the largest it can cause."""
-        heat = self.temperature(self.geometry.theory.quadrature[0], time)
-        return 0.0 if heat is None else self.assembly.thermal_energy(*heat)
+    def linear_energy(self, change: np.ndarray, case: Case = FULL) -> float:
+        """:meth:`strain_energy` of a small change of the undeformed state, quadratic in it."""
+        force, energy = self.shell.held_back_force(self.undeformed, case), self.stiffness().energy(change)
+        return energy if force is None else energy + self.shell.thermal_energy(case) - float(force @ change)
 
     def linearised(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
         """A quantity of the nodal coordinates to first order in a change from the undeformed state, see :meth:`rate`."""
@@ -297,8 +238,11 @@ class System:
 
     @cached_property
     def mass(self) -> BlockMatrix:
-        """The constant mass matrix; in theory `full` with the rotary part of r_z."""
-        return self.gathered_mass(self.assembly.sections.shape, self.assembly.mass_shapes)
+        """The constant mass matrix."""
+        blocks = self.blocks()
+        for term in self.terms:
+            term.add_mass(blocks)
+        return blocks.matrix()
 
     @cached_property
     def viscous(self) -> BlockMatrix | None:
@@ -307,35 +251,34 @@ class System:
         The force on the body is -(viscous @ v); damping of the material is :attr:`retardation`.
         """
         damping = self.problem.damping
-        parts = [self._gathered(self._dashpots)] if self._dashpots else []
-        if damping is not None and damping.mass:
-            parts.append(float(damping.mass) * self.mass)
-        return sum(parts[1:], parts[0]) if parts else None
+        of_mass = None if damping is None or not damping.mass else float(damping.mass) * self.mass
+        blocks = self.blocks()
+        for term in self.terms:
+            term.add_viscous(blocks)
+        return total([None if blocks.is_zero else blocks.matrix(), of_mass])
 
     @property
     def retardation(self) -> float:
         r"""Factor :math:`\beta` of the strain rate in the stress, :math:`C (\varepsilon + \beta \dot\varepsilon)` (s)."""
-        return 0.0 if self.problem.damping is None else float(self.problem.damping.stiffness)
+        return self.shell.retardation
 
-    def retarding_force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        r"""Internal force of the strain rate, of the stresses :math:`C \beta \dot\varepsilon`, (n_dofs,)."""
-        if not self.retardation:
-            return np.zeros(self.n_dofs)
-        stresses = self.stresses(q, self.retardation * v) - self.stresses(q)
-        return self.assembly.force_of(self._nodal(q), stresses).ravel()
-
-    def net_force(self, q: np.ndarray, v: np.ndarray, time: float) -> np.ndarray:
-        """External less internal force and damping at a time, (n_dofs,): what is left for inertia and supports."""
-        force = self.external_force(q, time) - self.internal_force(q) - self.retarding_force(q, v)
+    def net_force(self, q: np.ndarray, v: np.ndarray, case: Case) -> np.ndarray:
+        """External less internal force and damping, (n_dofs,): what is left for inertia and supports."""
+        force = self.external_force(q, case) - self.internal_force(q, v, case) - self.shell.retarding_force(q, v)
         return force if self.viscous is None else force - self.viscous @ v
 
     @cached_property
     def shares(self) -> np.ndarray:
-        """What the mass makes of a unit translation at the vectors of the nodes, (n_nodes, 4) (kg); at positions their sum
-        is the mass of the body."""
-        ones = np.zeros((self.n_dofs // 12, 4, 3))
-        ones[:, 0, 0] = 1.0
-        return np.asarray((self.mass @ ones.ravel()).reshape(-1, 4, 3)[:, :, 0])
+        """What the mass makes of a unit translation at the vectors of the blocks, (n_blocks, 4) (kg); at positions their sum
+        is the mass of everything."""
+        ones = np.zeros_like(self.layout.undeformed)
+        ones[self.layout.moving, 0, 0] = 1.0
+        return np.asarray(self.layout.nodal(self.mass @ ones.ravel())[:, :, 0])
+
+    @property
+    def total_mass(self) -> float:
+        """Mass of everything (kg)."""
+        return float(self.shares[self.layout.moving, 0].sum())
 
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""
@@ -344,56 +287,34 @@ class System:
     def momenta(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         r"""Linear momentum (N s) and angular momentum about the origin (N m s), (2, 3).
 
-        What M v does on a translation and on a spin of the whole body: with the vectors :math:`q_i, (M v)_i` of all nodes,
-        :math:`\sum_i (M v)_i` over positions, and :math:`\sum_i q_i \times (M v)_i` over positions and slopes.
+        What M v does on a translation and on a spin of everything: with the vectors :math:`q_i, (M v)_i` of all blocks,
+        :math:`\sum_i (M v)_i` over positions, and :math:`\sum_i q_i \times (M v)_i` over all.
         """
-        of_vectors, nodal = (self.mass @ v).reshape(-1, 4, 3), self._nodal(q)
-        return np.stack([of_vectors[:, 0].sum(axis=0), sum_of_cross(nodal, of_vectors)])
+        flow, nodal = self.layout.nodal(self.mass @ v), self.layout.nodal(q)
+        return np.stack([self.layout.positions(flow).sum(axis=0), sum_of_cross(nodal, flow)])
 
-    def gathered_mass(self, shape: np.ndarray, shapes: np.ndarray) -> BlockMatrix:
-        """The mass matrix of elements whose local vectors have the matrices ``shapes[shape]``, (n_elements, 16, 16)."""
-        out = np.zeros((self.pattern.n_blocks, 12, 12))
-        self.assembly.schedule.run(gather.mass, shape, shapes, self.geometry.maps, self._slots, out)
-        return BlockMatrix(self.pattern, out)
+    def reached(self, q: np.ndarray, v: np.ndarray, case: Case) -> None:
+        """Tell terms that a step was accepted."""
+        for term in self.terms:
+            term.reached(q, v, case)
+
+    def state(self) -> dict[str, Any]:
+        """What terms remember between steps, by their numbers."""
+        return {str(k): term.state() for k, term in enumerate(self.terms)}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go back to what :meth:`state` gave."""
+        for k, term in enumerate(self.terms):
+            term.restore(state[str(k)])
+
+    def free_rigid_motions(self) -> list[str]:
+        """Rigid motions that no support and no spring holds, in words."""
+        return rigid.free_rigid_motions(self)
+
+    def largest_turn(self, change: np.ndarray) -> float:
+        """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""
+        return dilation.largest_turn(self.geometry, self.shell.nodal(change))
 
     def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
         """The first element that folded, and its undeformed place; None without one: see :mod:`skancf.layout.folds`."""
-        return first_fold(self.geometry, self._nodal(q))
-
-    def _gathered(self, parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> BlockMatrix:
-        out = np.zeros((self.pattern.n_blocks, 12, 12))
-        for elements, matrices in parts:
-            self._add(elements, matrices, out)
-        return BlockMatrix(self.pattern, out)
-
-    def _add(self, elements: np.ndarray, matrices: np.ndarray, out: np.ndarray) -> None:
-        gather.add_local(np.asarray(elements, np.int32), matrices, self.geometry.maps, self._slots, out)
-
-    def _sparse(self, elements: np.ndarray, matrices: np.ndarray) -> sp.csr_matrix:
-        """Matrices (m, 48, 48) of local vectors, component by component, in nodal coordinates."""
-        m, geometry = len(elements), self.geometry
-        maps = np.stack([geometry.dense_map(e) for e in elements])
-        split = matrices.reshape(m, 3, 16, 3, 16)
-        blocks = maps.swapaxes(1, 2)[:, None, None] @ split.transpose(0, 1, 3, 2, 4) @ maps[:, None, None]
-        blocks = blocks.transpose(0, 3, 1, 4, 2).reshape(m, 48, 48)
-        places = (12 * geometry.nodes[elements][:, :, None].astype(int) + np.arange(12)).reshape(m, 48)
-        rows, columns = np.repeat(places, 48, axis=1).ravel(), np.tile(places, (1, 48)).ravel()
-        return sp.coo_matrix((blocks.ravel(), (rows, columns)), shape=self.pattern.shape).tocsr()
-
-    def _nodal(self, q: np.ndarray) -> np.ndarray:
-        if np.size(q) != self.n_dofs:
-            raise InputError(f"a vector of {np.size(q)} nodal coordinates; this system has {self.n_dofs}, 12 per node")
-        return np.ascontiguousarray(q, dtype=complex if np.iscomplexobj(q) else float).reshape(-1, 4, 3)
-
-
-def total(parts: Iterable[Any]) -> Any:
-    """Sum of the parts that are there; None if none is."""
-    found = [part for part in parts if part is not None]
-    return sum(found[1:], found[0]) if found else None
-
-
-def assemble(geometry: Geometry, section: Section) -> Assembly:
-    """The assembly of the geometry's theory."""
-    schedule = Schedule(geometry.nodes, geometry.mesh.p[:, geometry.mesh.t].mean(axis=1))
-    made: Assembly = ASSEMBLIES[geometry.theory.name](geometry, section, schedule)
-    return made
+        return dilation.first_fold(self.geometry, self.shell.nodal(q))

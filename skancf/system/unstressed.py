@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.terms.protocols import Assembly
+from skancf.terms.shell import Shell
 
 LARGE = 100
 """Changes are scaled to this power of two: the strains are linear in them, and against so large ones the rounding of those
@@ -27,27 +27,28 @@ class ByStrains:
 
     Parameters
     ----------
-    assembly : Assembly
-    undeformed : (n_nodes, 4, 3) array
+    shell : Shell
+    undeformed : (n_dofs,) array
     foundation : BlockMatrix or None
-        Springs.
+        Of other terms.
     """
 
-    def __init__(self, assembly: Assembly, undeformed: np.ndarray, foundation: Any) -> None:
-        self._assembly, self._undeformed, self._foundation = assembly, undeformed, foundation
+    def __init__(self, shell: Shell, undeformed: np.ndarray, foundation: Any) -> None:
+        self._shell, self._assembly, self._foundation = shell, shell.assembly, foundation
+        self._undeformed = shell.nodal(undeformed)
 
     def product(self, vector: np.ndarray) -> np.ndarray:
         """Internal force of a small change, (n_dofs,)."""
-        large, power = enlarged(vector)
-        stresses = self._assembly.stresses(self._undeformed, large.reshape(-1, 4, 3), keep_strains=False)[1]
+        large, power = enlarged(self._shell.nodal(vector))
+        stresses = self._assembly.stresses(self._undeformed, large, keep_strains=False)[1]
         stresses -= self._stresses
-        force = np.ldexp(self._assembly.force_of(self._undeformed, stresses).ravel(), -power)
+        force = np.ldexp(self._shell.flat(self._assembly.force_of(self._undeformed, stresses)), -power)
         return force if self._foundation is None else force + self._foundation @ vector
 
     def energy(self, vector: np.ndarray) -> float:
         """Strain energy of a small change, half of the sum of stress times strain."""
-        large, power = enlarged(vector)
-        strains, stresses = self._assembly.stresses(self._undeformed, large.reshape(-1, 4, 3), keep_strains=True)
+        large, power = enlarged(self._shell.nodal(vector))
+        strains, stresses = self._assembly.stresses(self._undeformed, large, keep_strains=True)
         energy = 0.5 * float(np.ldexp(np.vdot(strains - self._strains, stresses - self._stresses), -2 * power))
         return energy if self._foundation is None else energy + self._foundation.energy(vector)
 
@@ -68,10 +69,10 @@ def enlarged(vector: np.ndarray) -> tuple[np.ndarray, int]:
     return np.ldexp(vector, power), power
 
 
-def of_change(assembly: Assembly, at: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Strains and stresses of a small change of nodal coordinates (n_nodes, 4, 3), to first order."""
-    large, power = enlarged(change.reshape(at.shape))
-    rest, moved = (assembly.stresses(at, step, keep_strains=True) for step in (None, large))
+def of_change(shell: Shell, at: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Strains and stresses of a small change of unknowns (n_dofs,), to first order."""
+    large, power = enlarged(shell.nodal(change))
+    rest, moved = (shell.assembly.stresses(shell.nodal(at), step, keep_strains=True) for step in (None, large))
     strains, stresses = (np.ldexp(b - a, -power) for a, b in zip(rest, moved, strict=True))
     return strains, stresses
 

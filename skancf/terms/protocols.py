@@ -1,9 +1,10 @@
-"""What a system knows of a theory on a mesh, of loads, and of prescribed coordinates."""
+"""What a system knows of a theory on a mesh, and of prescribed coordinates."""
 
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
+from skancf.history import Case
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
@@ -16,6 +17,11 @@ class Assembly(Protocol):
     section: Section
     sections: Any
     schedule: Schedule
+    assumes_membrane: ClassVar[bool]
+    """Whether membrane strains are assumed; then it has ``membrane_strains``, those as they are, and ``rest_energy``."""
+    recovers_bending: ClassVar[bool]
+    """Whether moments are good in the middles of elements only; then it has ``bending_forces`` and ``bending_strains``, the
+    part of section forces and strains that makes them so."""
 
     @property
     def areas(self) -> np.ndarray:
@@ -42,6 +48,9 @@ class Assembly(Protocol):
     def mass_shapes(self) -> np.ndarray:
         """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
 
+    def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Strain in the local frame (..., 6) that a temperature change T0 + z T1, each (...), makes at a depth if free."""
+
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         """Stresses that hold back a temperature change T0 + z T1, each (n_elements, n_points)."""
 
@@ -63,50 +72,11 @@ class Assembly(Protocol):
         """Strain in the local frame at a depth (n_elements, n, 6), temperature as in :meth:`section_forces`."""
 
 
-class Loading(Protocol):
-    """A load on a given mesh; :class:`skancf.loads.acting.Acting` has the defaults.
-
-    ``q`` has the shape (n_nodes, 4, 3); a time of None means the full amplitude.
-    """
-
-    def histories(self) -> list[Any]:
-        """Its functions of time, among them None for one that is constant."""
-
-    def force(self, q: np.ndarray, time: float | None) -> np.ndarray:
-        """External force (n_nodes, 4, 3) in the configuration q."""
-
-    def add_stiffness(
-        self, q: np.ndarray, time: float | None, factor: float, slots: np.ndarray, out: np.ndarray
-    ) -> None:
-        """Add the symmetric part of minus the force's derivative, times ``factor``, to the upper blocks ``out``."""
-
-    def skew(self, q: np.ndarray, time: float | None) -> tuple[np.ndarray, np.ndarray] | None:
-        """Elements (m,) and skew parts (m, 48, 48) of minus the force's derivative, component by component; or None."""
-
-    def initial_stresses(self, time: float | None) -> np.ndarray | None:
-        """Stresses (n_elements, n_strains, n_points) that hold back a free strain; None if there are none."""
-
-    def temperature(self, points: np.ndarray, time: float | None) -> np.ndarray | None:
-        """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
-
-    def couple(self, time: float | None) -> np.ndarray | None:
-        """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
-
-    def places(self, time: float | None) -> np.ndarray:
-        """Points (2, n) of the parameter plane at which it acts at a time, if it is at some only; else (2, 0)."""
-
-    def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
-        """A time (s) and the impulse (n_nodes, 4, 3) that acts then; None of what acts all the time."""
-
-    def weight(self) -> np.ndarray | None:
-        """Nodal forces (n_nodes, 4, 3) of a weight that changes with neither time nor configuration; None of any other."""
-
-
 class Prescription(Protocol):
     """Prescribed coordinates in time."""
 
     def histories(self) -> list[Any]:
         """Its functions of time, among them None for one that is constant."""
 
-    def values(self, time: float | None) -> np.ndarray:
+    def values(self, case: Case) -> np.ndarray:
         """Change of the prescribed coordinates from the undeformed state, (n_dofs,), zero along free directions."""

@@ -3,7 +3,7 @@
 from skancf.errors import InputError, shown
 from skancf.theories.full.theory import Full
 from skancf.theories.kirchhoff.theory import Kirchhoff
-from skancf.theories.theory import Theory
+from skancf.theories.theory import Theory, left_per_halving
 
 ALL: dict[str, type] = {"full": Full, "kirchhoff": Kirchhoff}
 
@@ -20,4 +20,4 @@ def theory_named(theory: "str | Theory") -> Theory:
     return theory
 
 
-__all__ = ["ALL", "Full", "Kirchhoff", "Theory", "theory_named"]
+__all__ = ["ALL", "Full", "Kirchhoff", "Theory", "left_per_halving", "theory_named"]

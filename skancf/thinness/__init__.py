@@ -1,7 +1,7 @@
 """Is the thin theory enough? What it leaves out, measured by what it knows."""
 
 from skancf.thinness.choice import FREE, Choice, choose, share_of
-from skancf.thinness.depth import warn_if_full_is_off, warn_if_mass_is_off
+from skancf.thinness.depth import warn_if_mass_is_off
 from skancf.thinness.forces import BILINEAR, shear_forces
 from skancf.thinness.form import Fields, ShearForm
 from skancf.thinness.moments import moment_rates
@@ -10,6 +10,6 @@ from skancf.thinness.vibration import first_share, product_of, rotary_inertia, w
 
 __all__ = [
     "BILINEAR", "FREE", "Choice", "Fields", "Rim", "ShearForm", "choose", "first_share", "moment_rates",
-    "product_of", "rim_of", "rotary_inertia", "share_of", "shear_forces", "warn_if_full_is_off",
-    "warn_if_mass_is_off", "with_shear",
+    "product_of", "rim_of", "rotary_inertia", "share_of", "shear_forces", "warn_if_mass_is_off",
+    "with_shear",
 ]  # fmt: skip

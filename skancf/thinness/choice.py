@@ -54,11 +54,11 @@ def choose(system: System, tolerance: float) -> Choice:
         change = system.linear_change()
     except SingularMatrix as free:
         raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
-    energy, heat = system.linear_energy(change), system.thermal_energy()
+    energy, heat = system.linear_energy(change), system.shell.thermal_energy()
     if not (energy > 0 or heat > 0):
         raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")
     form = ShearForm(system)
-    fields = form.of_state(system.undeformed + change, change, 1.0)
+    fields = form.of_state(system.undeformed + change, change)
     share = share_of(form.product(fields, fields), energy, heat)
     return _chosen(share, "leaving transverse shear out changes the strain energy", tolerance)
 

@@ -2,17 +2,14 @@
 
 import warnings
 
-import numpy as np
-
-from skancf.errors import OutOfDepth, warn
-from skancf.materials import Section
+from skancf.errors import OutOfDepth
 from skancf.system.system import System
 
 
 def warn_if_mass_is_off(system: System) -> None:
     """A warning where theory `kirchhoff` has mass in the reference surface that is more than a hundredth of the thickness
     off it."""
-    if not (hasattr(system, "geometry") and system.geometry.theory.twist):
+    if not hasattr(system, "geometry") or system.geometry.theory.directors:
         return
     section = system.problem.section
     off = section.first_moment / section.mass if section.mass else 0.0
@@ -23,24 +20,4 @@ def warn_if_mass_is_off(system: System) -> None:
             "on a fine mesh",
             OutOfDepth,
             stacklevel=3,
-        )
-
-
-OFF = 0.25
-"""Offset over thickness from which theory `full` needs more elements: a strip of 16 bends 1 % less at an offset of one
-thickness, 12 % less at five."""
-
-
-def warn_if_full_is_off(section: Section) -> None:
-    r"""A warning where the stiffness of layers is so far off the surface that theory `full` locks on coarse meshes: by
-    :math:`B_{ii} / A_{ii}`, which is the offset of layers of one material, over the thickness that bends."""
-    abd, thickness = section.abd(), section.bending_thickness
-    ratios = abd[:3, 3:].diagonal()[:2] / abd[:3, :3].diagonal()[:2]
-    off = float(ratios[np.argmax(np.abs(ratios))])
-    if abs(off) > OFF * thickness:
-        warn(
-            f"theory 'full' with the stiffness of its layers {off:.3g} m off the reference surface, and a thickness of "
-            f"{thickness:.3g} m as far as bending goes, is too stiff on coarse meshes: refine until the answer stays, take "
-            "the surface through their neutral surface (offset of a laminate), or theory 'kirchhoff', which is not, where "
-            "the plate is thin"
         )

@@ -4,8 +4,12 @@ import numpy as np
 
 from skancf.elements.nodal import nodal_jacobian
 from skancf.elements.quad_ancf import square_quadrature
+from skancf.history import FULL, Case
 from skancf.layout.geometry import Geometry
+from skancf.layout.layout import nodal
 from skancf.system.system import System
+from skancf.terms.load import LoadTerm
+from skancf.terms.shell import total
 from skancf.theories.kirchhoff.point import dual
 from skancf.theories.kirchhoff.theory import legendre, local_frame
 
@@ -14,7 +18,7 @@ BILINEAR = square_quadrature(2)
 
 
 def shear_forces(
-    system: System, q: np.ndarray, moments: np.ndarray, points: np.ndarray, factor: float = 1.0, time: float | None = None
+    system: System, q: np.ndarray, moments: np.ndarray, points: np.ndarray, case: Case = FULL
 ) -> np.ndarray:
     r"""Transverse shear forces per length that balance the moments of a thin state: (n_elements, 2, n) (N/m).
 
@@ -34,14 +38,17 @@ def shear_forces(
         :math:`M_{11}, M_{22}, M_{12}` at the points :data:`BILINEAR`.
     points : (2, n) array
         Of the reference square.
-    factor, time : float
+    case : Case
         Of the loads: a temperature change and eccentric weight have moments of their own.
     """
     Q = balancing(system.geometry, moments, points)
-    couple = system.couple(time)
-    if couple is None:
-        return Q
-    return Q + factor * coupled(system.geometry, q, points, couple)
+    couple = couple_of(system, case)
+    return Q if couple is None else Q + coupled(system.geometry, q, points, couple)
+
+
+def couple_of(system: System, case: Case) -> np.ndarray | None:
+    """Dead forces per area times the height above the surface where they act, (3,) (N/m); None where they act on it."""
+    return total(load.acting.couple(case) for load in system.loads if isinstance(load, LoadTerm))
 
 
 def balancing(geometry: Geometry, moments: np.ndarray, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
@@ -66,7 +73,7 @@ def coupled(
     """Shear forces (m, 2, n) that balance forces per area times their height above the surface, (3,)."""
     elements = np.arange(geometry.n_elements) if elements is None else elements
     along = _frame(geometry, points, elements)[1]
-    now = geometry.theory.jets(geometry.local(q.reshape(-1, 4, 3), elements), points)[:2]
+    now = geometry.theory.jets(geometry.local(nodal(q)[: geometry.n_nodes], elements), points)[:2]
     return np.asarray(np.einsum("fgep,gkep,k->efp", along, now, couple))
 
 

@@ -22,12 +22,11 @@ from functools import cached_property
 
 import numpy as np
 
-from skancf.functions import values_at
-from skancf.history import amplitude
-from skancf.loads import EdgeMoment
+from skancf.history import FULL, Case
 from skancf.system.system import System
+from skancf.terms.load import LoadTerm
 from skancf.theories.kirchhoff.theory import local_frame
-from skancf.thinness.forces import BILINEAR, balancing, coupled
+from skancf.thinness.forces import BILINEAR, balancing, couple_of, coupled
 from skancf.thinness.moments import Moments, moments_of, moments_of_small
 from skancf.thinness.rim import rim_of
 from skancf.vectors import cross
@@ -52,10 +51,10 @@ class Fields:
 class ShearForm:
     """The form F on a system of theory `kirchhoff`."""
 
-    def __init__(self, system: System, time: float | None = None):
-        self.system, self.geometry, self.time = system, system.geometry, time
+    def __init__(self, system: System, case: Case = FULL):
+        self.system, self.geometry, self.case = system, system.geometry, case
         rim = rim_of(system)
-        self._facets, self._strong = rim.tilting, rim.strong(time)
+        self._facets, self._strong = rim.tilting, rim.strong(case)
         section = system.problem.section
         self._compliance = np.linalg.inv(section.shear_stiffness())
         points, weights = BILINEAR
@@ -121,23 +120,23 @@ class ShearForm:
         forces = self._at_edges(lambda points, elements: balancing(self.geometry, M[elements], points, elements), 2)
         return Fields(Q, twisting, self._sliding(forces))
 
-    def of_state(self, q: np.ndarray, change: np.ndarray | None, factor: float) -> Fields:
+    def of_state(self, q: np.ndarray, change: np.ndarray | None) -> Fields:
         """Of a state under its loads, with a ``change`` of a small-deflection answer.
 
         Eccentric weight takes part in the balance, and moments on edges twist them.
         """
         of, at = (moments_of, q) if change is None else (moments_of_small, change)
-        return self.loaded(self.fields(of(self.system, at, factor, self.time)), q, factor)
+        return self.loaded(self.fields(of(self.system, at, self.case)), q)
 
-    def loaded(self, fields: Fields, q: np.ndarray, factor: float) -> Fields:
+    def loaded(self, fields: Fields, q: np.ndarray) -> Fields:
         """Fields of moments that balance the system's loads: its eccentric weight, and moments on its edges."""
-        couple = self.system.couple(self.time)
+        couple = couple_of(self.system, self.case)
         Q, sliding = fields.Q, fields.sliding
         if couple is not None:
-            Q = Q + factor * coupled(self.geometry, q, self.geometry.inside(BILINEAR[0]), couple)
+            Q = Q + coupled(self.geometry, q, self.geometry.inside(BILINEAR[0]), couple)
             forces = self._at_edges(lambda points, elements: coupled(self.geometry, q, points, couple, elements), 2)
-            sliding = sliding + factor * self._sliding(forces)
-        return Fields(Q, fields.twisting - factor * self._applied, sliding)
+            sliding = sliding + self._sliding(forces)
+        return Fields(Q, fields.twisting - self._applied, sliding)
 
     def _sliding(self, forces: np.ndarray) -> np.ndarray:
         """Shear strain along the edges (m, n) of shear forces there, (2, m, n)."""
@@ -148,11 +147,11 @@ class ShearForm:
         """Twisting moments that loads apply along the edges, (n_facets, n): t . (m x e3) of a moment m."""
         out, (t, _, e) = np.zeros(self._lengths.shape), self._frame
         along = np.einsum("amn,aimn->imn", t, e[:2])
-        for load in (load for load in self.system.problem.loads if isinstance(load, EdgeMoment)):
-            here = np.isin(self._facets, self.geometry.points_and_facets(load.where)[1])
-            at = self.geometry.parameters(self._points[here], self._elements[here])
-            m = amplitude(load.history, self.time) * values_at("moment", load.moment, at, 3)
-            out[here] += (along[:, here] * cross(m, e[2][:, here])).sum(axis=0)
+        at = self.geometry.parameters(self._points, self._elements)
+        acting = (load.acting for load in self.system.loads if isinstance(load, LoadTerm))
+        for m in (load.edge_moments(self._facets, at, self.case) for load in acting):
+            if m is not None:
+                out += (along * cross(m, e[2])).sum(axis=0)
         return out
 
     def product(self, one: Fields, two: Fields) -> float:

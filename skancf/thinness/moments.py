@@ -5,6 +5,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from skancf.history import FULL, Case
 from skancf.system.system import System
 from skancf.system.unstressed import derivative
 from skancf.theories.kirchhoff.point import DOUBLED, FIRST, SECOND, dot, dual, unit_normal
@@ -14,23 +15,23 @@ Moments = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
 """Moments (m, 3, n) at local points (2, n) of elements (m,), None for all of them."""
 
 
-def moments_of(system: System, q: np.ndarray, factor: float = 1.0, time: float | None = None) -> Moments:
-    """Those of nodal coordinates q, the temperature change counted with ``factor``."""
+def moments_of(system: System, q: np.ndarray, case: Case = FULL) -> Moments:
+    """Those of nodal coordinates q."""
     assembly: Any = system.assembly
 
     def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
-        heat = system.temperature(points, time)
-        if heat is not None:
-            heat = factor * (heat if elements is None else heat[:, elements])
-        return np.asarray(assembly.section_forces(q.reshape(-1, 4, 3), points, heat, elements)[:, 3:])
+        heat = system.shell.temperature(points, case)
+        if heat is not None and elements is not None:
+            heat = heat[:, elements]
+        return np.asarray(assembly.section_forces(system.shell.nodal(q), points, heat, elements)[:, 3:])
 
     return moments
 
 
-def moments_of_small(system: System, change: np.ndarray, factor: float = 1.0, time: float | None = None) -> Moments:
+def moments_of_small(system: System, change: np.ndarray, case: Case = FULL) -> Moments:
     """Those of a small-deflection answer that is a change from the undeformed coordinates."""
-    rates, held = moment_rates(system, system.undeformed, change), moments_of(system, system.undeformed, factor, time)
-    cold = system.held_back(time) is None
+    rates, held = moment_rates(system, system.undeformed, change), moments_of(system, system.undeformed, case)
+    cold = not system.shell.heats
 
     def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
         out = rates(points, elements)
@@ -47,7 +48,7 @@ def moment_rates(system: System, q: np.ndarray, change: np.ndarray) -> Moments:
     geometry, theory = system.geometry, system.geometry.theory
 
     def local(v: np.ndarray, elements: np.ndarray) -> np.ndarray:
-        return geometry.local(v.reshape(-1, 4, 3), elements)
+        return geometry.local(system.shell.nodal(v), elements)
 
     def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
         pick = np.arange(geometry.n_elements) if elements is None else elements

@@ -24,7 +24,7 @@ def product_of(form: ShearForm, q: np.ndarray, shape: np.ndarray) -> float:
 def rotary_inertia(system: System, q: np.ndarray, shape: np.ndarray) -> float:
     r""":math:`\int \rho z^2 dz \int |\delta n|^2 dA`, which a small motion adds to :math:`\phi \cdot M \phi`."""
     geometry, section = system.geometry, system.problem.section
-    local, rates = (geometry.local(v.reshape(-1, 4, 3)) for v in (q, shape))
+    local, rates = (geometry.local(system.shell.nodal(v)) for v in (q, shape))
     points = geometry.theory.quadrature[0]
     turned = geometry.theory.normal_rates(local, rates, points, geometry.side)
     inertia = float(section.density @ np.diff(section.z**3)) / 3

@@ -19,11 +19,11 @@ def agree(one: Any, two: Any, shown: np.ndarray, what: str, energy: float) -> No
     loads, here = nodal(one.system.external_force(one.system.undeformed)), one.displacements
     # Loads that do no work leave noise, which has no frame.
     mighty = float((np.abs(loads).sum(axis=(0, 2)) * np.abs(nodal(change_of(one))).max(axis=(0, 2))).sum())
-    assume(not loads.any() or one.system.thermal_energy() or abs(one.work) > 1e-9 * mighty)
+    assume(not loads.any() or one.system.shell.thermal_energy() or abs(one.work) > 1e-9 * mighty)
     gap, size = float(np.abs(here - shown).max()), float(np.abs(here).max())
     bounded(f"displacements {what}", gap, error * size + 3 * (unsure(one) + unsure(two)) + 4 * scale)
     # Of a heated body that is free to expand the energy is a difference of these two.
-    energies = abs(one.strain_energy) + one.system.thermal_energy()
+    energies = abs(one.strain_energy) + one.system.shell.thermal_energy()
     lost = scale * sizes(loads[:, 0])
     bounded(f"energy {what}", abs(one.strain_energy - energy), error * energies + lost + nothing(one) + nothing(two))
 

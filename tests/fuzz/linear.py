@@ -65,11 +65,11 @@ def clapeyron(case: Case) -> None:
     """
     found = solved(case)
     system, change = found.system, change_of(found)
-    held = system.held_back_force(system.undeformed)
+    held = system.shell.held_back_force(system.undeformed, sk.Case())
     held = np.zeros(system.n_dofs) if held is None else held
     parts = [
         0.5 * float(system.applied_force(system.undeformed) @ change), -0.5 * float(held @ change),
-        0.5 * float(supporting(found) @ system.prescribed()), system.thermal_energy(),
+        0.5 * float(supporting(found) @ system.prescribed()), system.shell.thermal_energy(),
     ]  # fmt: skip
     # The energy of the free strains held back is a difference of these two.
     size = sum(map(abs, parts)) + abs(found.strain_energy)

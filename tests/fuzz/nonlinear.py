@@ -70,7 +70,7 @@ def at_rest(found: sk.Solution, rtol: float = 1e-7) -> None:
             seen["singular at the end"] += 1
             return
     # Heated bodies that are free to expand have no energy in the end.
-    energy = found.strain_energy + factor**2 * system.thermal_energy()
+    energy = found.strain_energy + factor**2 * system.shell.thermal_energy()
     # Loads on what is held leave a body at rest, but for the rounding of its coordinates.
     unknown = float(np.sqrt(nothing(found)))
     bounded("residual in the norm of energy", left, 10 * rtol * float(np.sqrt(2 * abs(energy))) + unknown)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from skancf.materials.curved import CurvedSection
-from skancf.theories import kirchhoff_point as point
+from skancf.theories.kirchhoff import point
 
 CORNERS = [(0, 0), (1, 0), (1, 1), (0, 1)]
 # Cubic Hermite functions on [0, 1]: value and slope at 0, value and slope at 1.

@@ -30,14 +30,14 @@ class StrainEnergy:
     def scale(self, state: Solution) -> float:
         """The largest energy that the temperature change can cause, which free expansion takes back."""
         instance("state", state, Solution, STATE)
-        return float(state.load_factor**2 * state.system.thermal_energy(state.time))
+        return state.system.shell.thermal_energy(state.case)
 
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
         instance("state", state, Solution, STATE)
         system, start = state.system, state.system.undeformed
         if state.linear:
-            force, held = system.stiffness() @ state.change, system.held_back_force(start, state.time)
+            force, held = system.stiffness() @ state.change, system.shell.held_back_force(start, state.case)
         else:
-            force, held = system.internal_force(state.q), system.held_back_force(state.q, state.time)
-        return np.asarray(force if held is None else force - state.load_factor * held)
+            force, held = system.internal_force(state.q), system.shell.held_back_force(state.q, state.case)
+        return np.asarray(force if held is None else force - held)

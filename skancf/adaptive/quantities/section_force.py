@@ -75,8 +75,8 @@ class SectionForce(Smooth):
 
     def _value(self, state: Solution, q: np.ndarray) -> float:
         elements, points, weights = self.weights(state.system)
-        of_state = state.system.section_forces if self.at is None else partial(section_forces, state.system)
-        forces = of_state(q, points, state.load_factor, state.time)
+        of_state = state.system.shell.section_forces if self.at is None else partial(section_forces, state.system)
+        forces = of_state(q, points, state.case)
         return float(np.vdot(forces[elements, self._row], weights))
 
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
@@ -85,7 +85,8 @@ class SectionForce(Smooth):
             return gradient(state.system, q, int(elements[0]), points, np.eye(len(COMPONENTS))[self._row])
         of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
         of_all[:, self._row] = weights
-        return state.system.assembly.section_force_gradient(q.reshape(-1, 4, 3), elements, points, of_all).ravel()
+        shell = state.system.shell
+        return shell.flat(shell.assembly.section_force_gradient(shell.nodal(q), elements, points, of_all))
 
     def scale(self, state: Solution) -> float:
         """Mean size of the component over the surface: a value that is much smaller is zero at its place."""

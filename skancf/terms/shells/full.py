@@ -25,6 +25,7 @@ class FullAssembly(CompiledAssembly):
     """See :class:`skancf.terms.protocols.Assembly`."""
 
     residual_kernel, stress_kernel, tangent_kernel = residual_kernel.residual, kernels.stresses, tangent_kernel.tangent
+    recovers_bending = True
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         super().__init__(geometry, section, schedule)
@@ -59,15 +60,18 @@ class FullAssembly(CompiledAssembly):
         section = self.section
         z, _, layer = section.points(self.theory.n_thickness)
         to_local, volume = self._through_thickness()
-        free = np.stack([section.thermal_strain_of_one_director(depth, middle, gradient) for depth in z])
+        free = np.stack([self.free_strain(depth, middle, gradient) for depth in z])
         stress = np.einsum("zpq,zevq,zev->zevp", section.stiffness[layer], free, volume)
         return np.ascontiguousarray(np.einsum("zpkev,zevp->ekv", to_local, stress, optimize=True))
+
+    def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        return self.section.thermal_strain_of_one_director(z, middle, gradient)
 
     def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
         section = self.section
         z, _, layer = section.points(self.theory.n_thickness)
         _, volume = self._through_thickness()
-        free = np.stack([section.thermal_strain_of_one_director(depth, middle, gradient) for depth in z])
+        free = np.stack([self.free_strain(depth, middle, gradient) for depth in z])
         return float(0.5 * np.einsum("zevp,zpq,zevq,zev->", free, section.stiffness[layer], free, volume, optimize=True))
 
     def _through_thickness(self) -> tuple[np.ndarray, np.ndarray]:
@@ -80,7 +84,7 @@ class FullAssembly(CompiledAssembly):
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
         def elastic(depth: float) -> np.ndarray:
-            free = np.zeros(6) if temperature is None else self.section.thermal_strain_of_one_director(depth, *temperature)
+            free = np.zeros(6) if temperature is None else self.free_strain(depth, *temperature)
             return self.strains(q, points, depth, temperature) - free
 
         return self._resultants(elastic, points)

@@ -49,7 +49,7 @@ def build_sections(geometry: Geometry, section: Section) -> Sections:
     theory = cast(Full, geometry.theory)
     points, weights = theory.quadrature
     representative, shape = classes(*_shape_key(geometry))
-    require_shapes(len(representative), theory.name)
+    require_shapes(len(representative), theory.bytes_per_shape, theory.name)
     local = geometry.undeformed_local[representative]
     jets = theory.jets(local, points)
     first = geometry.tangents(points, representative)

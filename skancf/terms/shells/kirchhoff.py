@@ -24,6 +24,7 @@ class ThinAssembly(CompiledAssembly):
     """See :class:`skancf.terms.protocols.Assembly`."""
 
     residual_kernel, stress_kernel, tangent_kernel = kernels.residual, kernels.stresses, tangent_kernel.tangent
+    assumes_membrane = True
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         super().__init__(geometry, section, schedule)
@@ -70,6 +71,9 @@ class ThinAssembly(CompiledAssembly):
 
     def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         return self._held_back(self._free_strains(middle, gradient))
+
+    def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        return self.section.thermal_strain(z, middle, gradient)
 
     def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
         strains, sections = self._free_strains(middle, gradient), self.sections
@@ -172,7 +176,7 @@ class ThinAssembly(CompiledAssembly):
 
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
         parts, b = self.section_strains(q, points)
-        free = np.zeros(6) if temperature is None else self.section.thermal_strain(z, *temperature)
+        free = np.zeros(6) if temperature is None else self.free_strain(z, *temperature)
         out = free + np.zeros((*b.shape[:-1], 6), parts.dtype)
         elastic = self.curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]
         out[:, :, IN_PLANE] += elastic

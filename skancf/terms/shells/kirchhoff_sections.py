@@ -60,7 +60,7 @@ def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSecti
     plain = at_pole if geometry.theory.assumed else np.ones_like(at_pole)
     key, rounding = _shape_key(geometry)
     representative, shape = classes(np.hstack([key, plain[:, None]]), rounding)
-    require_shapes(len(representative), geometry.theory.name)
+    require_shapes(len(representative), geometry.theory.bytes_per_shape, geometry.theory.name)
     jets = geometry.theory.jets(geometry.undeformed_local[representative], points)
     turn, area = covariant_to_local(jets, geometry.tangents(points, representative), geometry.side[representative])
     areas = area * weights

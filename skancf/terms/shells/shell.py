@@ -16,6 +16,8 @@ class CompiledAssembly:
     residual_kernel: ClassVar[Callable[..., None]]
     stress_kernel: ClassVar[Callable[..., None]]
     tangent_kernel: ClassVar[Callable[..., None]]
+    assumes_membrane: ClassVar[bool] = False
+    recovers_bending: ClassVar[bool] = False
     sections: Any
     _rule: Any
     _elements: Any

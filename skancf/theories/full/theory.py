@@ -19,7 +19,9 @@ from skancf.arguments import flag, whole
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import ancf_functions, of_points
 from skancf.materials import Section
-from skancf.surfaces import Surface, normal
+from skancf.materials.shear import warn_if_layers_bend_alone
+from skancf.theories.full.depth import warn_if_off
+from skancf.theories.full.nodes import DirectorNodes
 from skancf.vectors import cross
 
 R1, R2, D1, D2, D = range(5)
@@ -102,7 +104,7 @@ def interpolation(points: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Full:
+class Full(DirectorNodes):
     """The fully parameterised plate.
 
     Parameters
@@ -121,6 +123,10 @@ class Full:
     n_thickness: int = 3
 
     name = "full"
+    order = 2
+    shear = True
+    softest = 1e-5
+    bytes_per_element, bytes_per_shape = 12_500, 330_000
     twist = False
 
     def __post_init__(self) -> None:
@@ -128,14 +134,10 @@ class Full:
         # Of many points the search for their places takes long, and no section needs them.
         object.__setattr__(self, "n_thickness", whole("n_thickness", self.n_thickness, most=64))
 
-    @cached_property
-    def rows(self) -> np.ndarray:
-        """Local function of each corner and nodal vector, (4, 4)."""
-        return np.hstack([np.arange(12).reshape(4, 3), np.arange(12, 16)[:, None]])
-
-    def fourth(self, surface: Surface, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The normal, (3, n)."""
-        return normal(surface, x, y)
+    def warn_of(self, section: Section, reach: float) -> None:
+        """Warns where layers are off the surface, and where they bend one by one."""
+        warn_if_off(section)
+        warn_if_layers_bend_alone(section, reach)
 
     def position_table(self, points: np.ndarray) -> np.ndarray:
         """Values of the local functions of r and d at points (2, n): (2, 16, n)."""

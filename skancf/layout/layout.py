@@ -1,0 +1,185 @@
+"""Which unknowns there are: blocks of twelve numbers, four vectors of three components each.
+
+A block is a node of a plate (r, r_x, r_y and the fourth vector of its theory), a second block of one, or a body (r and three
+directors). Blocks stand part by part, those of the plate first.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from skancf.errors import InputError
+from skancf.kernels.constants import AXES, BLOCK, VECTORS, R
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Blocks that belong together.
+
+    Parameters
+    ----------
+    name : str
+    undeformed : (n, 4, 3) array
+        Values of the unknowns in the undeformed state.
+    scales : (n, 12) array
+        The size in which each unknown counts, a power of two if scaling is to leave no rounding.
+    places : (n, 3) array
+        Where the blocks are in space, for the order of elimination and for messages.
+    held : (n, 12) bool array, optional
+        Unknowns that stay as they are. Default: none.
+    moves : bool
+        Whether the first vector of each block is a place in space, which a translation of everything moves. False for a
+        second block of a node, all of whose vectors only turn.
+    nodal : bool
+        Whether there is one block for each node of the plate, whose field is interpolated as that of the plate is when the
+        mesh changes. Blocks of other parts are the same on all meshes.
+    """
+
+    name: str
+    undeformed: np.ndarray
+    scales: np.ndarray
+    places: np.ndarray
+    held: np.ndarray | None = None
+    moves: bool = True
+    nodal: bool = False
+
+    def __post_init__(self) -> None:
+        n = len(self.undeformed)
+        shapes = {"undeformed": (n, VECTORS, AXES), "scales": (n, BLOCK), "places": (n, AXES)}
+        for name, shape in shapes.items():
+            value = np.asarray(getattr(self, name), float)
+            if value.shape != shape or not np.isfinite(value).all():
+                raise InputError(f"{name} of part {self.name!r}, of shape {value.shape}: give finite numbers, {shape}")
+            object.__setattr__(self, name, value)
+        if not (self.scales > 0).all():
+            raise InputError(f"scales of part {self.name!r}: the size of an unknown is greater than zero")
+        held = np.zeros((n, BLOCK), bool) if self.held is None else np.asarray(self.held)
+        if held.shape != (n, BLOCK) or held.dtype != bool:
+            raise InputError(f"held of part {self.name!r}, of shape {held.shape}: give bool of shape {(n, BLOCK)}")
+        object.__setattr__(self, "held", held)
+
+    def __len__(self) -> int:
+        return len(self.undeformed)
+
+
+class Layout:
+    """Which unknowns there are, their numbers, undeformed values and views.
+
+    Parameters
+    ----------
+    parts : sequence of Part
+        With names of their own.
+
+    Attributes
+    ----------
+    undeformed : (n_blocks, 4, 3) array
+    scales : (n_blocks, 12) array
+    places : (n_blocks, 3) array
+    """
+
+    def __init__(self, parts: Sequence[Part]) -> None:
+        names = [part.name for part in parts]
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise InputError(f"two parts have the name {twice!r}; give each a name of its own")
+        self.parts = tuple(parts)
+        ends = np.cumsum([len(part) for part in parts]).tolist()
+        starts = [0, *ends[:-1]]
+        self._slices = {name: slice(*ends) for name, *ends in zip(names, starts, ends, strict=True)}
+        self.undeformed = _joined([part.undeformed for part in parts])
+        self.scales = _joined([part.scales for part in parts])
+        self.places = _joined([part.places for part in parts])
+        self.held = _joined([part.held for part in parts])
+
+    @property
+    def n_blocks(self) -> int:
+        return len(self.undeformed)
+
+    @property
+    def n_dofs(self) -> int:
+        """Unknowns, held ones included."""
+        return self.undeformed.size
+
+    def part(self, name: str) -> slice:
+        """The blocks of a part.
+
+        Raises
+        ------
+        InputError
+            For a name that no part has.
+        """
+        if name not in self._slices:
+            raise InputError(f"part {name!r}: the layout has {', '.join(map(repr, self._slices))}")
+        return self._slices[name]
+
+    def name_of(self, block: int) -> str:
+        """The part to which a block belongs."""
+        return next(name for name, part in self._slices.items() if part.start <= block < part.stop)
+
+    def nodal(self, q: np.ndarray, name: str | None = None) -> np.ndarray:
+        """Vectors (n_blocks, 4, 3) of unknowns (n_dofs,), a view where q is contiguous; of one part, or of all.
+
+        Raises
+        ------
+        InputError
+            For another number of unknowns.
+        """
+        if np.size(q) != self.n_dofs:
+            raise InputError(f"a vector of {np.size(q)} nodal coordinates; this system has {self.n_dofs}, 12 per node")
+        q = np.ascontiguousarray(q, dtype=complex if np.iscomplexobj(q) else float)
+        blocks = q.reshape(self.undeformed.shape)
+        return blocks if name is None else blocks[self.part(name)]
+
+    def flat(self, nodal: np.ndarray, name: str | None = None) -> np.ndarray:
+        """Unknowns (n_dofs,) of vectors (n, 4, 3) of all blocks, or of those of one part and zero elsewhere."""
+        if name is None or len(nodal) == self.n_blocks:
+            return nodal.ravel()
+        out = np.zeros(self.undeformed.shape, nodal.dtype)
+        out[self.part(name)] = nodal
+        return out.ravel()
+
+    def blocks(self, q: np.ndarray) -> np.ndarray:
+        """Unknowns (n_dofs,) block by block, (n_blocks, 12)."""
+        return np.reshape(q, (-1, BLOCK))
+
+    def dofs(self, name: str) -> slice:
+        """Numbers of the unknowns of a part."""
+        blocks = self.part(name)
+        return slice(BLOCK * blocks.start, BLOCK * blocks.stop)
+
+    @cached_property
+    def moves(self) -> np.ndarray:
+        """Blocks whose first vector is a place in space, which a translation of everything moves, (n_blocks,) bool."""
+        return np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
+
+    @cached_property
+    def moving(self) -> Any:
+        """The same as an index."""
+        return slice(None) if self.moves.all() else self.moves
+
+    def positions(self, q: np.ndarray) -> np.ndarray:
+        """Those vectors of unknowns (n_dofs,) that a translation moves, (n, 3)."""
+        return np.asarray(self.nodal(q)[self.moving, R])
+
+    def arms(self, q: np.ndarray, about: np.ndarray) -> np.ndarray:
+        """Vectors (n_blocks, 4, 3) of unknowns, a copy, positions from a point (3,)."""
+        out = self.nodal(q).copy()
+        out[self.moving, R] -= about
+        return out
+
+
+def _joined(arrays: Sequence[np.ndarray | None]) -> np.ndarray:
+    return np.asarray(arrays[0] if len(arrays) == 1 else np.concatenate([np.asarray(a) for a in arrays]))
+
+
+def vectors(q: np.ndarray) -> np.ndarray:
+    """Vectors of unknowns one after another, (n, 3), a view."""
+    return np.reshape(q, (-1, AXES))
+
+
+def nodal(q: np.ndarray) -> np.ndarray:
+    """Vectors (n, 4, 3) of unknowns (12 n,) of blocks, a view."""
+    return np.reshape(q, (-1, VECTORS, AXES))

@@ -1,0 +1,64 @@
+"""From a problem and a mesh to the terms of a system."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from skancf.arguments import having
+from skancf.errors import shown
+from skancf.functions import Noted, is_ours
+from skancf.history import FULL
+from skancf.layout.constrain import constrain
+from skancf.layout.geometry import Geometry
+from skancf.layout.layout import Layout, Part
+from skancf.loads.acting import Acting
+from skancf.system.system import System
+from skancf.terms.load import LoadTerm
+from skancf.terms.protocols import Assembly
+from skancf.terms.shell import Shell
+from skancf.terms.shells.assemble import assemble
+from skancf.terms.springs import Dashpots, Springs
+from skancf.terms.term import Term
+
+PLATE = "plate"
+"""Name of the part of a layout that is the mesh of a problem."""
+
+
+def build(problem: Any, geometry: Geometry) -> System:
+    """The system of a problem on a mesh: its layout, its terms, and what supports hold."""
+    assembly = assemble(geometry, problem.section)
+    own = [part for part in (addition.part(geometry) for addition in problem.terms) if part is not None]
+    layout = Layout([Part(PLATE, geometry.undeformed, geometry.scales, geometry.undeformed[:, 0]), *own])
+    acting = [_acting(load, assembly) for load in problem.loads]
+    heats = [load for load in acting if load.initial_stresses(FULL) is not None]
+    shell = Shell(assembly, layout, PLATE, heats, 0.0 if problem.damping is None else float(problem.damping.stiffness))
+    springs, dashpots = (_matrices(name, problem.supports, assembly) for name in ("springs", "dashpots"))
+    terms: list[Term] = [Springs(springs, shell)] if springs else []
+    terms += [Dashpots(dashpots, shell)] if dashpots else []
+    terms += [addition.on(shell, layout) for addition in problem.terms]
+    terms += [LoadTerm(load, shell) for load in acting]
+    constraints, prescription = constrain(geometry, problem.supports, layout)
+    return System(layout, shell, terms, constraints, prescription, problem)
+
+
+def _acting(load: Any, assembly: Assembly) -> Any:
+    """What a load is on a mesh; checked where the load is none of this library's."""
+    if is_ours(load):
+        return load.on(assembly)
+    with Noted("load.on"):
+        acting = load.on(assembly)
+    having(f"load.on of {shown(load)}", acting, [name for name in vars(Acting) if not name.startswith("_")],
+           "what acts on the mesh, of a class that is derived from skancf.loads.acting.Acting")  # fmt: skip
+    return acting
+
+
+def _matrices(name: str, supports: Sequence[Any], assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Elements and matrices of springs or dashpots of all supports."""
+    out = []
+    for support in supports:
+        with Noted(f"support.{name}", but=(Exception,) * is_ours(support)):
+            out += [(np.asarray(elements), np.asarray(each)) for elements, each in getattr(support, name)(assembly)]
+    return out
+
+

@@ -1,0 +1,149 @@
+"""The plate or shell as a term: strain energy, inertia and free strains of one part of a layout."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from skancf.history import FULL, Case
+from skancf.kernels import gather
+from skancf.layout.layout import Layout
+from skancf.terms.blocks import Blocks, OnElements
+from skancf.terms.protocols import Assembly
+from skancf.terms.term import Term
+
+
+class Shell(Term):
+    """A theory on a mesh, at its place in a layout.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    layout : Layout
+    name : str
+        Of its part.
+    heats : sequence
+        Temperature changes, loads with ``initial_stresses`` and ``temperature``.
+    retardation : float
+        Factor of the strain rate in the stress (s).
+    """
+
+    def __init__(
+        self, assembly: Assembly, layout: Layout, name: str = "plate", heats: Sequence[Any] = (), retardation: float = 0.0
+    ):  # fmt: skip
+        self.assembly, self.layout, self.name, self.heats = assembly, layout, name, tuple(heats)
+        self.geometry, self.retardation = assembly.geometry, retardation
+        self.cells = self.geometry.nodes + layout.part(name).start
+
+    def nodal(self, q: np.ndarray) -> np.ndarray:
+        """Its vectors (n_nodes, 4, 3) of all unknowns."""
+        return self.layout.nodal(q, self.name)
+
+    def flat(self, nodal: np.ndarray) -> np.ndarray:
+        """Forces (n_dofs,) of those on its nodes (n_nodes, 4, 3)."""
+        return self.layout.flat(nodal, self.name)
+
+    def on_elements(self, blocks: Any) -> OnElements:
+        """Where matrices of its elements are added."""
+        return OnElements(blocks, self.cells, self.geometry, self.assembly.schedule)
+
+    def couples(self) -> np.ndarray:
+        return self.cells
+
+    def force(self, q: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
+        force, held = self.internal_force(q), self.held_back_force(q, case)
+        return force if held is None else force - held
+
+    def internal_force(self, q: np.ndarray) -> np.ndarray:
+        """Derivative of the strain energy without free strains, (n_dofs,)."""
+        return self.flat(self.assembly.internal_force(self.nodal(q)))
+
+    def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
+        """Stresses (n_elements, n_strains, n_points) with the weights, extrapolated linearly along ``change``.
+
+        Those of free strains are not subtracted.
+        """
+        change = None if change is None else self.nodal(change)
+        return self.assembly.stresses(self.nodal(q), change, keep_strains=False)[1]
+
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Forces (n_dofs,) that do the work of given stresses."""
+        return self.flat(self.assembly.force_of(self.nodal(q), stresses))
+
+    def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Forces (n_dofs,) of given stresses between two states, see :meth:`skancf.system.System.force_between`."""
+        return self.flat(self.assembly.force_between(self.nodal(q0), self.nodal(q1), stresses))
+
+    def add_tangent(
+        self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Any, stresses: np.ndarray | None = None,
+        stiffer: float = 1.0,
+    ) -> None:  # fmt: skip
+        """The tangent with given stresses, or those of q; over ``stiffer``, as often as the law counts."""
+        if blocks.skew:
+            return
+        stresses = self.stresses(q) if stresses is None else stresses
+        held = self.held_back(case)
+        stresses = stresses if held is None else stresses - held
+        stresses = stresses if stiffer == 1 else stresses / stiffer
+        self.assembly.tangent(self.nodal(q), stresses, blocks.slots_of(self.cells), blocks.values)
+
+    def add_stiffness(self, blocks: Blocks, plain: bool = False) -> None:
+        """The tangent of the undeformed state without stresses; ``plain``: with membrane strains as they are."""
+        nodal = self.nodal(self.layout.undeformed.ravel())
+        none = np.zeros((self.geometry.n_elements, *self.assembly.sections.reference.shape[1:]))
+        self.assembly.tangent(nodal, none, blocks.slots_of(self.cells), blocks.values, plain)
+
+    def energy(self, q: np.ndarray, case: Case = FULL) -> float:
+        r"""Half of stress times elastic strain, integrated (J).
+
+        .. math:: \tfrac12 \int (\varepsilon - \lambda \varepsilon_T) \cdot C (\varepsilon - \lambda \varepsilon_T)
+
+        with the free strain of the temperature change of a case, and its factor.
+        """
+        strains, stresses = self.assembly.stresses(self.nodal(q), None, keep_strains=True)
+        energy, held = 0.5 * float(np.vdot(strains, stresses)), self.held_back(case)
+        if held is not None:
+            energy += self.thermal_energy(case) - float(np.vdot(held, strains))
+        return energy
+
+    def add_mass(self, blocks: Blocks) -> None:
+        """The constant mass matrix; in theory `full` with the rotary part of r_z."""
+        self.add_gathered(self.assembly.sections.shape, self.assembly.mass_shapes, blocks)
+
+    def add_gathered(self, shape: np.ndarray, shapes: np.ndarray, blocks: Blocks) -> None:
+        """The mass matrix of elements whose local vectors have the matrices ``shapes[shape]``, (n_elements, 16, 16)."""
+        self.on_elements(blocks).run(gather.mass, shape, shapes, self.geometry.maps)
+
+    def held_back(self, case: Case) -> np.ndarray | None:
+        """Stresses of held back free strains, as :meth:`stresses` has them; None without any."""
+        return total(heat.initial_stresses(case) for heat in self.heats)
+
+    def held_back_force(self, q: np.ndarray, case: Case) -> np.ndarray | None:
+        """Forces of held back free strains, (n_dofs,); None without any."""
+        held = self.held_back(case)
+        return None if held is None else self.force_of(q, held)
+
+    def temperature(self, points: np.ndarray, case: Case) -> np.ndarray | None:
+        """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
+        return total(heat.temperature(points, case) for heat in self.heats)
+
+    def thermal_energy(self, case: Case = FULL) -> float:
+        """Strain energy of the undeformed state under the temperature change of a case (J), the largest it can cause."""
+        heat = self.temperature(self.geometry.theory.quadrature[0], Case(time=case.time))
+        return 0.0 if heat is None else case.factor**2 * self.assembly.thermal_energy(*heat)
+
+    def section_forces(self, q: np.ndarray, points: np.ndarray, case: Case = FULL) -> np.ndarray:
+        """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n)."""
+        return self.assembly.section_forces(self.nodal(q), points, self.temperature(points, case))
+
+    def retarding_force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        r"""Internal force of the strain rate, of the stresses :math:`C \beta \dot\varepsilon`, (n_dofs,)."""
+        if not self.retardation:
+            return np.zeros(self.layout.n_dofs)
+        return self.force_of(q, self.stresses(q, self.retardation * v) - self.stresses(q))
+
+
+def total(parts: Any) -> Any:
+    """Sum of the parts that are there; None if none is."""
+    found = [part for part in parts if part is not None]
+    return sum(found[1:], found[0]) if found else None

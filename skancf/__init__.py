@@ -118,6 +118,7 @@ from skancf.surfaces import (
     Rectangle,
     SphereSector,
 )
+from skancf.terms.forms import FormTerm
 from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
@@ -163,6 +164,7 @@ __all__ = [
     "FixedStep",
     "Follow",
     "FollowerPressure",
+    "FormTerm",
     "Foundation",
     "Full",
     "GeneralizedAlpha",

@@ -11,7 +11,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.turning import TurningFactors
 from skancf.history import Case
-from skancf.linear import BlockMatrix, DirectSolver
+from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solving import End, Status
 from skancf.statics.stopping import ROUNDING
 from skancf.system.system import System
@@ -78,8 +78,8 @@ class KeptFactors(TurningFactors):
         The energy that rounding of the coordinates puts into a correction (J).
     """
 
-    def __init__(self, linear: DirectSolver, system: System) -> None:
-        super().__init__(linear, system.constraints, system.layout.moves)
+    def __init__(self, linear: DirectSolver, constraints: Constraints, moves: np.ndarray) -> None:
+        super().__init__(linear, constraints, moves)
         self.dt = self.rounding = 0.0
 
     def of(self, equations: Equations, u: np.ndarray, before: np.ndarray, step: np.ndarray) -> None:

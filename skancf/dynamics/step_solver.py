@@ -50,7 +50,7 @@ class StepSolver:
     def __init__(self, system: System, rule: Rule, rtol: float | None = None, backend: str = "auto"):
         self.system, self.rule, self.rtol = system, rule, rule.newton_rtol if rtol is None else rtol
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
-        self.factors = KeptFactors(self.linear, system)
+        self.factors = KeptFactors(self.linear, system.constraints, system.layout.moves)
         self.effort = Effort.KEEP
         self.energy = 0.0
 

@@ -122,9 +122,12 @@ def values_at(given: Any, at: np.ndarray, name: str = "force") -> np.ndarray:
 
 def over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:
     """Nodal forces of forces (n_elements, 1 or 2, 3, n_points) at the integration points."""
-    table = geometry.theory.position_table(geometry.theory.quadrature[0])
-    local = np.einsum("vap,evip->eai", table, forces[:, : len(table)], optimize=True)
-    return geometry.nodal(local, np.arange(geometry.n_elements))
+
+    def local(points: np.ndarray, elements: np.ndarray) -> np.ndarray:
+        table = geometry.theory.position_table(points)
+        return np.einsum("vap,evip->eai", table, forces[elements, : len(table)], optimize=True)
+
+    return geometry.nodal(geometry.integration.gathered(local), np.arange(geometry.n_elements))
 
 
 def point_forces(geometry: Geometry, elements: Any, local: np.ndarray, forces: np.ndarray) -> np.ndarray:

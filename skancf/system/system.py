@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+import skfem
 
 from skancf.history import FULL, Case, check_cover
 from skancf.kernels.constants import BLOCK
+from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
 from skancf.system import dilation, rigid
@@ -214,7 +216,10 @@ class System:
 
     def linear_energy(self, change: np.ndarray, case: Case = FULL) -> float:
         """:meth:`strain_energy` of a small change of the undeformed state, quadratic in it."""
-        force, energy = self.shell.held_back_force(self.undeformed, case), self.stiffness().energy(change)
+        start = self.undeformed
+        force, energy = self.shell.held_back_force(start, case), self.stiffness().energy(change)
+        energy += sum((term.energy(start, case) or 0.0 for term in self.others), 0.0)
+        energy += float(self.others_force(start, None, case) @ change)
         return energy if force is None else energy + self.shell.thermal_energy(case) - float(force @ change)
 
     def linearised(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
@@ -232,7 +237,7 @@ class System:
         with DirectSolver(self.pattern, self.constraints, backend) as solver:
             solver.factor(matrix)
             moved = self.prescribed()
-            answer = solver.solve(self.external_force(start) - matrix @ moved) + moved
+            answer = solver.solve(self.external_force(start) - self.others_force(start) - matrix @ moved) + moved
             solver.warn_if_lost()
             return answer
 
@@ -314,6 +319,42 @@ class System:
     def largest_turn(self, change: np.ndarray) -> float:
         """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""
         return dilation.largest_turn(self.geometry, self.shell.nodal(change))
+
+    # --- scikit-fem -------------------------------------------------------------------------------------------------
+
+    def basis(self, intorder: int = 7, *, facets: Any = None, thickness: float | None = None) -> skfem.AbstractBasis:
+        """A basis of scikit-fem on the mesh with this theory's element, for forms of one's own.
+
+        ``system.basis().interpolate(system.to_mesh @ q)`` is the deformed surface in the state q: the position, its
+        derivatives ``grad`` with respect to x and y, and in theory `kirchhoff` ``hess``.
+
+        Parameters
+        ----------
+        intorder : int
+            Order of the polynomials in x and in y that the quadrature integrates exactly; 7 is that of the library's own.
+        facets
+            A place on the boundary, such as ``"left"``: the basis is one of these edges.
+        thickness : float, optional
+            In theory `full`: the basis is one of the volume, of :math:`r + z d`, and ``grad`` has the derivative with
+            respect to z, too.
+
+        Raises
+        ------
+        InputError
+            For an order that is no whole number, a place without an edge, and a thickness where there is no depth.
+        """
+        return skfem_bridge.basis_on(self.geometry, intorder, facets, thickness)
+
+    @cached_property
+    def to_mesh(self) -> sp.csr_matrix:
+        r"""T, from the nodal coordinates to the degrees of freedom of :meth:`basis`, (12 n_mesh_nodes, n_dofs).
+
+        The identity on open meshes without hanging nodes. A form's force f and stiffness K on the basis are
+        :math:`T^T f` and :math:`T^T K T` here.
+        """
+        return skfem_bridge.unknowns_to_mesh(self.geometry, self.layout, self.shell.name)
+
+    # ----------------------------------------------------------------------------------------------------------------
 
     def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
         """The first element that folded, and its undeformed place; None without one: see :mod:`skancf.layout.folds`."""

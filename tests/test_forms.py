@@ -189,6 +189,27 @@ def test_every_field_of_an_edge_is_differentiated_exactly(theory):
         check_term(form, problem(surface), theory=theory)
 
 
+@theories
+def test_drag_is_damping(theory, rng):
+    """Piston theory: pressure against the velocity and the slope along a stream; its damping and skew tangent."""
+    piston = sk.FormTerm(residual=lambda v, w: 3.0 * (dot(w.v, w.n) - 40.0 * w.n[0]) * dot(w.n, v) * w.J, load=True)
+    report = check_term(piston, problem(sk.Rectangle(1.0, 1.0)), theory=theory)
+    assert "damping against force" in report.errors
+    drag = sk.FormTerm(residual=lambda v, w: 5.0 * dot(w.v, v))
+    system = on_mesh("tube", [drag], theory)
+    velocity, blocks = rng.normal(size=system.n_dofs), system.blocks()
+    force = system.others[0].force(system.undeformed, velocity, sk.Case())
+    system.others[0].add_damping(system.undeformed, velocity, sk.Case(), blocks)
+    assert close(blocks.matrix() @ velocity, force, SUMS)
+    assert not system.others[0].force(system.undeformed, None, sk.Case()).any()
+
+
+def test_what_does_not_depend_on_the_state_has_no_tangent():
+    surface = sk.Rectangle(1.0, 1.0)
+    for form in (sk.FormTerm(residual=lambda v, w: 2.0 * v[2], load=True), sk.FormTerm(energy=lambda w: 1.0)):
+        check_term(form, problem(surface))
+
+
 def test_variations_have_directors_and_second_derivatives():
     thick = sk.FormTerm(residual=lambda v, w: dot(w.d, v.d) + w.u[0] * v.d.grad[2, 1])
     thin = sk.FormTerm(residual=lambda v, w: (w.r.hess * v.hess).sum(axis=(0, 1, 2)))
@@ -339,6 +360,7 @@ ON_MESH = {
     "conj": ({"energy": lambda w: (w.u * np.conj(w.u)).sum(axis=0).real}, "by complex steps"),
     "no complex numbers": ({"energy": lambda w: np.floor(w.u[2])}, "takes no complex numbers"),
     "abs of residual": ({"residual": lambda v, w: np.abs(w.u[2]) * v[2]}, "residual: derivatives are taken by complex"),
+    "moving energy": ({"energy": lambda w: w.v[2]}, "it reads the velocity w.v"),
     "not linear": ({"residual": lambda v, w: v[2] ** 2}, "not linear in v"),
     "time": ({"energy": lambda w: w.J, "where": "lid"}, "no boundary 'lid'"),
     "nowhere": ({"energy": lambda w: w.J, "where": lambda x, y: x > 5}, "true at no integration point"),

@@ -14,7 +14,7 @@ from skancf.functions import is_function, true_at
 from skancf.history import Case
 from skancf.kernels.constants import AXES, FUNCTIONS
 from skancf.layout.geometry import Geometry
-from skancf.terms.forms.fields import THICK, THIN, Fields, Jet
+from skancf.terms.forms.fields import THICK, THIN, VELOCITY, Fields, Jet
 from skancf.theories.full.theory import D1, D2, R1, R2, D
 from skancf.theories.full.theory import jet_table as thick_table
 from skancf.theories.kirchhoff.theory import jet_table as thin_table
@@ -55,9 +55,10 @@ class Chunk:
         """The 16 local functions' part in each vector of the jet: (m, 16, n) each."""
         return _tables(self.geometry, self.elements, self.points)
 
-    def jet(self, local: np.ndarray) -> dict[str, np.ndarray]:
-        """The jet (3, m, n) each of local vectors (m, 16, 3)."""
-        return {name: np.moveaxis(local.swapaxes(1, 2) @ table, 1, 0) for name, table in self.tables.items()}
+    def jet(self, local: np.ndarray, rates: np.ndarray | None = None) -> dict[str, np.ndarray]:
+        """The jet (3, m, n) each of local vectors (m, 16, 3), and of their rates the velocity."""
+        out = {name: _of_local(local, self.tables[name]) for name in self.names}
+        return out if rates is None else {**out, VELOCITY: _of_local(rates, self.tables["r"])}
 
     @cached_property
     def undeformed(self) -> Fields:
@@ -78,12 +79,16 @@ class Chunk:
         n)."""
         m, n = self.weights.shape
         left = np.stack([self.tables[name] for name in rows], axis=2).reshape(m, FUNCTIONS, -1)
-        right = np.stack([self.tables[name] for name in columns], axis=2)
+        right = np.stack([self.tables["r" if name == VELOCITY else name] for name in columns], axis=2)
         # (m, row, point, i, j, column function): what is left is one product of matrices for each element.
         weighted = second * self.weights
         half = np.einsum("kiljep,eblp->ekpijb", weighted, right, optimize=True).reshape(m, len(rows) * n, -1)
         out = (left @ half).reshape(m, FUNCTIONS, AXES, AXES, FUNCTIONS)
         return np.asarray(out.transpose(0, 2, 1, 3, 4).reshape(m, AXES * FUNCTIONS, AXES * FUNCTIONS))
+
+
+def _of_local(local: np.ndarray, table: np.ndarray) -> np.ndarray:
+    return np.moveaxis(local.swapaxes(1, 2) @ table, 1, 0)
 
 
 def _tables(geometry: Geometry, elements: np.ndarray, points: np.ndarray) -> dict[str, np.ndarray]:

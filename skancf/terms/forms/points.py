@@ -19,7 +19,7 @@ from skancf.theories.full.theory import D1, D2, R1, R2, D
 from skancf.theories.full.theory import jet_table as thick_table
 from skancf.theories.kirchhoff.theory import jet_table as thin_table
 
-AT_ONCE = 4096
+AT_ONCE = 8192
 """Points that a form is called with at a time: enough to forget the cost of a call, few enough for the cache."""
 
 

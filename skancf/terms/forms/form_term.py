@@ -61,8 +61,8 @@ class FormTerm(Addition):
     ------
     InputError
         For none of the three, a tangent without a residual, what is no form or the wrong kind of one, and a history of what
-        is no load; on a mesh, for names that w does not have, values of another shape or not finite, and functions that are
-        not analytic where a derivative has to be taken.
+        is no load; on a mesh, for names that w does not have, values of another shape or, undeformed, not finite, and
+        functions that are not analytic where a derivative has to be taken.
 
     Notes
     -----
@@ -184,7 +184,8 @@ class OnSurface(Term):
         for chunk in self.chunks:
             for name, form in self.forms.items():
                 tests = [integrand.every(chunk)] * list(FORMS).index(name)
-                _, (*_, read) = form(chunk, chunk.undeformed.jet, case, *tests)
+                value, (*_, read) = form(chunk, chunk.undeformed.jet, case, *tests)
+                form.check_finite(value, chunk)
                 if VELOCITY in read and name == "energy":
                     raise InputError("energy: it reads the velocity w.v; an energy is one of positions, give what depends "
                                      "on the velocity as a residual")  # fmt: skip

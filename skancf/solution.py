@@ -289,9 +289,9 @@ class Solution:
             return 0.0
         heat = system.shell.thermal_energy(self.case)
         thin: Any = system.assembly
-        membrane = self._of_state(lambda q: thin.membrane_strains(system.shell.nodal(q)))
+        rest = self._of_state(lambda q: thin.membrane_rest(system.shell.nodal(q)))
         energy = self.strain_energy
-        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(membrane) / energy)
+        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).

@@ -205,16 +205,20 @@ def test_influence_line(theory):
 def test_places_of_loads_that_stand():
     loads = [sk.PointForce((0.2, 0.3), (0, 0, 1.0)), sk.DiskForce((0.5, 0.5), 0.1, (0, 0, 1.0)), sk.SurfaceLoad((0, 0, 1.0)),
              sk.Gravity(), sk.FollowerPressure(1.0), sk.LineLoad((0.1, 0.9), (0.8, 0.9), (0, 0, 1.0))]  # fmt: skip
-    places = system_on("full", *loads).load_places(0.3)
+    places = system_on("full", *loads).loads.places(at_time(0.3))
     assert np.array_equal(places[:, 0], (0.2, 0.3))
     disk = np.linalg.norm(places[:, 1:769] - 0.5, axis=0)
     assert disk.max() < 0.1 and np.allclose(places[1, 769:], 0.9) and places.shape[1] > 769
-    assert system_on("full").load_places().shape == (2, 0)
+    assert system_on("full").loads.places().shape == (2, 0)
 
 
-def test_ends_that_move_are_no_singular_points_but_one_that_stands_is():
-    bare, moving = (singular_points(system_on("full", *loads)) for loads in ([], [sk.MovingLine(diagonal, (0.4, 0.9), F)]))
-    assert moving.shape[1] == bare.shape[1] + 1 and (np.abs(moving.T - (0.4, 0.9)).max(axis=1) < 1e-12).any()
+def test_singular_points_of_loads_that_move_are_where_statics_has_them():
+    bare = singular_points(system_on("full"))
+    for load, at in [(sk.MovingLine(diagonal, (0.4, 0.9), F), [diagonal(0.0), (0.4, 0.9)]),
+                     (sk.MovingForce(diagonal, tuple(F)), [diagonal(0.0)])]:  # fmt: skip
+        found = singular_points(system_on("full", load))
+        assert found.shape[1] == bare.shape[1] + len(at)
+        assert all((np.abs(found.T - point).max(axis=1) < 1e-12).any() for point in at)
 
 
 @pytest.mark.parametrize(("build", "words"), [

@@ -8,6 +8,7 @@ from spins import centre, spinning
 
 import skancf as sk
 from skancf.dynamics.state import State
+from skancf.dynamics.step_newton import StepTangents
 from skancf.dynamics.step_solver import StepSolver
 from skancf.dynamics.turning import TurningFactors, nodal_frames, turning_vectors
 
@@ -215,7 +216,7 @@ def test_wrong_factors_never_converge(theory, factor, gmres, monkeypatch):
 
     monkeypatch.setattr(TurningFactors, "solve", wrong)
     if not gmres:
-        monkeypatch.setattr(StepSolver, "_with_skew_part", lambda self, change, *rest: change)
+        monkeypatch.setattr(StepTangents, "_with_skew_part", lambda self, change, *rest: change)
     at, rng = system.undeformed, np.random.default_rng(2)
     v = sk.RigidVelocity(spin=tuple(OBLIQUE), about=tuple(centre(system))).at(at)
     v.reshape(-1, 4, 3)[:, 0] += 0.5 * rng.standard_normal((len(v) // 12, 3))

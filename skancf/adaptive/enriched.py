@@ -6,6 +6,7 @@ of its error. The residual vanishes on what the coarse mesh can do; the rest of 
 :math:`z - P I z` over its nodal interpolant, which lives in the bubbles of elements and edges.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 from types import TracebackType
 from typing import Any
@@ -17,12 +18,14 @@ from skancf.adaptive.energies import Strained, energies, virtual_work
 from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE, may_be_quartered
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
-from skancf.adaptive.singular import images, nodes_at, singular_points, touching
-from skancf.errors import InputError
+from skancf.adaptive.singular import images, singular_points, touching
+from skancf.errors import InputError, finite
 from skancf.history import Case
+from skancf.layout.singularities import nodes_at
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
+from skancf.solving import End, Status, iterate
 from skancf.statics.equilibrium import equilibrium
 from skancf.statics.newton import newton, skew_part
 from skancf.statics.stopping import work
@@ -120,7 +123,8 @@ class Refined:
         """Coarse nodes at the point of a section force, at most one."""
         if not isinstance(self._quantity, SectionForce) or self._quantity.at is None:
             return np.empty(0, dtype=int)
-        return nodes_at(self.coarse.geometry, self._quantity.at)
+        geometry = self.coarse.geometry
+        return nodes_at(geometry, geometry.within(finite("at", self._quantity.at)[:, None]))
 
     def shares(self, products: np.ndarray) -> np.ndarray:
         """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
@@ -170,7 +174,7 @@ class Enriched(Refined):
         else:
             self.start = self._up.positions(state.q)
             gap = fine.undeformed + factor * fine.prescribed() - self.start
-            self.residual, self.stiffness = self._residual(self.start), fine.tangent(self.start, Case(factor))
+            self.residual, self.stiffness = self.residual_of(self.start), fine.tangent(self.start, Case(factor))
         self._moved = fine.constraints.fixed_part(gap)
 
     @cached_property
@@ -179,38 +183,26 @@ class Enriched(Refined):
 
     @cached_property
     def _step(self) -> np.ndarray:
-        """To the solution of the refined system; leaves the factors of its tangent in the solver."""
+        """To the solution of the refined system, by one tangent, or by Newton's method where its corrections do not shrink
+        fast; leaves the factors of a tangent there in the solver."""
         moved = self._moved
         self._solver.factor(self.stiffness)
         if self.state.linear:
             return self._solver.solve(-(self.residual + self.stiffness @ moved)) + moved
         tangent = SkewSolver(self.stiffness, skew_part(self.system, self.start, self.state.load_factor), self._solver)
         first = tangent.solve(-(self.residual + tangent.multiply(moved))) + moved
-        return self._chord(first, tangent)
+        chord = iterate(first, _Chord(self, tangent), _Shrinking(work(first, tangent.multiply(first))), CHORDS)
+        return chord.x if chord.ok else self._newton() - self.start
 
     @property
     def unresolved(self) -> np.ndarray:
         """What is left of the residual after the step, (n_fine,): rounding, and what Newton's method left."""
         if self.state.linear:
             return self.residual + self.stiffness @ self._step
-        return self._residual(self.start + self._step)
+        return self.residual_of(self.start + self._step)
 
-    def _residual(self, q: np.ndarray) -> np.ndarray:
+    def residual_of(self, q: np.ndarray) -> np.ndarray:
         return self.system.internal_force(q) - self.state.load_factor * self.system.external_force(q)
-
-    def _chord(self, first: np.ndarray, tangent: SkewSolver) -> np.ndarray:
-        """The step with more of them by the same tangent, or by Newton's method where these do not shrink fast."""
-        step, largest, last = first, work(first, tangent.multiply(first)), np.inf
-        for _ in range(CHORDS):
-            more = tangent.solve(-self._residual(self.start + step))
-            size = work(more, tangent.multiply(more))
-            step = step + more
-            if size <= NEAR**2 * largest:
-                return step
-            if not size < last / 4:
-                break
-            last = size
-        return self._newton() - self.start
 
     def _newton(self) -> np.ndarray:
         """Coordinates of the refined equilibrium by Newton's method, relaxed from the coarse one where that fails."""
@@ -296,6 +288,37 @@ class Enriched(Refined):
         held = (~free).astype(float) * np.abs(blocks).max(axis=(1, 2))[:, None]
         turned += np.einsum("ni,ij->nij", held, np.eye(blocks.shape[1]))
         return frames.swapaxes(1, 2) @ turned @ frames
+
+
+@dataclass(frozen=True)
+class _Chord:
+    """Steps from the start of an enriched state, by its one tangent."""
+
+    enriched: Enriched
+    tangent: SkewSolver
+
+    def residual(self, step: np.ndarray) -> np.ndarray:
+        return self.enriched.residual_of(self.enriched.start + step)
+
+    def correction(self, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
+        more = self.tangent.solve(-residual)
+        return more, work(more, self.tangent.multiply(more))
+
+    def step(self, step: np.ndarray, residual: np.ndarray, more: np.ndarray) -> np.ndarray:
+        return step + more
+
+
+@dataclass(frozen=True)
+class _Shrinking:
+    """Ends where corrections are small beside the first, of energy ``largest``, and where they do not shrink fast."""
+
+    largest: float
+
+    def judge(self, step: np.ndarray, more: np.ndarray, energies: list[float]) -> End | None:
+        size, last = energies[-1], energies[-2] if len(energies) > 1 else np.inf
+        if size <= NEAR**2 * self.largest:
+            return Status.CONVERGED, ""
+        return None if size < last / 4 else (Status.DIVERGED, "")
 
 
 def _require_at_rest(state: Solution) -> None:

@@ -104,8 +104,8 @@ def initial_velocity(system: System, q: np.ndarray, velocity: Velocity) -> np.nd
 
 def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> np.ndarray:
     geometry, sections = system.geometry, system.assembly.sections
-    points, masses = geometry.theory.quadrature[0], sections.moments[sections.shape][:, 0]
-    momentum = values_at(velocity, geometry.parameters(points), "velocity") * masses[:, None]
+    masses = sections.moments[sections.shape][:, 0]
+    momentum = values_at(velocity, geometry.parameters(geometry.integration.local), "velocity") * masses[:, None]
     fixed = np.ones_like(system.layout.scales, dtype=bool)
     fixed[: geometry.n_nodes] = _massless(geometry)
     with DirectSolver(system.pattern, Constraints(fixed)) as solver:

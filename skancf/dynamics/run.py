@@ -26,7 +26,7 @@ from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
 from skancf.history import Case, knots_of
 from skancf.progress import Progress
-from skancf.solving import Status
+from skancf.solving import End, Status, kept
 from skancf.system.system import System
 
 
@@ -197,45 +197,42 @@ class Run:
     def go(
         self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
         at_end: Callable[[], None] = lambda: None,
-    ) -> tuple[Status, str]:  # fmt: skip
+    ) -> End:  # fmt: skip
         """Run to the end, or until it stops; ``after_step`` follows every accepted step, ``at_end`` the last one."""
         try:
-            status, message = self._go(bar, after_step)
-            if status.ok:
-                self.recorder.end(self.now)
-                at_end()
-            return status, message
-        except KeyboardInterrupt:
-            return Status.INTERRUPTED, f"interrupted from the keyboard at t = {self.now.time:.6g} s"
-        except Exception as error:  # whatever a load, a record, a disk or the machine raises, what was computed is kept
-            if not self.steps:
-                raise
-            return Status.FAILED, f"stopped at t = {self.now.time:.6g} s, what was computed is kept: {_words(error)}"
+            return kept(
+                lambda: self._step(bar, after_step, at_end), lambda: f" at t = {self.now.time:.6g} s", self._failed
+            )
         finally:
             self.recorder.end(self.now)
 
-    def _go(self, bar: Progress, after_step: Callable[["Run"], None]) -> tuple[Status, str]:
+    def _failed(self, error: Exception) -> str | None:
+        said = f"stopped at t = {self.now.time:.6g} s, what was computed is kept: {_words(error)}"
+        return said if self.steps else None
+
+    def _step(self, bar: Progress, after_step: Callable[["Run"], None], at_end: Callable[[], None]) -> End | None:
         settings = self.settings
         tiny = 1e-12 * settings.span
-        while True:
-            while self.strikes and self.strikes[0] <= self.now.time + tiny:
-                self._strike(self.strikes.pop(0))
-            if self.now.time >= settings.end - tiny:
-                return Status.FINISHED, ""
-            knot = next((time for time in self.knots if time > self.now.time + tiny), settings.end)
-            stop = min(knot, settings.end, *self.strikes[:1])
-            left = stop - self.now.time
-            step = left if self.dt > left - tiny else self.dt
-            outcome, accepted = self._attempt(step)
-            bar.at(self.now.time - settings.begin, self._news(outcome, step))
-            if self.dt < self.shortest:
-                return Status.STEP_TOO_SMALL, self._too_small(outcome)
-            if not accepted:
-                continue
+        while self.strikes and self.strikes[0] <= self.now.time + tiny:
+            self._strike(self.strikes.pop(0))
+        if self.now.time >= settings.end - tiny:
+            self.recorder.end(self.now)
+            at_end()
+            return Status.FINISHED, ""
+        knot = next((time for time in self.knots if time > self.now.time + tiny), settings.end)
+        stop = min(knot, settings.end, *self.strikes[:1])
+        left = stop - self.now.time
+        step = left if self.dt > left - tiny else self.dt
+        outcome, accepted = self._attempt(step)
+        bar.at(self.now.time - settings.begin, self._news(outcome, step))
+        if self.dt < self.shortest:
+            return Status.STEP_TOO_SMALL, self._too_small(outcome)
+        if accepted:
             if settings.balance is not None and self._is_unbalanced(settings.balance):
                 return Status.UNBALANCED, self._unbalanced()
             self._look()
             after_step(self)
+        return None
 
     def _attempt(self, step: float) -> tuple[StepOutcome, bool]:
         """One step; whether it was accepted. Sets the length of the next."""
@@ -289,7 +286,7 @@ class Run:
     @property
     def _noise(self) -> float:
         """Energy that is rounding (J): of coordinates alone, and of their product with a strain in the energy."""
-        rounding = NOISE * self.solver.rounding
+        rounding = NOISE * self.solver.factors.rounding
         return max(rounding, 1e-300) + (rounding * self.book.turnover) ** 0.5
 
     def _is_unbalanced(self, tolerance: float) -> bool:

@@ -18,8 +18,7 @@ TURNED = 2 * np.pi / 3
 
 def first_fold(geometry: Geometry, q: np.ndarray) -> tuple[int, np.ndarray] | None:
     """The first element that folded at nodal coordinates (n_nodes, 4, 3), and its undeformed place; None without one."""
-    points = geometry.theory.quadrature[0]
-    jets = [geometry.theory.jets(geometry.local(nodal), points)[:2] for nodal in (q, geometry.undeformed)]
+    jets = [geometry.jets(geometry.local(nodal))[:2] for nodal in (q, geometry.undeformed)]
     now, before = (cross(pair[0], pair[1]) for pair in jets)
     whole = ((now**2).sum(axis=0) > FOLDED**2 * (before**2).sum(axis=0)).all(axis=1)
     whole[whole] = (_angles(now[:, whole]) - _angles(before[:, whole]) < TURNED).all(axis=(1, 2))

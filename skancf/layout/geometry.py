@@ -15,6 +15,7 @@ from skancf.errors import InputError, vector
 from skancf.layout.hanging import Hanging
 from skancf.layout.maps import local_maps
 from skancf.layout.places import Places
+from skancf.layout.points import IntegrationPoints, Own
 from skancf.layout.ties import SAME, find_ties
 from skancf.meshes.check import check_mesh_on
 from skancf.meshes.finder import Finder, element_finder
@@ -46,9 +47,11 @@ class Geometry(Places):
         1 where corners are numbered counter-clockwise, else -1.
     maps : Maps
         From nodal coordinates to local vectors.
+    integration : IntegrationPoints
+        The Gauss points of the theory, or own ones of some elements.
     """
 
-    def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Theory):
+    def __init__(self, mesh: skfem.MeshQuad, surface: Surface, theory: Theory, own_points: Own | None = None):
         check_mesh_on(mesh, getattr(surface, "bounds", None))
         check_derivatives(surface, mesh)
         if theory.continuity:
@@ -56,7 +59,8 @@ class Geometry(Places):
             having("surface", surface, ("second_derivatives",), "one with second_derivatives, which theory 'kirchhoff' "
                    "needs; sk.MappedSurface makes them of a position")  # fmt: skip
         self.mesh, self.surface, self.theory = mesh, surface, theory
-        check_regular(surface, *self.parameters(theory.quadrature[0]).reshape(2, -1))
+        self.integration = IntegrationPoints(mesh.t.shape[1], theory.quadrature, own_points)
+        check_regular(surface, *self.parameters(self.integration.local).reshape(2, -1))
         self.ties = find_ties(mesh, surface, theory)
         self.hanging = Hanging.of(mesh, theory)
         self.points = mesh.p[:, self.ties.representative]
@@ -216,6 +220,10 @@ class Geometry(Places):
     @cached_property
     def undeformed_local(self) -> np.ndarray:
         return self.local(self.undeformed)
+
+    def jets(self, local: np.ndarray) -> np.ndarray:
+        """Jets (5, 3, n_elements, 16) of the local vectors of all elements at their integration points."""
+        return self.integration.gathered(lambda points, e: self.theory.jets(local[e], points), axis=2)
 
     def parameters(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
         """Parameters (2, n_elements, n) of local points (2, n), or of those of each element, (n_elements, 2, n)."""

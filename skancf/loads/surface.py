@@ -8,6 +8,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import vector
 from skancf.history import History, check_history
+from skancf.kernels.constants import AXES, POINTS
 from skancf.loads.acting import Acting, DeadLoad, check_distributed, over_elements, values_at
 from skancf.loads.eccentric import DeadLoadOnNormals
 from skancf.terms.protocols import Assembly
@@ -32,9 +33,8 @@ class SurfaceLoad:
 
     def on(self, assembly: Assembly) -> DeadLoad:
         geometry = assembly.geometry
-        points = geometry.theory.quadrature[0]
-        forces = np.zeros((geometry.n_elements, 2, 3, points.shape[1]))
-        forces[:, 0] = values_at(self.force, geometry.parameters(points)) * assembly.areas[:, None]
+        forces = np.zeros((geometry.n_elements, 2, AXES, POINTS))
+        forces[:, 0] = values_at(self.force, geometry.parameters(geometry.integration.local)) * assembly.areas[:, None]
         return DeadLoad(over_elements(geometry, forces), self.history)
 
 

@@ -50,7 +50,7 @@ class Heating(Acting):
 
     def __init__(self, assembly: Assembly, load: Temperature):
         self.load, self.history, self.geometry = load, load.history, assembly.geometry
-        self.held = assembly.thermal_stresses(*load.values(self.geometry.parameters(self.geometry.theory.quadrature[0])))
+        self.held = assembly.thermal_stresses(lambda points: load.values(self.geometry.parameters(points)))
 
     def initial_stresses(self, case: Case) -> np.ndarray:
         return np.asarray(case.amplitude(self.history) * self.held)

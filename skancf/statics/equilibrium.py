@@ -9,7 +9,6 @@ from skancf.errors import DidNotConverge, OutOfDepth, number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
-from skancf.solving import Status
 from skancf.statics.asked import check_asked
 from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
@@ -103,12 +102,8 @@ def equilibrium(
         return _followed(begin, load_factor, rtol, mixed, backend, progress)
     solver = DirectSolver(system.pattern, system.constraints, backend)
     with Progress("statics", 1.0, shown=progress) as bar, solver:
-        run = Cascade(system, solver, begin, load_factor, Settings(rtol, int(max_iterations), mixed, relax), bar)
-        try:
-            return run.go(control or HalveAndGrow())
-        except KeyboardInterrupt:
-            at = run.path[-1]
-            return run.result(Status.INTERRUPTED, f"interrupted from the keyboard at load factor {at.load_factor:.6g}")
+        settings = Settings(rtol, int(max_iterations), mixed, relax)
+        return Cascade(system, solver, begin, load_factor, settings, bar).go(control or HalveAndGrow())
 
 
 def _followed(

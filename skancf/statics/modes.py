@@ -351,8 +351,10 @@ def free_directions(constraints: Constraints) -> np.ndarray:
 def _largest_inside(system: Any, mode: np.ndarray) -> float:
     """Largest movement at the integration points: of single elements only slopes and twists of nodes may move."""
     geometry = system.geometry
-    table = geometry.theory.position_table(geometry.theory.quadrature[0])[0]
-    inside = np.einsum("ap,eai->epi", table, geometry.local(system.shell.nodal(mode)))
+    local = geometry.local(system.shell.nodal(mode))
+    inside = geometry.integration.gathered(
+        lambda points, e: np.einsum("ap,eai->epi", geometry.theory.position_table(points)[0], local[e])
+    )
     return float(np.linalg.norm(inside, axis=2).max()) or 1.0
 
 

@@ -8,7 +8,9 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, positive, unit_vector, vector
 from skancf.functions import is_function, values_at
+from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL, POINTS
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.supports.conditions import Support
 from skancf.terms.protocols import Assembly
 
@@ -32,7 +34,7 @@ def factors_at(name: str, given: Any, at: np.ndarray, components: int | None = N
 
 def spring_matrices(table: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
     """Matrices (m, 48, 48) of springs (m, n, 3, 3) at points where the local functions of r are (m, 16, n)."""
-    return np.einsum("man,mnij,mbn->miajb", table, stiffness, table, optimize=True).reshape(-1, 48, 48)
+    return np.einsum("man,mnij,mbn->miajb", table, stiffness, table, optimize=True).reshape(-1, LOCAL, LOCAL)
 
 
 def on_place(geometry: Geometry, where: Any, name: str, factors: Any) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -116,6 +118,9 @@ class Dashpot(Support):
     def dashpots(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
         return on_place(assembly.geometry, self.where, "damping", self.damping)
 
+    def singularities(self, geometry: Geometry) -> list[Singularity]:
+        return at_place(geometry, self.where, self.holds, "a Dashpot", at_rest=False)
+
 
 @dataclass(frozen=True)
 class Foundation(Support):
@@ -149,15 +154,17 @@ class Foundation(Support):
 
     def springs(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
         geometry, theory = assembly.geometry, assembly.geometry.theory
-        points = theory.quadrature[0]
+        integration, local = geometry.integration, geometry.undeformed_local
         if self.direction is None:
-            d = theory.normals(geometry.undeformed_local, points, geometry.side)
+            d = integration.gathered(lambda points, e: theory.normals(local[e], points, geometry.side[e]))
             d = d / np.linalg.norm(d, axis=1, keepdims=True)
         else:
-            d = np.broadcast_to(unit_vector("direction", self.direction)[:, None], (geometry.n_elements, 3, points.shape[1]))
-        k = factors_at("stiffness", self.stiffness, geometry.parameters(points))
+            d = np.broadcast_to(unit_vector("direction", self.direction)[:, None], (geometry.n_elements, AXES, POINTS))
+        k = factors_at("stiffness", self.stiffness, geometry.parameters(integration.local))
         if not k.any():
             raise InputError("stiffness is zero all over the surface; give a function that is positive somewhere")
         stiffness = np.einsum("en,ein,ejn->enij", assembly.areas * k, d, d)
-        table = np.broadcast_to(theory.position_table(points)[0], (geometry.n_elements, 16, points.shape[1]))
+        table = integration.gathered(
+            lambda points, e: np.broadcast_to(theory.position_table(points)[0], (len(e), FUNCTIONS, POINTS))
+        )
         return [(np.arange(geometry.n_elements), spring_matrices(table, stiffness))]

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.history import FULL, Case
+from skancf.layout.singularities import Singularity
 from skancf.terms.shell import Shell
 from skancf.terms.term import Term
 
@@ -33,6 +34,10 @@ class LoadTerm(Term):
 
     def histories(self) -> list[Any]:
         return list(self.acting.histories())
+
+    def singularities(self, case: Case) -> list[Singularity]:
+        found: list[Singularity] = self.acting.singularities(case)
+        return found
 
     def places(self, case: Case) -> np.ndarray:
         return np.asarray(self.acting.places(case))

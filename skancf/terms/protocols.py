@@ -1,5 +1,6 @@
 """What a system knows of a theory on a mesh, and of prescribed coordinates."""
 
+from collections.abc import Callable
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -8,6 +9,9 @@ from skancf.history import Case
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
+
+Heat = Callable[[np.ndarray], Any]
+"""A temperature change T0 + z T1, the two (n_elements, n), at local points (2, n) or those of each element."""
 
 
 class Assembly(Protocol):
@@ -18,7 +22,7 @@ class Assembly(Protocol):
     sections: Any
     schedule: Schedule
     assumes_membrane: ClassVar[bool]
-    """Whether membrane strains are assumed; then it has ``membrane_strains``, those as they are, and ``rest_energy``."""
+    """Whether membrane strains are assumed; then it has ``membrane_rest``, what they leave out, and ``rest_energy``."""
     recovers_bending: ClassVar[bool]
     """Whether moments are good in the middles of elements only; then it has ``bending_forces`` and ``bending_strains``, the
     part of section forces and strains that makes them so."""
@@ -51,10 +55,10 @@ class Assembly(Protocol):
     def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         """Strain in the local frame (..., 6) that a temperature change T0 + z T1, each (...), makes at a depth if free."""
 
-    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        """Stresses that hold back a temperature change T0 + z T1, each (n_elements, n_points)."""
+    def thermal_stresses(self, temperature: Heat) -> np.ndarray:
+        """Stresses that hold back a temperature change T0 + z T1."""
 
-    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
+    def thermal_energy(self, temperature: Heat) -> float:
         """Energy of those stresses on the free strain of the temperature change, the largest it can have."""
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:

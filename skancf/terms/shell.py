@@ -129,8 +129,10 @@ class Shell(Term):
 
     def thermal_energy(self, case: Case = FULL) -> float:
         """Strain energy of the undeformed state under the temperature change of a case (J), the largest it can cause."""
-        heat = self.temperature(self.geometry.theory.quadrature[0], Case(time=case.time))
-        return 0.0 if heat is None else case.factor**2 * self.assembly.thermal_energy(*heat)
+        if not self.heats:
+            return 0.0
+        at_full = Case(time=case.time)
+        return case.factor**2 * self.assembly.thermal_energy(lambda points: np.asarray(self.temperature(points, at_full)))
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, case: Case = FULL) -> np.ndarray:
         """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n)."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.layout.layout import Layout
+from skancf.layout.singularities import Singularity, places_of
 from skancf.terms.blocks import Blocks
 
 
@@ -71,9 +72,14 @@ class Term:
         """Its functions of time, among them None for one that is constant."""
         return [getattr(self, "history", None)]
 
+    def singularities(self, case: Case) -> list[Singularity]:
+        """What it does that is not smooth: see :class:`~skancf.layout.singularities.Singularity`. Default: nothing."""
+        return []
+
     def places(self, case: Case) -> np.ndarray:
-        """Points (2, n) of the parameter plane at which it acts, if it is at some only; else (2, 0)."""
-        return np.empty((2, 0))
+        """Points (2, n) of the parameter plane at which it acts, if it is at some only; else (2, 0). Default: the single
+        points of its singularities."""
+        return places_of(self.singularities(case))
 
     def impulse(self) -> tuple[float, np.ndarray] | None:
         """A time (s) and the impulse (n_dofs,) that acts then; None of what acts all the time."""

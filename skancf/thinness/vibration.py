@@ -25,8 +25,9 @@ def rotary_inertia(system: System, q: np.ndarray, shape: np.ndarray) -> float:
     r""":math:`\int \rho z^2 dz \int |\delta n|^2 dA`, which a small motion adds to :math:`\phi \cdot M \phi`."""
     geometry, section = system.geometry, system.problem.section
     local, rates = (geometry.local(system.shell.nodal(v)) for v in (q, shape))
-    points = geometry.theory.quadrature[0]
-    turned = geometry.theory.normal_rates(local, rates, points, geometry.side)
+    turned = geometry.integration.gathered(
+        lambda points, e: geometry.theory.normal_rates(local[e], rates[e], points, geometry.side[e])
+    )
     inertia = float(section.density @ np.diff(section.z**3)) / 3
     return inertia * float(((turned**2).sum(axis=1) * system.assembly.areas).sum())
 

@@ -6,12 +6,14 @@ from typing import cast
 
 import numpy as np
 
+from skancf.errors import InputError
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
 from skancf.materials.curved import require_one_side
 from skancf.materials.parallel import TRACE, principal_curvatures, sums
 from skancf.materials.section import ROUNDING
+from skancf.terms.protocols import Heat
 from skancf.terms.shells.full_sections import Sections, build_sections
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.theories.full import kernels, residual_kernel, tangent_kernel
@@ -29,6 +31,9 @@ class FullAssembly(CompiledAssembly):
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         super().__init__(geometry, section, schedule)
+        if not geometry.integration.shared:
+            raise InputError("theory 'full' has the Gauss points in all elements, as its force takes many at once; "
+                             "take theory 'kirchhoff'")  # fmt: skip
         self.theory = cast(Full, geometry.theory)
         self.sections = build_sections(geometry, section)
         if abs(section.z[0] + section.z[-1]) > ROUNDING * section.thickness:
@@ -56,8 +61,8 @@ class FullAssembly(CompiledAssembly):
             + np.einsum("ap,bp,sp->sab", d, d, m2)
         )
 
-    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        section = self.section
+    def thermal_stresses(self, temperature: Heat) -> np.ndarray:
+        section, (middle, gradient) = self.section, temperature(self.theory.quadrature[0])
         z, _, layer = section.points(self.theory.n_thickness)
         to_local, volume = self._through_thickness()
         free = np.stack([self.free_strain(depth, middle, gradient) for depth in z])
@@ -67,8 +72,8 @@ class FullAssembly(CompiledAssembly):
     def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         return self.section.thermal_strain_of_one_director(z, middle, gradient)
 
-    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
-        section = self.section
+    def thermal_energy(self, temperature: Heat) -> float:
+        section, (middle, gradient) = self.section, temperature(self.theory.quadrature[0])
         z, _, layer = section.points(self.theory.n_thickness)
         _, volume = self._through_thickness()
         free = np.stack([self.free_strain(depth, middle, gradient) for depth in z])

@@ -5,14 +5,18 @@ from typing import cast
 
 import numpy as np
 
+from skancf.kernels.constants import FUNCTIONS, POINTS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.points import IntegrationPoints
 from skancf.materials import Section
 from skancf.materials.curved import CurvedSection
 from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
+from skancf.terms.protocols import Heat
 from skancf.terms.shells.kirchhoff_sections import build_thin_sections, local_curvature
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.theories.kirchhoff import between_kernel, kernels, tangent_kernel
+from skancf.theories.kirchhoff.kernels import N_MEMBRANE, N_STRAINS
 from skancf.theories.kirchhoff.theory import KEPT, Kirchhoff, covariant_to_local, jet_table, legendre
 
 PLAIN = Kirchhoff(assumed=False)
@@ -32,22 +36,11 @@ class ThinAssembly(CompiledAssembly):
         self.sections = build_thin_sections(geometry, self.curved)
         self.curved.check(self.sections.curvature)
         theory = cast(Kirchhoff, geometry.theory)
-        points, weights = theory.quadrature
-        table = jet_table(points)
-        kept = np.ascontiguousarray(np.hstack([legendre(points, numbers) for numbers in KEPT]).T)
-        projections = np.stack([np.stack([np.eye(points.shape[1])] * 3), theory.interpolation(points)])
-        self._rule = kernels.Rule(
-            table=np.ascontiguousarray(table.transpose(1, 0, 2).reshape(16, -1)),
-            jets=np.ascontiguousarray(table.transpose(0, 2, 1).reshape(-1, 16)),
-            slopes=np.ascontiguousarray(table[:2].transpose(2, 0, 1).reshape(-1, 16)),
-            projections=projections,
-            transposed=np.ascontiguousarray(projections.swapaxes(2, 3)),
-            kept=kept,
-            fit=kept * weights,
-            pairs=self.sections.pairs,
-        )
+        self._rule = _rule(theory, geometry.integration, self.sections.pairs)
         parts = self.sections
-        self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.assumed, parts.rest)
+        self._elements = kernels.Elements(
+            parts.shape, parts.points, parts.reference, parts.law, parts.assumed, parts.rest
+        )
 
     @property
     def plain_elements(self) -> kernels.Elements:
@@ -56,68 +49,114 @@ class ThinAssembly(CompiledAssembly):
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
-        self.schedule.run(kernels.force_of, q, stresses, self._rule, self.geometry.maps, out)
+        self.schedule.run(kernels.force_of, q, stresses, self._rule, self.geometry.maps, self._elements, out)
         return out
 
     def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
-        self.schedule.run(between_kernel.force_between, q0, q1, stresses, self._rule, self.geometry.maps, out)
+        self.schedule.run(
+            between_kernel.force_between, q0, q1, stresses, self._rule, self.geometry.maps, self._elements, out
+        )
         return out
 
     @cached_property
     def mass_shapes(self) -> np.ndarray:
-        table = self.geometry.theory.position_table(self.geometry.theory.quadrature[0])[0]
-        return np.einsum("ap,bp,sp->sab", table, table, self.sections.moments[:, 0])
+        masses = self.sections.moments[:, 0]
 
-    def thermal_stresses(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        return self._held_back(self._free_strains(middle, gradient))
+        def products(points: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+            table = self.geometry.theory.position_table(points)[0]
+            return np.einsum("ap,bp,sp->sab", table, table, masses[shapes])
+
+        return self.geometry.integration.gathered(products, self.sections.points)
+
+    @property
+    def _sampled(self) -> np.ndarray:
+        """Which elements have points of their own and assumed membrane strains, made of those at the Gauss points: (n,)."""
+        sections = self.sections
+        return np.asarray(((sections.points > 0) & (sections.assumed > 0))[sections.shape])
+
+    def thermal_stresses(self, temperature: Heat) -> np.ndarray:
+        return self._held_back(self._free_strains(temperature))
 
     def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         return self.section.thermal_strain(z, middle, gradient)
 
-    def thermal_energy(self, middle: np.ndarray, gradient: np.ndarray) -> float:
-        strains, sections = self._free_strains(middle, gradient), self.sections
-        left = self.curved.energy_left(sections.curvature[sections.shape], middle, gradient)
+    def thermal_energy(self, temperature: Heat) -> float:
+        strains, sections = self._free_strains(temperature), self.sections
+        left = self.curved.energy_left(sections.curvature[sections.shape], *temperature(self.geometry.integration.local))
         return float(0.5 * np.vdot(strains, self._held_back(strains)) + np.vdot(self.areas, left))
 
-    def _free_strains(self, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        """Covariant strains (n_elements, 6, n_points) that a temperature change makes without section forces."""
-        sections = self.sections
-        free = self.curved.free_strains(sections.curvature[sections.shape], middle, gradient)
+    def _free_strains(self, temperature: Heat) -> np.ndarray:
+        """Covariant strains (n_elements, 6 or 9, n_points) that a temperature change makes without section forces."""
+        sections, geometry = self.sections, self.geometry
+
+        def covariant(curvature: np.ndarray, turn: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+            free = self.curved.free_strains(curvature, middle, gradient)
+            return np.moveaxis(np.linalg.solve(turn, free[..., None])[..., 0], 1, 2)
+
         turn = np.moveaxis(sections.turn[sections.shape], 3, 1)
-        return np.moveaxis(np.linalg.solve(turn, free[..., None])[..., 0], 1, 2)
+        out = covariant(sections.curvature[sections.shape], turn, *temperature(geometry.integration.local))
+        if geometry.integration.shared:
+            return out
+        points, sampled = geometry.theory.quadrature[0], np.flatnonzero(self._sampled)
+        more = np.zeros((len(out), N_MEMBRANE, POINTS))
+        turn, curvature = self._frame(points, sampled)
+        middle, gradient = (values[sampled] for values in temperature(points))
+        more[sampled] = covariant(curvature, turn.transpose(2, 3, 0, 1), middle, gradient)[:, :N_MEMBRANE]
+        return np.concatenate([out, more], axis=1)
 
     def _held_back(self, strains: np.ndarray) -> np.ndarray:
-        """Stresses (n_elements, 6, n_points) of covariant strains, assumed as those of a motion are.
+        """Stresses of covariant strains, both (n_elements, 6 or 9, n_points), assumed as those of a motion are.
 
         So that a free expansion, whose strains no polynomial may hold, is free of stress.
         """
         sections = self.sections
         projection = self._rule.projections[sections.assumed[sections.shape]]
         k, l = sections.pairs.T
-        law = np.zeros((len(sections.law), 6, 6, strains.shape[2]))
+        law = np.zeros((len(sections.law), N_STRAINS, N_STRAINS, strains.shape[2]))
         law[:, k, l] = law[:, l, k] = sections.law
         law, rest = law[sections.shape], sections.rest[sections.shape]
-        hat = strains.copy()
-        hat[:, :3] = np.einsum("ecsp,ecs->ecp", projection, strains[:, :3])
+        hat = strains[:, :N_STRAINS].copy()
+        hat[:, :3] = np.einsum("ecsp,ecs->ecp", projection, self._before_projection(strains))
         stress = np.einsum("eklp,elp->ekp", law, hat)
-        extra = np.einsum("ek,eklp,el,elp->ekp", rest, law[:, :3, :3], rest, (strains - hat)[:, :3], optimize=True)
-        stress[:, :3] = extra + np.einsum("ecsp,ecp->ecs", projection, stress[:, :3] - extra)
-        return np.ascontiguousarray(stress)
+        left = strains[:, :3] - hat[:, :3]
+        extra = np.einsum("ek,eklp,el,elp->ekp", rest, law[:, :3, :3], rest, left, optimize=True)
+        back = np.einsum("ecsp,ecp->ecs", projection, stress[:, :3] - extra)
+        if self.geometry.integration.shared:
+            stress[:, :3] = extra + back
+            return np.ascontiguousarray(stress)
+        sampled = self._sampled[:, None, None]
+        stress[:, :3] = extra + np.where(sampled, 0.0, back)
+        return np.concatenate([stress, np.where(sampled, back, 0.0)], axis=1)
 
-    def membrane_strains(self, q: np.ndarray) -> np.ndarray:
-        """Membrane strains as they are, not assumed, at the integration points: covariant, (n_elements, 3, n_points)."""
-        geometry, points = self.geometry, self.geometry.theory.quadrature[0]
-        before = PLAIN.strains(geometry.undeformed_local, points)[:, :3]
-        change = PLAIN.strains(geometry.local(q), points)[:, :3] - before
-        rounding = np.abs(change) < ROUNDING * np.abs(before).max(axis=(1, 2), keepdims=True)
-        return np.asarray(np.where(rounding & (change.imag == 0), 0.0, change))
+    def _before_projection(self, strains: np.ndarray) -> np.ndarray:
+        """Of strains (n_elements, 6 or 9, n_points) the membrane strains that the assumed ones are made of."""
+        if self.geometry.integration.shared:
+            return strains[:, :N_MEMBRANE]
+        return np.where(self._sampled[:, None, None], strains[:, N_STRAINS:], strains[:, :N_MEMBRANE])
 
-    def rest_energy(self, strains: np.ndarray) -> float:
-        """Energy of what the assumed ones leave out of such strains, with the small factors that it counts with."""
-        sections = self.sections
+    def membrane_rest(self, q: np.ndarray) -> np.ndarray:
+        """What the assumed membrane strains leave out of those of the motion at the integration points: covariant,
+        (n_elements, 3, n_points)."""
+        geometry, sections = self.geometry, self.sections
+        now, before = geometry.local(q), geometry.undeformed_local
+
+        def change_at(points: np.ndarray, e: np.ndarray) -> np.ndarray:
+            undeformed = PLAIN.strains(before[e], points)[:, :3]
+            change = PLAIN.strains(now[e], points)[:, :3] - undeformed
+            rounding = np.abs(change) < ROUNDING * np.abs(undeformed).max(axis=(1, 2), keepdims=True)
+            return np.asarray(np.where(rounding & (change.imag == 0), 0.0, change))
+
+        change = source = geometry.integration.gathered(change_at)
+        if not geometry.integration.shared:
+            at_gauss = change_at(geometry.theory.quadrature[0], np.arange(geometry.n_elements))
+            source = np.where(self._sampled[:, None, None], at_gauss, change)
         projection = self._rule.projections[sections.assumed[sections.shape]]
-        rest = strains - np.einsum("ecsp,ecs->ecp", projection, strains)
+        return np.asarray(change - np.einsum("ecsp,ecs->ecp", projection, source))
+
+    def rest_energy(self, rest: np.ndarray) -> float:
+        """Energy of :meth:`membrane_rest`, with the small factors that it counts with."""
+        sections = self.sections
         counted = sections.rest[sections.shape][:, :, None] * rest
         energy = 0.0
         for law, (k, l) in zip(sections.law[sections.shape].swapaxes(0, 1), sections.pairs, strict=True):
@@ -183,3 +222,22 @@ class ThinAssembly(CompiledAssembly):
         # The others follow from S33 = S23 = S13 = 0.
         out[:, :, OUT_OF_PLANE] += elastic @ self.section.condensed(z).T
         return out
+
+
+def _rule(theory: Kirchhoff, integration: IntegrationPoints, pairs: np.ndarray) -> kernels.Rule:
+    """Tables of all kinds of integration points."""
+    tables = np.stack([jet_table(points) for points in integration.points])
+    kept = np.stack([np.hstack([legendre(points, numbers) for numbers in KEPT]).T for points in integration.points])
+    identity = np.stack([np.eye(POINTS)] * N_MEMBRANE)
+    projections = np.stack([identity, *[theory.interpolation(points) for points in integration.points]])
+    n = len(tables)
+    return kernels.Rule(
+        table=np.ascontiguousarray(tables.transpose(0, 2, 1, 3).reshape(n, FUNCTIONS, -1)),
+        jets=np.ascontiguousarray(tables.transpose(0, 1, 3, 2).reshape(n, -1, FUNCTIONS)),
+        slopes=np.ascontiguousarray(tables[:, :2].transpose(0, 3, 1, 2).reshape(n, -1, FUNCTIONS)),
+        projections=projections,
+        transposed=np.ascontiguousarray(projections.swapaxes(2, 3)),
+        kept=np.ascontiguousarray(kept),
+        fit=np.ascontiguousarray(kept[0]) * integration.weights[0],
+        pairs=pairs,
+    )

@@ -20,14 +20,18 @@ class ThinSections:
     ----------
     shape : (n_elements,) int array
         Class of each element.
-    reference : (n_shapes, 6, n_points) array
-        Undeformed strains.
+    points : (n_shapes,) int array
+        Kind of its integration points.
+    reference : (n_shapes, 6 or 9, n_points) array
+        Undeformed strains; where some elements have points of their own, then the membrane strains at the Gauss points,
+        which their assumed strains are made of.
     pairs : (n_pairs, 2) int array
         Entries k <= l of the law of the covariant strains that are not zero in some class.
     law : (n_shapes, n_pairs, n_points) array
         Those entries.
     assumed : (n_shapes,) int array
-        1 where membrane strains are assumed, 0 where they are taken as they are.
+        Number of the projection of the membrane strains: 0 where they are taken as they are, or one more than the kind of
+        points.
     rest : (n_shapes, 3) array
         Roots of the factors of the rest of the membrane strains.
     turn : (n_shapes, 6, 6, n_points) array
@@ -41,6 +45,7 @@ class ThinSections:
     """
 
     shape: np.ndarray
+    points: np.ndarray
     reference: np.ndarray
     pairs: np.ndarray
     law: np.ndarray
@@ -54,28 +59,33 @@ class ThinSections:
 
 def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSections:
     """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
-    points, weights = geometry.theory.quadrature
+    theory, integration = geometry.theory, geometry.integration
     # Covariant strains grow with the distance from a pole and its square, which the assumed ones beside it cannot.
     at_pole = geometry.at_poles
-    plain = at_pole if geometry.theory.assumed else np.ones_like(at_pole)
+    plain = at_pole if theory.assumed else np.ones_like(at_pole)
     key, rounding = _shape_key(geometry)
-    representative, shape = classes(np.hstack([key, plain[:, None]]), rounding)
-    require_shapes(len(representative), geometry.theory.bytes_per_shape, geometry.theory.name)
-    jets = geometry.theory.jets(geometry.undeformed_local[representative], points)
-    turn, area = covariant_to_local(jets, geometry.tangents(points, representative), geometry.side[representative])
-    areas = area * weights
+    representative, shape = classes(np.hstack([key, plain[:, None], integration.kinds[:, None]]), rounding)
+    require_shapes(len(representative), theory.bytes_per_shape, theory.name)
+    local, kinds = geometry.undeformed_local[representative], integration.kinds[representative]
+    jets = integration.gathered(lambda points, shapes: theory.jets(local[shapes], points), kinds, axis=2)
+    tangents = geometry.tangents(integration.of(kinds), representative)
+    turn, area = covariant_to_local(jets, tangents, geometry.side[representative])
+    areas = area * integration.weights[kinds]
     turns, curvature = turn.transpose(2, 3, 0, 1), local_curvature(jets, turn)
     local = section.section.abd() if section.centred else section.law(curvature)
     law = (turns.swapaxes(2, 3) @ local @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
     scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
     k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > 1e-13 * np.outer(scale, scale)))
+    whole = jets if integration.shared else theory.jets(local, theory.quadrature[0])
+    sampled = [] if integration.shared else [np.where(kinds[:, None] > 0, strain(whole)[:3], 0.0)]
     return ThinSections(
         shape=shape,
-        reference=np.ascontiguousarray(np.moveaxis(strain(jets), 0, 1)),
+        points=kinds,
+        reference=np.ascontiguousarray(np.moveaxis(np.concatenate([strain(jets), *sampled]), 0, 1)),
         pairs=np.stack([k, l], axis=1),
         law=np.ascontiguousarray(law[:, k, l]),
-        assumed=np.where(plain[representative], 0, 1),
-        rest=rest_factors(jets, section.section.bending_thickness),
+        assumed=np.where(plain[representative], 0, 1 + kinds),
+        rest=rest_factors(whole, section.section.bending_thickness),
         turn=np.ascontiguousarray(np.moveaxis(turn, 2, 0)),
         curvature=curvature,
         moments=section.masses(curvature).swapaxes(0, 1) * areas[:, None],

@@ -4,8 +4,19 @@ formulas are those of :func:`skancf.theories.kirchhoff.point.discrete_gradient`.
 import numpy as np
 
 from skancf.compiled import INNER, OPTIONS, compiled
+from skancf.kernels.constants import AXES, FUNCTIONS, POINTS
 from skancf.kernels.gather import gather, scatter_force
-from skancf.theories.kirchhoff.kernels import N_POINTS, forces_of_jets, jets
+from skancf.theories.kirchhoff.kernels import (
+    JETS,
+    ON_2,
+    ON_11,
+    ON_12,
+    ON_22,
+    add_sampled_forces,
+    forces_of_jets,
+    gauss_slopes,
+    jets,
+)
 
 
 @compiled(**INNER)
@@ -27,7 +38,7 @@ def mixed(s, a, t, b):
 @compiled(**INNER)
 def pair(x, y, k, p):
     """Middle and change of jet k at point p."""
-    at = 16 * k + p
+    at = POINTS * k + p
     a, b = (x[0, at], x[1, at], x[2, at]), (y[0, at], y[1, at], y[2, at])
     return mixed(0.5, a, 0.5, b), mixed(1.0, b, -1.0, a)
 
@@ -58,12 +69,12 @@ def bending_between(a, b, c, da, db, dc, J, bending, on_J):
 
 
 @compiled(**INNER)
-def forces_between(rule, x, y, stress, f, turned, force):
+def forces_between(rule, kind, x, y, stress, f, turned, force):
     """Forces (16, 3) on the local vectors that do the work of stresses on the change of the strains from x to y, exactly;
     ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
-    for p in range(N_POINTS):
-        a0, b0 = (x[0, p], x[1, p], x[2, p]), (x[0, 16 + p], x[1, 16 + p], x[2, 16 + p])
-        a1, b1 = (y[0, p], y[1, p], y[2, p]), (y[0, 16 + p], y[1, 16 + p], y[2, 16 + p])
+    for p in range(POINTS):
+        a0, b0 = (x[0, p], x[1, p], x[2, p]), (x[0, ON_2 + p], x[1, ON_2 + p], x[2, ON_2 + p])
+        a1, b1 = (y[0, p], y[1, p], y[2, p]), (y[0, ON_2 + p], y[1, ON_2 + p], y[2, ON_2 + p])
         (a, da), (b, db) = pair(x, y, 0, p), pair(x, y, 1, p)
         m0, m1 = cross(a0, b0), cross(a1, b1)
         J0, J1 = np.sqrt(inner(m0, m0)), np.sqrt(inner(m1, m1))
@@ -80,23 +91,31 @@ def forces_between(rule, x, y, stress, f, turned, force):
         f_a, f_b, f_c = bending_between(a, b, c, da, db, dc, J, bending, on_J)
         for i in range(3):
             f[i, p] = stress[0, p] * a[i] + stress[2, p] * b[i] + f_a[i]
-            f[i, 16 + p] = stress[2, p] * a[i] + stress[1, p] * b[i] + f_b[i]
-            f[i, 32 + p] = m11 * f_c[i]
-            f[i, 48 + p] = m22 * f_c[i]
-            f[i, 64 + p] = m12 * f_c[i]
-    forces_of_jets(rule, f, turned, force)
+            f[i, ON_2 + p] = stress[2, p] * a[i] + stress[1, p] * b[i] + f_b[i]
+            f[i, ON_11 + p] = m11 * f_c[i]
+            f[i, ON_22 + p] = m22 * f_c[i]
+            f[i, ON_12 + p] = m12 * f_c[i]
+    forces_of_jets(rule, kind, f, turned, force)
 
 
 @compiled(**OPTIONS)
-def force_between(start, stop, order, q0, q1, stress, rule, maps, out):
-    """Force of given stresses (n_elements, 6, 16), which have the weights, on the way from q0 to q1, added to out."""
-    local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
-    x, y, f = np.empty((3, 80)), np.empty((3, 80)), np.empty((3, 80))
+def force_between(start, stop, order, q0, q1, stress, rule, maps, elements, out):
+    """Force of given stresses (n_elements, 6 or 9, 16), which have the weights, on the way from q0 to q1, added to out."""
+    local, force, turned = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES)), np.empty((AXES, FUNCTIONS))
+    middle, x, y, f = np.empty((FUNCTIONS, AXES)), np.empty((AXES, JETS)), np.empty((AXES, JETS)), np.empty((AXES, JETS))
     for index in range(start, stop):
         e = order[index]
-        gather(e, q0, maps, local)
-        jets(rule, local, x)
+        c = elements.shape[e]
+        kind = elements.points[c]
+        gather(e, q0, maps, middle)
+        jets(rule, kind, middle, x)
         gather(e, q1, maps, local)
-        jets(rule, local, y)
-        forces_between(rule, x, y, stress[e], f, turned, force)
+        jets(rule, kind, local, y)
+        forces_between(rule, kind, x, y, stress[e], f, turned, force)
+        if kind > 0 and elements.assumed[c] > 0:
+            # Membrane strains are quadratic: their gradient in the middle is exact.
+            middle += local
+            middle *= 0.5
+            gauss_slopes(rule, middle, x)
+            add_sampled_forces(rule, x, stress[e], f, turned, force)
         scatter_force(e, force, maps, out)

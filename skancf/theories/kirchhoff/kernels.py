@@ -9,22 +9,34 @@ from typing import NamedTuple
 import numpy as np
 
 from skancf.compiled import INNER, OPTIONS, compiled
+from skancf.kernels.constants import AXES, FUNCTIONS, POINTS
 from skancf.kernels.gather import gather, scatter_force
 from skancf.kernels.panels import add_panel, set_panel
 
-N_POINTS = 16
+N_STRAINS, N_MEMBRANE = 6, 3
+N_JETS = 5
+JETS = N_JETS * POINTS
+"""Columns of an array that has the jets one after the other, each at all points."""
+ON_1, ON_2, ON_11, ON_22, ON_12 = range(0, JETS, POINTS)
+"""Where each jet begins there."""
+JET = POINTS * FUNCTIONS
+TABLE = N_JETS * JET
+PROJECTION = POINTS * POINTS
+PROJECTIONS = N_MEMBRANE * PROJECTION
+"""Sizes of the tables of one jet, and of one kind of points."""
 
 
 class Elements(NamedTuple):
     """What differs between elements.
 
-    ``shape`` (n,), the class of equal undeformed elements; for each class the undeformed strains ``reference``
-    (n_shapes, 6, 16), the entries of the law with the weights ``law`` (n_shapes, n_pairs, 16), whether membrane strains are
-    ``assumed`` (n_shapes,), 0 or 1, and the roots of the factors with which the rest of the three counts, ``rest``
-    (n_shapes, 3).
+    ``shape`` (n,), the class of equal undeformed elements; for each class which kind of ``points`` it has (n_shapes,), the
+    undeformed strains ``reference`` (n_shapes, 6 or 9, 16), the entries of the law with the weights ``law`` (n_shapes,
+    n_pairs, 16), the number of the projection of its membrane strains, ``assumed`` (n_shapes,), 0 where they are taken as
+    they are, and the roots of the factors with which the rest of the three counts, ``rest`` (n_shapes, 3).
     """
 
     shape: np.ndarray
+    points: np.ndarray
     reference: np.ndarray
     law: np.ndarray
     assumed: np.ndarray
@@ -32,13 +44,14 @@ class Elements(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """What elements share.
+    """What elements share: tables of each kind of integration points, the first of which are the Gauss points.
 
-    ``table`` (16, 80): jets of the local functions, jet by jet, ``jets`` its transpose, ``slopes`` (32, 16) the first two,
-    point by point. ``projections`` (2, 3, 16, 16): from the membrane strains 11, 22, 12 at the points to those that the law
-    is applied to, ``(c, from, to)``: the identity, and the assumed ones; ``transposed`` the other way. ``kept`` (16, 16): at
-    the points, the polynomials that the assumed strains are made of, and ``fit``, from strains at the points to their
-    coefficients. ``pairs`` (n_pairs, 2): k <= l of the entries of the law.
+    ``table`` (n_kinds, 16, 80): jets of the local functions, jet by jet, ``jets`` its transpose, ``slopes`` (n_kinds, 32,
+    16) the first two, point by point. ``projections`` (1 + n_kinds, 3, 16, 16): from membrane strains 11, 22, 12 to those
+    that the law is applied to, ``(c, from, to)``: the identity, and the assumed ones, from strains at the Gauss points to
+    the points of each kind; ``transposed`` the other way. ``kept`` (n_kinds, 16, 16): at the points, the polynomials that
+    the assumed strains are made of, and ``fit`` (16, 16), from strains at the Gauss points to their coefficients. ``pairs``
+    (n_pairs, 2): k <= l of the entries of the law.
     """
 
     table: np.ndarray
@@ -52,17 +65,24 @@ class Rule(NamedTuple):
 
 
 @compiled(**INNER)
-def jets(rule, local, x):
-    """r_1, r_2, r_11, r_22, r_12 at the points: x (3, 80), jet by jet."""
-    for at in range(0, 80, 16):
-        set_panel(3, 16, local, 0, 3, 1, rule.table, at, 80, x, at, 80)
+def jets(rule, kind, local, x):
+    """r_1, r_2, r_11, r_22, r_12 at the points of a kind: x (3, 80), jet by jet."""
+    for at in range(0, JETS, POINTS):
+        set_panel(3, FUNCTIONS, local, 0, AXES, 1, rule.table, TABLE * kind + at, JETS, x, at, JETS)
+
+
+@compiled(**INNER)
+def gauss_slopes(rule, local, x):
+    """r_1 and r_2 at the Gauss points, into the first columns of x (3, 80)."""
+    for at in (ON_1, ON_2):
+        set_panel(3, FUNCTIONS, local, 0, AXES, 1, rule.table, at, JETS, x, at, JETS)
 
 
 @compiled(**INNER)
 def surface(x, n, duals, gamma):
     """Unit normal (3, 16), dual vectors (2, 3, 16) and Christoffel symbols (3, 2, 16) of the jets."""
-    for p in range(N_POINTS):
-        a0, a1, a2, b0, b1, b2 = x[0, p], x[1, p], x[2, p], x[0, 16 + p], x[1, 16 + p], x[2, 16 + p]
+    for p in range(POINTS):
+        a0, a1, a2, b0, b1, b2 = x[0, p], x[1, p], x[2, p], x[0, ON_2 + p], x[1, ON_2 + p], x[2, ON_2 + p]
         n0, n1, n2 = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
         square = n0 * n0 + n1 * n1 + n2 * n2
         length = 1.0 / np.sqrt(square)
@@ -72,9 +92,9 @@ def surface(x, n, duals, gamma):
         duals[0, 0, p], duals[0, 1, p], duals[0, 2, p] = bb * a0 - ab * b0, bb * a1 - ab * b1, bb * a2 - ab * b2
         duals[1, 0, p], duals[1, 1, p], duals[1, 2, p] = aa * b0 - ab * a0, aa * b1 - ab * a1, aa * b2 - ab * a2
     for k in range(3):
-        at = 32 + 16 * k
+        at = ON_11 + POINTS * k
         for g in range(2):
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 gamma[k, g, p] = (duals[g, 0, p] * x[0, at + p] + duals[g, 1, p] * x[1, at + p]
                                   + duals[g, 2, p] * x[2, at + p])  # fmt: skip
 
@@ -82,16 +102,16 @@ def surface(x, n, duals, gamma):
 @compiled(**INNER)
 def strains(x, n, reference, eps):
     """Membrane strains and curvature changes less the undeformed ones: eps (6, 16)."""
-    for p in range(N_POINTS):
+    for p in range(POINTS):
         e11 = e22 = e12 = k11 = k22 = k12 = 0.0
         for i in range(3):
-            a, b = x[i, p], x[i, 16 + p]
+            a, b = x[i, p], x[i, ON_2 + p]
             e11 += a * a
             e22 += b * b
             e12 += a * b
-            k11 += n[i, p] * x[i, 32 + p]
-            k22 += n[i, p] * x[i, 48 + p]
-            k12 += n[i, p] * x[i, 64 + p]
+            k11 += n[i, p] * x[i, ON_11 + p]
+            k22 += n[i, p] * x[i, ON_22 + p]
+            k12 += n[i, p] * x[i, ON_12 + p]
         eps[0, p] = 0.5 * e11 - reference[0, p]
         eps[1, p] = 0.5 * e22 - reference[1, p]
         eps[2, p] = e12 - reference[2, p]
@@ -103,97 +123,139 @@ def strains(x, n, reference, eps):
 @compiled(**INNER)
 def add_change(x, y, n, gamma, eps):
     """Adds the change of the strains, linear in the change of the jets y (3, 80)."""
-    for i in range(3):
-        for p in range(N_POINTS):
-            a, b, da, db, normal = x[i, p], x[i, 16 + p], y[i, p], y[i, 16 + p], n[i, p]
+    for i in range(AXES):
+        for p in range(POINTS):
+            a, b, da, db, normal = x[i, p], x[i, ON_2 + p], y[i, p], y[i, ON_2 + p], n[i, p]
             eps[0, p] += a * da
             eps[1, p] += b * db
             eps[2, p] += a * db + b * da
-            eps[3, p] -= normal * (y[i, 32 + p] - gamma[0, 0, p] * da - gamma[0, 1, p] * db)
-            eps[4, p] -= normal * (y[i, 48 + p] - gamma[1, 0, p] * da - gamma[1, 1, p] * db)
-            eps[5, p] -= 2.0 * normal * (y[i, 64 + p] - gamma[2, 0, p] * da - gamma[2, 1, p] * db)
+            eps[3, p] -= normal * (y[i, ON_11 + p] - gamma[0, 0, p] * da - gamma[0, 1, p] * db)
+            eps[4, p] -= normal * (y[i, ON_22 + p] - gamma[1, 0, p] * da - gamma[1, 1, p] * db)
+            eps[5, p] -= 2.0 * normal * (y[i, ON_12 + p] - gamma[2, 0, p] * da - gamma[2, 1, p] * db)
 
 
 @compiled(**INNER)
-def section(rule, assumed, law, rest, eps, hat, extra, stress):
-    """Stresses (6, 16), with the weights, that do work on the strains at the points.
+def section(rule, kind, assumed, law, rest, eps, hat, extra, stress):
+    """Stresses (6 or 9, 16), with the weights, that do work on the strains.
 
-    The law is applied to the assumed membrane strains with the curvatures, and to the scaled rest of the membrane strains;
-    ``hat`` (6, 16) and ``extra`` (3, 16) are scratch.
+    The law is applied to the assumed membrane strains with the curvatures, and to the scaled rest of the membrane strains.
+    Assumed ones of own points are made of those at the Gauss points, the last three of the strains. ``hat`` (6, 16) and
+    ``extra`` (3, 16) are scratch.
     """
-    hat[3:] = eps[3:]
-    for c in range(3):
-        set_panel(1, N_POINTS, eps, 16 * c, 1, 0, rule.projections, 768 * assumed + 256 * c, 16, hat, 16 * c, 16)
+    hat[3:] = eps[3:N_STRAINS]
+    sampled = kind > 0 and assumed > 0
+    first = N_STRAINS * POINTS if sampled else 0
+    for c in range(N_MEMBRANE):
+        at = PROJECTIONS * assumed + PROJECTION * c
+        set_panel(1, POINTS, eps, first + POINTS * c, 1, 0, rule.projections, at, POINTS, hat, POINTS * c, POINTS)
     stress[:] = 0.0
     extra[:] = 0.0
     for m in range(rule.pairs.shape[0]):
         k, l = rule.pairs[m]
-        for p in range(N_POINTS):
+        for p in range(POINTS):
             stress[k, p] += law[m, p] * hat[l, p]
         if k != l:
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 stress[l, p] += law[m, p] * hat[k, p]
         if l < 3:
             scale = rest[k] * rest[l]
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 extra[k, p] += scale * law[m, p] * (eps[l, p] - hat[l, p])
             if k != l:
-                for p in range(N_POINTS):
+                for p in range(POINTS):
                     extra[l, p] += scale * law[m, p] * (eps[k, p] - hat[k, p])
-    for c in range(3):
-        for p in range(N_POINTS):
+    for c in range(N_MEMBRANE):
+        at = PROJECTIONS * assumed + PROJECTION * c
+        for p in range(POINTS):
             hat[c, p] = stress[c, p] - extra[c, p]
         stress[c] = extra[c]
-        add_panel(1, N_POINTS, hat, 16 * c, 1, 0, rule.transposed, 768 * assumed + 256 * c, 16, stress, 16 * c, 16)
+        add_panel(1, POINTS, hat, POINTS * c, 1, 0, rule.transposed, at, POINTS, stress, first + POINTS * c, POINTS)
 
 
 @compiled(**INNER)
-def forces_of_jets(rule, f, turned, force):
+def forces_of_jets(rule, kind, f, turned, force):
     """Forces (16, 3) on the local vectors of those on the jets, f (3, 80); ``turned`` (3, 16) is scratch."""
-    set_panel(3, 80, f, 0, 1, 80, rule.jets, 0, 16, turned, 0, 16)
-    for a in range(16):
-        for i in range(3):
+    set_panel(3, JETS, f, 0, 1, JETS, rule.jets, TABLE * kind, FUNCTIONS, turned, 0, FUNCTIONS)
+    for a in range(FUNCTIONS):
+        for i in range(AXES):
             force[a, i] = turned[i, a]
 
 
 @compiled(**INNER)
-def forces(rule, x, n, gamma, stress, f, turned, force):
+def add_sampled_forces(rule, x, stress, f, turned, force):
+    """Adds the forces of membrane stresses, the last three, on r_1 and r_2 at the Gauss points, x (3, 80)."""
+    for i in range(AXES):
+        for p in range(POINTS):
+            f[i, ON_1 + p] = stress[6, p] * x[i, ON_1 + p] + stress[8, p] * x[i, ON_2 + p]
+            f[i, ON_2 + p] = stress[8, p] * x[i, ON_1 + p] + stress[7, p] * x[i, ON_2 + p]
+    set_panel(3, ON_11, f, 0, 1, JETS, rule.jets, 0, FUNCTIONS, turned, 0, FUNCTIONS)
+    for a in range(FUNCTIONS):
+        for i in range(AXES):
+            force[a, i] += turned[i, a]
+
+
+@compiled(**INNER)
+def sampled_strains(x, y, reference, eps):
+    """Membrane strains at the Gauss points less the undeformed ones, and their change with r_1 and r_2, y (3, 80)."""
+    for p in range(POINTS):
+        e11 = e22 = e12 = 0.0
+        for i in range(AXES):
+            a, b, da, db = x[i, ON_1 + p], x[i, ON_2 + p], y[i, ON_1 + p], y[i, ON_2 + p]
+            e11 += a * (0.5 * a + da)
+            e22 += b * (0.5 * b + db)
+            e12 += a * b + a * db + b * da
+        eps[6, p] = e11 - reference[6, p]
+        eps[7, p] = e22 - reference[7, p]
+        eps[8, p] = e12 - reference[8, p]
+
+
+@compiled(**INNER)
+def forces(rule, kind, x, n, gamma, stress, f, turned, force):
     """Forces (16, 3) on the local vectors; ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
-    for i in range(3):
-        for p in range(N_POINTS):
+    for i in range(AXES):
+        for p in range(POINTS):
             m11, m22, m12 = stress[3, p], stress[4, p], 2.0 * stress[5, p]
             along = m11 * gamma[0, 0, p] + m22 * gamma[1, 0, p] + m12 * gamma[2, 0, p]
             across = m11 * gamma[0, 1, p] + m22 * gamma[1, 1, p] + m12 * gamma[2, 1, p]
-            f[i, p] = stress[0, p] * x[i, p] + stress[2, p] * x[i, 16 + p] + along * n[i, p]
-            f[i, 16 + p] = stress[2, p] * x[i, p] + stress[1, p] * x[i, 16 + p] + across * n[i, p]
-            f[i, 32 + p] = -m11 * n[i, p]
-            f[i, 48 + p] = -m22 * n[i, p]
-            f[i, 64 + p] = -m12 * n[i, p]
-    forces_of_jets(rule, f, turned, force)
+            f[i, p] = stress[0, p] * x[i, p] + stress[2, p] * x[i, ON_2 + p] + along * n[i, p]
+            f[i, ON_2 + p] = stress[2, p] * x[i, p] + stress[1, p] * x[i, ON_2 + p] + across * n[i, p]
+            f[i, ON_11 + p] = -m11 * n[i, p]
+            f[i, ON_22 + p] = -m22 * n[i, p]
+            f[i, ON_12 + p] = -m12 * n[i, p]
+    forces_of_jets(rule, kind, f, turned, force)
 
 
 @compiled(**OPTIONS)
 def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, out):
     """Strain and stress extrapolated linearly along ``change``, strain(q) + B(q) change; the stress has the weights.
 
-    Into ``strain_out`` (n_elements, 6, 16), or nowhere if that is empty, and ``out``.
+    Into ``strain_out`` (n_elements, 6 or 9, 16), or nowhere if that is empty, and ``out``.
     """
-    local, moved = np.empty((16, 3)), np.empty((16, 3))
-    x, y = np.empty((3, 80)), np.empty((3, 80))
-    n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    eps, hat, extra = np.empty((6, 16)), np.empty((6, 16)), np.empty((3, 16))
+    local, moved = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES))
+    x, y = np.empty((AXES, JETS)), np.empty((AXES, JETS))
+    n, duals, gamma = np.empty((AXES, POINTS)), np.empty((2, AXES, POINTS)), np.empty((3, 2, POINTS))
+    eps, hat, extra = np.zeros((out.shape[1], POINTS)), np.empty((N_STRAINS, POINTS)), np.empty((N_MEMBRANE, POINTS))
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
+        kind, assumed, reference = elements.points[c], elements.assumed[c], elements.reference[c]
         gather(e, q, maps, local)
-        jets(rule, local, x)
+        jets(rule, kind, local, x)
         surface(x, n, duals, gamma)
-        strains(x, n, elements.reference[c], eps)
+        strains(x, n, reference, eps)
         if change.shape[0]:
             gather(e, change, maps, moved)
-            jets(rule, moved, y)
+            jets(rule, kind, moved, y)
             add_change(x, y, n, gamma, eps)
-        section(rule, elements.assumed[c], elements.law[c], elements.rest[c], eps, hat, extra, out[e])
+        if kind > 0 and assumed > 0:
+            y[:] = 0.0
+            if change.shape[0]:
+                gauss_slopes(rule, moved, y)
+            gauss_slopes(rule, local, x)
+            sampled_strains(x, y, reference, eps)
+        else:
+            eps[N_STRAINS:] = 0.0
+        section(rule, kind, assumed, elements.law[c], elements.rest[c], eps, hat, extra, out[e])
         if strain_out.shape[0]:
             strain_out[e] = eps
 
@@ -201,32 +263,46 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
 @compiled(**OPTIONS)
 def residual(start, stop, order, q, rule, maps, elements, out):
     """Internal force, added to out (n_nodes, 4, 3)."""
-    local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
-    x, f = np.empty((3, 80)), np.empty((3, 80))
-    n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    eps, hat, extra, stress = np.empty((6, 16)), np.empty((6, 16)), np.empty((3, 16)), np.empty((6, 16))
+    local, force, turned = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES)), np.empty((AXES, FUNCTIONS))
+    x, y, f = np.empty((AXES, JETS)), np.zeros((AXES, JETS)), np.empty((AXES, JETS))
+    n, duals, gamma = np.empty((AXES, POINTS)), np.empty((2, AXES, POINTS)), np.empty((3, 2, POINTS))
+    rows = elements.reference.shape[1]
+    eps, stress = np.zeros((rows, POINTS)), np.empty((rows, POINTS))
+    hat, extra, nothing = np.empty((N_STRAINS, POINTS)), np.empty((N_MEMBRANE, POINTS)), np.zeros((AXES, JETS))
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
+        kind, assumed, reference = elements.points[c], elements.assumed[c], elements.reference[c]
         gather(e, q, maps, local)
-        jets(rule, local, x)
+        jets(rule, kind, local, x)
         surface(x, n, duals, gamma)
-        strains(x, n, elements.reference[c], eps)
-        section(rule, elements.assumed[c], elements.law[c], elements.rest[c], eps, hat, extra, stress)
-        forces(rule, x, n, gamma, stress, f, turned, force)
+        strains(x, n, reference, eps)
+        sampled = kind > 0 and assumed > 0
+        if sampled:
+            gauss_slopes(rule, local, y)
+            sampled_strains(y, nothing, reference, eps)
+        section(rule, kind, assumed, elements.law[c], elements.rest[c], eps, hat, extra, stress)
+        forces(rule, kind, x, n, gamma, stress, f, turned, force)
+        if sampled:
+            add_sampled_forces(rule, y, stress, f, turned, force)
         scatter_force(e, force, maps, out)
 
 
 @compiled(**OPTIONS)
-def force_of(start, stop, order, q, stress, rule, maps, out):
-    """Force of given stresses (n_elements, 6, 16), which have the weights, added to out (n_nodes, 4, 3)."""
-    local, force, turned = np.empty((16, 3)), np.empty((16, 3)), np.empty((3, 16))
-    x, f = np.empty((3, 80)), np.empty((3, 80))
-    n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
+def force_of(start, stop, order, q, stress, rule, maps, elements, out):
+    """Force of given stresses (n_elements, 6 or 9, 16), which have the weights, added to out (n_nodes, 4, 3)."""
+    local, force, turned = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES)), np.empty((AXES, FUNCTIONS))
+    x, f = np.empty((AXES, JETS)), np.empty((AXES, JETS))
+    n, duals, gamma = np.empty((AXES, POINTS)), np.empty((2, AXES, POINTS)), np.empty((3, 2, POINTS))
     for index in range(start, stop):
         e = order[index]
+        c = elements.shape[e]
+        kind = elements.points[c]
         gather(e, q, maps, local)
-        jets(rule, local, x)
+        jets(rule, kind, local, x)
         surface(x, n, duals, gamma)
-        forces(rule, x, n, gamma, stress[e], f, turned, force)
+        forces(rule, kind, x, n, gamma, stress[e], f, turned, force)
+        if kind > 0 and elements.assumed[c] > 0:
+            gauss_slopes(rule, local, x)
+            add_sampled_forces(rule, x, stress[e], f, turned, force)
         scatter_force(e, force, maps, out)

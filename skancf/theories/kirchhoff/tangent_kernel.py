@@ -13,9 +13,24 @@ share.
 import numpy as np
 
 from skancf.compiled import INNER, OPTIONS, compiled
+from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL, POINTS
 from skancf.kernels.gather import gather, prefetch_blocks, scatter_tangent
 from skancf.kernels.panels import add_panel, aligned, set_panel
-from skancf.theories.kirchhoff.kernels import N_POINTS, jets, surface
+from skancf.theories.kirchhoff.kernels import (
+    JET,
+    JETS,
+    N_JETS,
+    N_MEMBRANE,
+    N_STRAINS,
+    ON_2,
+    ON_11,
+    ON_12,
+    ON_22,
+    TABLE,
+    gauss_slopes,
+    jets,
+    surface,
+)
 
 FIRST = np.array([0, 0, 0, 1, 1, 2, 1, 2, 2])
 SECOND = np.array([0, 1, 2, 1, 2, 2, 0, 0, 1])
@@ -28,6 +43,13 @@ FACTORS = np.array([1.0, 1.0, 1.0, -1.0, -1.0, -2.0])
 """Of the strains' gradients r_1 N_1, ..., n (N_11 - ...), ..."""
 HALF = 8
 """Points whose rows of A are in the cache at a time."""
+PARTS = 9
+"""Components of Y, and of the gradients of three strains."""
+OF_POINTS, OF_FUNCTIONS = PARTS * POINTS, PARTS * FUNCTIONS
+PAIRS = FUNCTIONS * FUNCTIONS
+"""Sizes of arrays with all components, and with all pairs of functions."""
+LAW, BENDING = N_STRAINS * POINTS, (N_STRAINS + 1) * N_MEMBRANE * POINTS
+"""Steps from row to row of the law, and where its bending part begins."""
 
 
 @compiled(**INNER)
@@ -37,25 +59,26 @@ def unpack(rule, law, square):
     for m in range(rule.pairs.shape[0]):
         k, l = rule.pairs[m]
         factor = FACTORS[k] * FACTORS[l]
-        for p in range(N_POINTS):
+        for p in range(POINTS):
             square[k, l, p] = square[l, k, p] = factor * law[m, p]
 
 
 @compiled(**INNER)
-def second_by_second(rule, square, gamma, scratch, S):
+def second_by_second(rule, kind, square, gamma, scratch, S):
     """N_k D_kl N_l at each point, of N_k less gamma times the first derivatives: S (16, 256); scratch (6, 16)."""
-    for p in range(N_POINTS):
+    for p in range(POINTS):
         for k in range(3):
-            for a in range(16):
-                scratch[k, a] = (rule.jets[32 + 16 * k + p, a] - gamma[k, 0, p] * rule.jets[p, a]
-                                 - gamma[k, 1, p] * rule.jets[16 + p, a])  # fmt: skip
-        set_panel(3, 3, square, 336 + p, 16, 96, scratch, 0, 16, scratch, 48, 16)
-        for a in range(0, 16, 8):
-            set_panel(8, 3, scratch, a, 16, 1, scratch, 48, 16, S, 256 * p + 16 * a, 16)
+            for a in range(FUNCTIONS):
+                scratch[k, a] = (rule.jets[kind, ON_11 + POINTS * k + p, a] - gamma[k, 0, p] * rule.jets[kind, p, a]
+                                 - gamma[k, 1, p] * rule.jets[kind, ON_2 + p, a])  # fmt: skip
+        set_panel(3, 3, square, BENDING + p, POINTS, LAW, scratch, 0, FUNCTIONS, scratch, 3 * FUNCTIONS, FUNCTIONS)
+        for a in range(0, FUNCTIONS, 8):
+            at = PAIRS * p + FUNCTIONS * a
+            set_panel(8, 3, scratch, a, FUNCTIONS, 1, scratch, 3 * FUNCTIONS, FUNCTIONS, S, at, FUNCTIONS)
 
 
 @compiled(**INNER)
-def kept_law(rule, square, rest, C):
+def kept_law(rule, kind, square, rest, C):
     """C (16, 16), half the law of the coefficients of the assumed strains with that of the rest; the membrane law becomes
     that of the rest."""
     for k in range(3):
@@ -64,10 +87,10 @@ def kept_law(rule, square, rest, C):
             for r in range(KEPT[k], KEPT[k + 1]):
                 for s in range(KEPT[l], KEPT[l + 1]):
                     total = 0.0
-                    for p in range(N_POINTS):
-                        total += rule.kept[r, p] * square[k, l, p] * rule.kept[s, p]
+                    for p in range(POINTS):
+                        total += rule.kept[kind, r, p] * square[k, l, p] * rule.kept[kind, s, p]
                     C[r, s] = 0.5 * (1.0 + scale) * total
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 square[k, l, p] *= scale
 
 
@@ -76,8 +99,8 @@ def membrane_forces(x, square, z):
     """Law times gradients of the membrane strains, less the tables: z (2, 9, 16), first derivative, strain and component."""
     for k in range(3):
         for j in range(3):
-            for p in range(N_POINTS):
-                u, v = x[j, p], x[j, 16 + p]
+            for p in range(POINTS):
+                u, v = x[j, p], x[j, ON_2 + p]
                 z[0, 3 * k + j, p] = square[k, 0, p] * u + square[k, 2, p] * v
                 z[1, 3 * k + j, p] = square[k, 1, p] * v + square[k, 2, p] * u
 
@@ -86,23 +109,23 @@ def membrane_forces(x, square, z):
 def coefficients(x, n, duals, gamma, square, stress, shared, z, E, scratch):
     """E (2, 5, 9, 16): of N_J in A^g, by g and J. S has the second derivatives alone if ``shared`` is 1, all if it is 0."""
     cross, on, H, bending = scratch[:6], scratch[6:8], scratch[8:12], scratch[12]
-    for p in range(N_POINTS):
+    for p in range(POINTS):
         m11, m22, m12 = stress[3, p], stress[4, p], 2.0 * stress[5, p]
         on[0, p] = m11 * gamma[0, 0, p] + m22 * gamma[1, 0, p] + m12 * gamma[2, 0, p]
         on[1, p] = m11 * gamma[0, 1, p] + m22 * gamma[1, 1, p] + m12 * gamma[2, 1, p]
         bending[p] = (
-            n[0, p] * (m11 * x[0, 32 + p] + m22 * x[0, 48 + p] + m12 * x[0, 64 + p])
-            + n[1, p] * (m11 * x[1, 32 + p] + m22 * x[1, 48 + p] + m12 * x[1, 64 + p])
-            + n[2, p] * (m11 * x[2, 32 + p] + m22 * x[2, 48 + p] + m12 * x[2, 64 + p])
+            n[0, p] * (m11 * x[0, ON_11 + p] + m22 * x[0, ON_22 + p] + m12 * x[0, ON_12 + p])
+            + n[1, p] * (m11 * x[1, ON_11 + p] + m22 * x[1, ON_22 + p] + m12 * x[1, ON_12 + p])
+            + n[2, p] * (m11 * x[2, ON_11 + p] + m22 * x[2, ON_22 + p] + m12 * x[2, ON_12 + p])
         )
     for g in range(2):
         for k in range(3):
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 cross[3 * g + k, p] = -shared * (square[3 + k, 3, p] * gamma[0, g, p] + square[3 + k, 4, p] * gamma[1, g, p]
                                                  + square[3 + k, 5, p] * gamma[2, g, p])  # fmt: skip
     for g in range(2):
         for d in range(2):
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 metric = duals[d, 0, p] * duals[g, 0, p] + duals[d, 1, p] * duals[g, 1, p] + duals[d, 2, p] * duals[g, 2, p]
                 law = (gamma[0, d, p] * cross[3 * g, p] + gamma[1, d, p] * cross[3 * g + 1, p]
                        + gamma[2, d, p] * cross[3 * g + 2, p])  # fmt: skip
@@ -111,8 +134,8 @@ def coefficients(x, n, duals, gamma, square, stress, shared, z, E, scratch):
         i, j = FIRST[c], SECOND[c]
         same = 0.5 if i == j else 0.0
         for g in range(2):
-            for p in range(N_POINTS):
-                u, v, nn, tilt = x[i, p], x[i, 16 + p], n[i, p] * n[j, p], n[j, p] * duals[g, i, p]
+            for p in range(POINTS):
+                u, v, nn, tilt = x[i, p], x[i, ON_2 + p], n[i, p] * n[j, p], n[j, p] * duals[g, i, p]
                 E[g, 0, c, p] = (0.5 * (u * z[g, j, p] + v * z[g, 6 + j, p]) + same * stress[2 * g, p]
                                  + nn * H[2 * g, p] - tilt * on[0, p])  # fmt: skip
                 E[g, 1, c, p] = (0.5 * (v * z[g, 3 + j, p] + u * z[g, 6 + j, p]) + same * stress[2 - g, p]
@@ -123,113 +146,158 @@ def coefficients(x, n, duals, gamma, square, stress, shared, z, E, scratch):
 
 
 @compiled(**INNER)
-def membrane_gradient(rule, x, of_first, M):
+def membrane_gradient(rule, kind, x, of_first, M):
     """Gradients of the membrane strains: M (48, 48), rows point and strain, columns component and function.
 
     ``of_first`` (2, 9, 16) is scratch: what the first derivatives are multiplied by.
     """
     for i in range(3):
-        for p in range(N_POINTS):
-            u, v = x[i, p], x[i, 16 + p]
+        for p in range(POINTS):
+            u, v = x[i, p], x[i, ON_2 + p]
             of_first[0, i, p], of_first[0, 3 + i, p], of_first[0, 6 + i, p] = u, 0.0, v
             of_first[1, i, p], of_first[1, 3 + i, p], of_first[1, 6 + i, p] = 0.0, v, u
-    for p in range(N_POINTS):
-        set_panel(9, 2, of_first, p, 144, 16, rule.jets, 16 * p, 256, M, 144 * p, 16)
+    for p in range(POINTS):
+        table = TABLE * kind + FUNCTIONS * p
+        set_panel(9, 2, of_first, p, OF_POINTS, POINTS, rule.jets, table, JET, M, OF_FUNCTIONS * p, FUNCTIONS)
 
 
 @compiled(**INNER)
-def membrane_rest(rule, n, gamma, square, z, coupled, T):
+def membrane_rest(rule, kind, n, gamma, square, z, coupled, T):
     """T (48, 48), rows as those of M: what the curvatures add to the membrane stresses, less those of ``z``."""
-    of_jets = np.empty((5, 9, N_POINTS))
+    of_jets = np.empty((5, 9, POINTS))
     for k in range(3):
         for i in range(3):
             at = 3 * k + i
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 of_jets[0, at, p], of_jets[1, at, p] = -z[0, at, p], -z[1, at, p]
             if coupled:
                 for l in range(3):
-                    for p in range(N_POINTS):
+                    for p in range(POINTS):
                         value = square[k, 3 + l, p] * n[i, p]
                         of_jets[2 + l, at, p] = value
                         of_jets[0, at, p] -= value * gamma[l, 0, p]
                         of_jets[1, at, p] -= value * gamma[l, 1, p]
-    for p in range(N_POINTS):
-        set_panel(9, 5 if coupled else 2, of_jets, p, 144, 16, rule.jets, 16 * p, 256, T, 144 * p, 16)
+    for p in range(POINTS):
+        table, at = TABLE * kind + FUNCTIONS * p, OF_FUNCTIONS * p
+        n_jets = N_JETS if coupled else 2
+        set_panel(9, n_jets, of_jets, p, OF_POINTS, POINTS, rule.jets, table, JET, T, at, FUNCTIONS)
+
+
+@compiled(**INNER)
+def add_sampled_geometric(rule, stress, W, Y):
+    """Adds half of the membrane stresses at the Gauss points times second derivatives of the strains there, the same for
+    11, 22 and 33; W (32, 16) is scratch."""
+    for p in range(POINTS):
+        for a in range(FUNCTIONS):
+            one, two = rule.slopes[0, 2 * p, a], rule.slopes[0, 2 * p + 1, a]
+            W[2 * p, a] = 0.5 * (stress[6, p] * one + stress[8, p] * two)
+            W[2 * p + 1, a] = 0.5 * (stress[8, p] * one + stress[7, p] * two)
+    for c in range(6):
+        if FIRST[c] == SECOND[c]:
+            for a in range(0, FUNCTIONS, 8):
+                at = PAIRS * c + FUNCTIONS * a
+                add_panel(8, 2 * POINTS, W, a, FUNCTIONS, 1, rule.slopes, 0, FUNCTIONS, Y, at, FUNCTIONS)
+
+
+@compiled(**INNER)
+def add_assumed(rule, kind, M, T, C, G, Z, Y):
+    """Adds the products of the gradients G of the coefficients of the assumed strains with Z to Y.
+
+    M has the gradients of the strains at the Gauss points, T what is left of the stresses at the points.
+    """
+    of_kind = PAIRS * kind
+    for i in range(0, LOCAL, FUNCTIONS):
+        set_panel(6, POINTS, rule.fit, 0, 1, POINTS, M, i, OF_FUNCTIONS, G, i, LOCAL)
+        set_panel(6, POINTS, rule.fit, 6 * POINTS, 1, POINTS, M, LOCAL + i, OF_FUNCTIONS, G, 6 * LOCAL + i, LOCAL)
+        set_panel(4, POINTS, rule.fit, 12 * POINTS, 1, POINTS, M, 2 * LOCAL + i, OF_FUNCTIONS, G, 12 * LOCAL + i, LOCAL)
+        set_panel(6, POINTS, rule.kept, of_kind, 1, POINTS, T, i, OF_FUNCTIONS, Z, i, LOCAL)
+        at = of_kind + 6 * POINTS
+        set_panel(6, POINTS, rule.kept, at, 1, POINTS, T, LOCAL + i, OF_FUNCTIONS, Z, 6 * LOCAL + i, LOCAL)
+        at = of_kind + 12 * POINTS
+        set_panel(4, POINTS, rule.kept, at, 1, POINTS, T, 2 * LOCAL + i, OF_FUNCTIONS, Z, 12 * LOCAL + i, LOCAL)
+        for a in range(0, POINTS, 8):
+            add_panel(8, POINTS, C, POINTS * a, 1, POINTS, G, i, LOCAL, Z, LOCAL * a + i, LOCAL)
+    for c in range(PARTS):
+        for a in range(0, FUNCTIONS, 8):
+            first, second, at = FUNCTIONS * FIRST[c] + a, FUNCTIONS * SECOND[c], PAIRS * c + FUNCTIONS * a
+            add_panel(8, POINTS, G, first, LOCAL, 1, Z, second, LOCAL, Y, at, FUNCTIONS)
 
 
 @compiled(**OPTIONS)
 def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
-    """Tangent with the given stresses (n_elements, 6, 16), added to out (n_blocks, 12, 12)."""
-    local, x = np.empty((16, 3)), aligned(3, 80)
-    n, duals, gamma = np.empty((3, 16)), np.empty((2, 3, 16)), np.empty((3, 2, 16))
-    z, of_first, E, scratch = np.empty((2, 9, 16)), np.empty((2, 9, 16)), np.empty((2, 5, 9, 16)), np.empty((13, 16))
-    S, A, Y, K = aligned(16, 256), aligned(2 * HALF, 144), aligned(144, 16), aligned(48, 48)
-    M, T, G, Z, C = aligned(48, 48), aligned(48, 48), aligned(16, 48), aligned(16, 48), np.zeros((16, 16))
-    square, rows, slopes, normals = np.empty((6, 6, 16)), aligned(6, 16), aligned(32, 16), np.empty((6, 16))
-    nothing = np.zeros((3, 2, 16))
-    slopes[:] = rule.slopes
+    """Tangent with the given stresses (n_elements, 6 or 9, 16), added to out (n_blocks, 12, 12)."""
+    local, x = np.empty((FUNCTIONS, AXES)), aligned(AXES, JETS)
+    n, duals, gamma = np.empty((AXES, POINTS)), np.empty((2, AXES, POINTS)), np.empty((3, 2, POINTS))
+    z, of_first = np.empty((2, PARTS, POINTS)), np.empty((2, PARTS, POINTS))
+    E, scratch = np.empty((2, N_JETS, PARTS, POINTS)), np.empty((13, POINTS))
+    S, A, Y = aligned(POINTS, PAIRS), aligned(2 * HALF, OF_FUNCTIONS), aligned(OF_FUNCTIONS, FUNCTIONS)
+    K, M, T = aligned(LOCAL, LOCAL), aligned(LOCAL, LOCAL), aligned(LOCAL, LOCAL)
+    G, Z, C = aligned(POINTS, LOCAL), aligned(POINTS, LOCAL), np.zeros((POINTS, POINTS))
+    square, rows = np.empty((N_STRAINS, N_STRAINS, POINTS)), aligned(6, FUNCTIONS)
+    slopes, W = aligned(2 * POINTS, FUNCTIONS), aligned(2 * POINTS, FUNCTIONS)
+    normals, nothing = np.empty((6, POINTS)), np.zeros((3, 2, POINTS))
     coupled = False
     for m in range(rule.pairs.shape[0]):
         coupled = coupled or rule.pairs[m, 0] < 3 <= rule.pairs[m, 1]
-    last, assumed = -1, False
+    last, last_kind, assumed = -1, -1, False
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
+        kind = elements.points[c]
+        if kind != last_kind:
+            slopes[:] = rule.slopes[kind]
+            last_kind = kind
         if c != last:
             unpack(rule, elements.law[c], square)
-            assumed = elements.assumed[c] == 1
+            assumed = elements.assumed[c] > 0
             if assumed:
-                second_by_second(rule, square, nothing, rows, S)
-                kept_law(rule, square, elements.rest[c], C)
+                second_by_second(rule, kind, square, nothing, rows, S)
+                kept_law(rule, kind, square, elements.rest[c], C)
             last = c
         prefetch_blocks(e, slots, out)
         gather(e, q, maps, local)
-        jets(rule, local, x)
+        jets(rule, kind, local, x)
         surface(x, n, duals, gamma)
         membrane_forces(x, square, z)
         coefficients(x, n, duals, gamma, square, stress[e], 1.0 if assumed else 0.0, z, E, scratch)
         if not assumed:
             # At a pole gamma has no bound, and the parts of the second derivatives would cancel.
-            second_by_second(rule, square, gamma, rows, S)
+            second_by_second(rule, kind, square, gamma, rows, S)
         for k in range(6):
             factor = 0.5 if FIRST[k] == SECOND[k] else 1.0
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 normals[k, p] = factor * n[FIRST[k], p] * n[SECOND[k], p]
-        for a in range(16):
-            set_panel(6, N_POINTS, normals, 0, 1, 16, S, 16 * a, 256, Y, 16 * a, 256)
-        Y[96:] = 0.0
-        for first in range(0, N_POINTS, HALF):
+        for a in range(FUNCTIONS):
+            set_panel(6, POINTS, normals, 0, 1, POINTS, S, FUNCTIONS * a, PAIRS, Y, FUNCTIONS * a, PAIRS)
+        Y[6 * FUNCTIONS :] = 0.0
+        for first in range(0, POINTS, HALF):
             for p in range(HALF):
                 for g in range(2):
-                    at, row = first + p, 2 * p + g
-                    set_panel(9, 5, E, 720 * g + at, 144, 16, rule.jets, 16 * at, 256, A, 144 * row, 16)
-            for row in range(0, 144, 6):
-                add_panel(6, 2 * HALF, A, row, 144, 1, slopes, 32 * first, 16, Y, 16 * row, 16)
+                    at, row = N_JETS * OF_POINTS * g + first + p, OF_FUNCTIONS * (2 * p + g)
+                    table = TABLE * kind + FUNCTIONS * (first + p)
+                    set_panel(9, N_JETS, E, at, OF_POINTS, POINTS, rule.jets, table, JET, A, row, FUNCTIONS)
+            for row in range(0, OF_FUNCTIONS, 6):
+                at = 2 * FUNCTIONS * first
+                add_panel(6, 2 * HALF, A, row, OF_FUNCTIONS, 1, slopes, at, FUNCTIONS, Y, FUNCTIONS * row, FUNCTIONS)
         if assumed or coupled:
-            membrane_gradient(rule, x, of_first, M)
             if not assumed:
+                membrane_gradient(rule, kind, x, of_first, M)
                 z[:] = 0.0
-            membrane_rest(rule, n, gamma, square, z, coupled, T)
+            membrane_rest(rule, kind, n, gamma, square, z, coupled, T)
         if assumed:
-            for i in range(0, 48, 16):
-                set_panel(6, 16, rule.fit, 0, 1, 16, M, i, 144, G, i, 48)
-                set_panel(6, 16, rule.fit, 96, 1, 16, M, 48 + i, 144, G, 288 + i, 48)
-                set_panel(4, 16, rule.fit, 192, 1, 16, M, 96 + i, 144, G, 576 + i, 48)
-                set_panel(6, 16, rule.kept, 0, 1, 16, T, i, 144, Z, i, 48)
-                set_panel(6, 16, rule.kept, 96, 1, 16, T, 48 + i, 144, Z, 288 + i, 48)
-                set_panel(4, 16, rule.kept, 192, 1, 16, T, 96 + i, 144, Z, 576 + i, 48)
-                for a in range(0, 16, 8):
-                    add_panel(8, 16, C, 16 * a, 1, 16, G, i, 48, Z, 48 * a + i, 48)
-            for c9 in range(9):
-                for a in range(0, 16, 8):
-                    add_panel(8, 16, G, 16 * FIRST[c9] + a, 48, 1, Z, 16 * SECOND[c9], 48, Y, 256 * c9 + 16 * a, 16)
+            if kind > 0:
+                gauss_slopes(rule, local, x)
+                add_sampled_geometric(rule, stress[e], W, Y)
+            membrane_gradient(rule, 0, x, of_first, M)
+            add_assumed(rule, kind, M, T, C, G, Z, Y)
         elif coupled:
-            for c9 in range(9):
-                for a in range(0, 16, 8):
-                    add_panel(8, 48, M, 16 * FIRST[c9] + a, 48, 1, T, 16 * SECOND[c9], 48, Y, 256 * c9 + 16 * a, 16)
+            for c9 in range(PARTS):
+                for a in range(0, FUNCTIONS, 8):
+                    first, second, at = FUNCTIONS * FIRST[c9] + a, FUNCTIONS * SECOND[c9], PAIRS * c9 + FUNCTIONS * a
+                    add_panel(8, LOCAL, M, first, LOCAL, 1, T, second, LOCAL, Y, at, FUNCTIONS)
         for k in range(6):
-            i, j, other = 16 * FIRST[k], 16 * SECOND[k], 16 * MIRROR[k]
-            for a in range(16):
-                for b in range(16):
-                    K[i + a, j + b] = Y[16 * k + a, b] + Y[other + b, a]
+            i, j, other = FUNCTIONS * FIRST[k], FUNCTIONS * SECOND[k], FUNCTIONS * MIRROR[k]
+            for a in range(FUNCTIONS):
+                for b in range(FUNCTIONS):
+                    K[i + a, j + b] = Y[FUNCTIONS * k + a, b] + Y[other + b, a]
         scatter_tangent(e, maps, slots, K, out)

@@ -44,6 +44,12 @@ def amplitude(history: History | None, time: float | None) -> float:
                          "whole run") from wrong  # fmt: skip
 
 
+def check_covers(histories: Iterable[Any], begin: float, end: float) -> None:
+    """InputError where a function of time is a table that does not cover the times of a run (s)."""
+    for history in histories:
+        check_cover(history, begin, end)
+
+
 def knots_of(histories: Iterable[Any]) -> list[float]:
     """Times, ascending, at which functions of time begin, end or bend, by their attribute ``knots`` (s)."""
     return sorted({float(t) for history in histories for t in getattr(history, "knots", ())})

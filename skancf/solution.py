@@ -382,8 +382,8 @@ class Solution:
         """Forces of the structure's terms but for the shell; to first order in a linear answer."""
         system = self.system
         if not self.linear:
-            return system.others_force(self.q, None, self.case)
-        force = system.others_force(system.undeformed, None, self.case)
+            return system.others.force(self.q, None, self.case)
+        force = system.others.force(system.undeformed, None, self.case)
         return force if system.foundation is None else force + system.foundation @ self.change
 
     def _depth(self, z: Depth) -> float:

@@ -71,7 +71,7 @@ def asked_problem(system: System, begin: float, end: float) -> Asked:
     arrays = {
         "mesh": geometry.mesh.p, "elements": geometry.mesh.t, "surface": at, "supports": system.constraints.fixed,
         "support_motion": _at(system.prescribed, cases), "stiffness": system.internal_force(moved),
-        "terms": _at(lambda case: system.others_force(moved, moved, case), cases),
+        "terms": _at(lambda case: system.others.force(moved, moved, case), cases),
         "mass": system.mass @ moved, "viscous_damping": 0 * at if system.viscous is None else system.viscous @ moved,
         "loads": _at(lambda case: system.applied_force(moved, case, moved), cases),
         "temperature": _at(lambda case: _or_zero(system.shell.held_back_force(moved, case), at), cases),

@@ -137,7 +137,7 @@ class Run:
         settings = self.settings
         parts = {
             "solver": self.solver, "book": self.book, "recorder": self.recorder, "impulses": self.impulses,
-            "system": self.system, "rule": settings.rule, "steps": settings.control, "follow": settings.follow,
+            "terms": self.system.terms, "rule": settings.rule, "steps": settings.control, "follow": settings.follow,
         }  # fmt: skip
         return {name: part for name, part in parts.items() if isinstance(part, HasState)}
 
@@ -278,7 +278,7 @@ class Run:
             self.recorder.step(start, outcome.end)
             self.now, self.farthest, self.hardest = outcome.end, farthest, max(over, FADING * self.hardest)
             self.solver.reached(self.now)
-            self.system.reached(self.now.q, self.now.v, Case(time=self.now.time))
+            self.system.terms.reached(self.now.q, self.now.v, Case(time=self.now.time))
             self.impulses.add(missed)
             self.recorder.keep(self.now)
         return outcome, accepted

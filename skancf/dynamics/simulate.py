@@ -22,7 +22,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, StepControl
 from skancf.errors import InputError, finite, positive, shown
-from skancf.history import Case
+from skancf.history import Case, check_covers
 from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -123,13 +123,13 @@ def simulate(
     warn_if_mass_is_off(system)
     _require_mass(system)
     begin = 0.0 if start is None or start.time is None else start.time
-    system.check_histories(begin, begin + t_end)
+    check_covers(system.histories(), begin, begin + t_end)
     times = output_times(outputs, begin, begin + t_end, system.n_dofs)
     _check_number_of_steps(control, t_end)
     q = system.undeformed.copy() if start is None else start.q.copy()
     v = _initial_velocity(system, velocity, start, begin, t_end)
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
-    began, remembered = clock.perf_counter(), flat(system.state())
+    began, remembered = clock.perf_counter(), flat(system.terms.state())
     # A state that has a time is the one after what happened then.
     struck = start is not None and start.time is not None
     with Progress("dynamics", t_end, shown=progress) as bar:
@@ -140,7 +140,7 @@ def simulate(
             run.close()
     motion = run.motion(status, message)
     if doubled is not None and motion.ok:
-        system.restore(nested(remembered, system.state()))
+        system.terms.restore(nested(remembered, system.terms.state()))
         with Progress("the same with steps twice as long", t_end, shown=progress) as bar:
             again = Run(system, replace(settings, control=doubled), Recorder(motion.times, {}), q, v, struck)
             try:

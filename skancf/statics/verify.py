@@ -136,7 +136,7 @@ class Balance:
             energy += float(system.strain_energy(origin, Case(load_factor)))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())
         case = Case(load_factor)
-        others = system.others_force(q, None, case) if system.others else None
+        others = system.others.force(q, None, case) if system.others else None
         internal = system.internal_force(q, None, case)
         return cls(system, q, q, q - origin, internal, loads, 2 * energy, pushed, others)
 

@@ -62,7 +62,7 @@ class Reaction:
             skew = system.skew(state.q, state.case)
             if skew is not None:
                 out = out - skew @ held
-        others = system.others_tangent(system.undeformed if state.linear else state.q, state.case)
+        others = system.others.tangent(system.undeformed if state.linear else state.q, state.case)
         return np.asarray(out if others is None else out - others @ motion)
 
     def lift(self, state: Solution) -> np.ndarray:

@@ -11,8 +11,12 @@ from test_hanging import tree
 from test_skfem_bridge import mixed
 
 import skancf as sk
+from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import InputError
+from skancf.layout.geometry import Geometry
+from skancf.system.build import assemble
 from skancf.terms.forms import points
+from skancf.terms.shell import Shell
 from skancf.testing import check_term
 
 # Sums of some hundred products; relative to the largest entry. Tangents of an energy alone are differences.
@@ -252,6 +256,20 @@ def test_areas_and_lengths(theory):
 
 
 SIDES = {"left": (0, 0.0), "right": (0, 2.0), "top": (1, 0.5)}
+
+
+def test_elements_with_points_of_their_own_are_integrated_with_them():
+    """Half of one element, as an outline that cuts it would leave."""
+    surface = sk.Rectangle(1.0, 1.0)
+    mesh, (gauss, weights) = sk.meshes.uniform(surface, 2, 2), square_quadrature(4)
+    geometry = Geometry(mesh, surface, sk.Kirchhoff(), {1: (gauss * [[0.5], [1.0]], 0.5 * weights)})
+    system = problem(surface).on(mesh, "kirchhoff")
+    shell = Shell(assemble(geometry, system.problem.section), system.layout)
+    x = system.mesh.p[0, system.mesh.t[:, 1]]
+    for where, area in ((None, 0.875), (lambda x, y: x < 0.5, 0.375 if x.max() <= 0.5 else 0.5)):
+        term = sk.FormTerm(energy=lambda w: w.J, where=where).on(shell, system.layout)
+        assert np.isclose(term.energy(system.undeformed, sk.Case()), area, rtol=SUMS)
+    check_term(sk.FormTerm(energy=tension).on(shell, system.layout), system)
 
 
 @pytest.mark.parametrize("clockwise", [False, True])

@@ -55,7 +55,7 @@ class FormTerm(Addition):
     history : callable, optional
         Factor as a function of time, of a load.
     points : int
-        Gauss points along each side of an element, or along an edge.
+        Gauss points along each side of an element, or along an edge. Elements with points of their own have these.
 
     Raises
     ------

@@ -142,18 +142,38 @@ def chunks_of(geometry: Geometry, where: Any, n: int) -> list[Chunk]:
 
 
 def _on_surface(geometry: Geometry, where: Any, n: int) -> Iterator[Chunk]:
-    points, weights = square_quadrature(n)
-    elements, x = np.arange(geometry.n_elements), geometry.parameters(points)
-    inside = np.ones(x.shape[1:], bool)
-    if where is not None:
-        inside = true_at("where", where, x.reshape(2, -1)).reshape(inside.shape)
-        elements = elements[inside.any(axis=1)]
-        if not elements.size:
-            raise InputError("where: the function of (x, y) is true at no integration point of the surface; give one that "
-                             "is true on a part of it, or the name of an edge")  # fmt: skip
-    for some in _split(elements, points.shape[1]):
-        area = np.abs(np.linalg.det(np.moveaxis(jacobian(geometry, some, points), (0, 1), (-2, -1))))
-        yield _measured(geometry, some, points, weights * area * inside[some], {"x": x[:, some]})
+    found = [part for group in _rules(geometry, n) for part in _inside(geometry, where, *group)]
+    if not found:
+        raise InputError("where: the function of (x, y) is true at no integration point of the surface; give one that "
+                         "is true on a part of it, or the name of an edge")  # fmt: skip
+    yield from found
+
+
+def _rules(geometry: Geometry, n: int) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Elements that share n x n Gauss points, and those with points of their own: with points and weights."""
+    kinds, points, weights = geometry.integration.kinds, geometry.integration.points, geometry.integration.weights
+    shared, own = np.flatnonzero(kinds == 0), np.flatnonzero(kinds)
+    yield (shared, *square_quadrature(n))
+    yield own, points[kinds[own]], weights[kinds[own]]
+
+
+def _inside(
+    geometry: Geometry, where: Any, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
+) -> Iterator[Chunk]:
+    """Those of the elements in which the place is."""
+    of_each = points.ndim == 3
+    for some in _split(np.arange(len(elements)), points.shape[-1]) if elements.size else ():
+        its, at = elements[some], points[some] if of_each else points
+        x = geometry.parameters(at, its)
+        inside = np.ones(x.shape[1:], bool)
+        if where is not None:
+            inside = true_at("where", where, x.reshape(2, -1)).reshape(inside.shape)
+        keep = np.flatnonzero(inside.any(axis=1))
+        if keep.size:
+            its, at = its[keep], at[keep] if of_each else at
+            area = np.abs(np.linalg.det(np.moveaxis(jacobian(geometry, its, at), (0, 1), (-2, -1))))
+            share = weights[some][keep] if of_each else weights
+            yield _measured(geometry, its, at, share * area * inside[keep], {"x": x[:, keep]})
 
 
 def _on_edges(geometry: Geometry, facets: np.ndarray, n: int) -> Iterator[Chunk]:

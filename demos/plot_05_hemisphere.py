@@ -158,7 +158,7 @@ def draw_newton(axes: plt.Axes, results: dict[str, sk.StaticResult]) -> None:
         done = 0
         for _, attempt in result.attempts:
             norms = np.array(attempt.residual_norms)
-            axes.semilogy(done + np.arange(len(norms)), norms, ".-" if attempt.converged else "x:", color=colour)
+            axes.semilogy(done + np.arange(len(norms)), norms, ".-" if attempt.ok else "x:", color=colour)
             done += len(norms)
     axes.set_ylim(bottom=1e-15)
     axes.set(xlabel="iteration", ylabel="residual norm", title="Newton (crosses: attempts that failed)")

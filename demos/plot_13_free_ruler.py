@@ -199,7 +199,7 @@ def main(size: str = "full", out: str = "out") -> dict[str, Figures]:
     assert kept.deviation < 1e-8 and kept.turning < 1e-8 and kept.end == END, kept
     assert 1e-3 < damped.deviation < 0.25, damped.deviation
     assert falling.ratio.max() < 1 + 1e-6 and falling.ratio[-1] > 0.99 and falling.turning < 1e-6, falling
-    assert stopped.status is sk.dynamics.MotionStatus.UNBALANCED and stopped.ledger.times[-1] <= blown.doubled
+    assert stopped.status is sk.Status.UNBALANCED and stopped.ledger.times[-1] <= blown.doubled
     return found
 
 

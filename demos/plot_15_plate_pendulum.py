@@ -133,7 +133,7 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
             print(f"{young:.0e}  {2 * n:3d} x {n:d}  {1000 * dt:8.1f}  {until:>13}  {lost(motion):.1e}  "
                   f"{taken(motion):10.1e}   {low.min():.2f} to {high.max():.2f}   "
                   f"{motion.iterations / len(motion.steps):.1f}")  # fmt: skip
-            if not motion.finished:
+            if not motion.ok:
                 print(f"        {motion.message}")
             assert lost(motion) < 1e-4, lost(motion)
             assert young == SOFT or taken(motion) < 0.005, taken(motion)
@@ -145,7 +145,7 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
     gone = damped.ledger.dissipation[-1]
     print(f"\nWith a retardation of {1000 * RETARDATION:.0f} ms: {damped.status.value}, {gone:.2f} J dissipated, "
           f"{lost(damped):.1e} without a source, {damped.iterations / len(damped.steps):.1f} iterations a step")  # fmt: skip
-    assert damped.finished and gone > 0 and lost(damped) < 1e-4
+    assert damped.ok and gone > 0 and lost(damped) < 1e-4
     soft = swing(SOFT, 4, 2e-3, RETARDATION)
     print(f"The soft plate with it: {soft.status.value}. {soft.message}")
 

@@ -76,6 +76,7 @@ from skancf.loads import (
 from skancf.materials import Anisotropic, Damping, Isotropic, Laminate, Layer, Orthotropic
 from skancf.problem import Problem
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics import (
     ArcLength,
     BucklingResult,
@@ -117,6 +118,7 @@ from skancf.surfaces import (
     Rectangle,
     SphereSector,
 )
+from skancf.terms.forms import FormTerm
 from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
@@ -162,6 +164,7 @@ __all__ = [
     "FixedStep",
     "Follow",
     "FollowerPressure",
+    "FormTerm",
     "Foundation",
     "Full",
     "GeneralizedAlpha",
@@ -216,6 +219,7 @@ __all__ = [
     "SphereSector",
     "Spring",
     "StaticResult",
+    "Status",
     "StepLength",
     "StrainEnergy",
     "SurfaceLoad",

@@ -16,12 +16,13 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from skancf.errors import InputError, finite
 from skancf.history import FULL, Case
 from skancf.layout.geometry import Geometry
 from skancf.layout.patches import STENCIL, Cuts, Patches
 from skancf.layout.places import NONE
+from skancf.layout.singularities import Singularity, nodes_at
 from skancf.materials import Section
+from skancf.system.regularity import singularities
 from skancf.system.system import System
 from skancf.terms.shells.full import BENDING
 
@@ -56,7 +57,7 @@ def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -
     assembly: Any = system.assembly
     if not assembly.recovers_bending:
         return np.zeros((system.geometry.n_elements, points.shape[1], 6))
-    nodal = q.reshape(-1, 4, 3)
+    nodal = system.shell.nodal(q)
     said = assembly.bending_strains(nodal, system.geometry.inside(STENCIL), z).swapaxes(1, 2)
     out = patches_of(system).values(said, points).swapaxes(1, 2) - assembly.bending_strains(nodal, points, z)
     forces = _excess(system, q, points)[:, :3]
@@ -67,7 +68,7 @@ def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -
 def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Derivative (n_dofs,) of weights (6,) times the recovered section forces at a local point (2, 1) of an element."""
     assembly: Any = system.assembly
-    nodal, here = q.reshape(-1, 4, 3), np.array([element])
+    nodal, here = system.shell.nodal(q), np.array([element])
     out = assembly.section_force_gradient(nodal, here, point, weights.reshape(1, 6, 1))
     if assembly.recovers_bending:
         coupled = _coupled(system.problem.section)[1]
@@ -76,13 +77,13 @@ def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, wei
         stencil = system.geometry.inside(STENCIL)
         out = out + assembly.section_force_gradient(nodal, members, stencil, said, BENDING)
         out = out - assembly.section_force_gradient(nodal, here, point, changed, BENDING)
-    return np.asarray(out).ravel()
+    return system.shell.flat(np.asarray(out))
 
 
 def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Polynomials of what slopes of the director make of the section forces, less that itself: (n_elements, 6, n)."""
     assembly: Any = system.assembly
-    nodal = q.reshape(-1, 4, 3)
+    nodal = system.shell.nodal(q)
     said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
     return np.asarray(patches_of(system).values(said, points) - assembly.bending_forces(nodal, points))
 
@@ -100,27 +101,27 @@ def cuts(system: System) -> Cuts:
     geometry, mesh = system.geometry, system.mesh
     broken, node_of = np.zeros(mesh.facets.shape[1], dtype=bool), geometry.ties.node_of
     ends = np.isin(node_of, list(reentrant_corners(geometry)))
-    for support in system.problem.supports:
-        if hasattr(support, "where"):
-            lines, points = _of_support(geometry, support.where)
+    for each in singularities(system):
+        if each.moves:
+            continue
+        if each.holds:
+            lines, points = _of_support(geometry, each)
             broken |= lines
             ends |= points
-    for load in system.problem.loads:
-        if hasattr(load, "start") and not callable(load.start):
-            broken |= _along(geometry, finite("start", load.start), finite("end", load.end))
-        if hasattr(load, "at") and not callable(load.at) and not hasattr(load, "radius"):
-            ends |= _near(geometry, finite("at", load.at) - mesh.p.T)
+        elif each.line is not None:
+            broken |= _along(geometry, *each.line.T)
+        for point in () if each.holds else each.alone.T:
+            ends |= _near(geometry, point - mesh.p.T)
     return Cuts(np.flatnonzero(broken | ends[mesh.facets].any(axis=0)), np.flatnonzero(ends))
 
 
-def _of_support(geometry: Geometry, where: Any) -> tuple[np.ndarray, np.ndarray]:
+def _of_support(geometry: Geometry, support: Singularity) -> tuple[np.ndarray, np.ndarray]:
     """Facets (n_facets,) between held nodes, unless all about them is held, and nodes (n_mesh_nodes,) that are held alone or
     at an end of held edges."""
     mesh, node_of = geometry.mesh, geometry.ties.node_of
-    try:
-        nodes, facets = geometry.points_and_facets(where)
-    except InputError:
-        return np.zeros(mesh.facets.shape[1], dtype=bool), np.zeros(len(node_of), dtype=bool)
+    facets = support.facets
+    of_facets = geometry.ends(facets).ravel()
+    nodes = np.union1d(nodes_at(geometry, support.points), of_facets[of_facets >= 0])
     # A hanging node is held where the ends of its edge are.
     held = np.isin(node_of, nodes)
     held[geometry.hanging.nodes] = held[geometry.hanging.ends].all(axis=0)

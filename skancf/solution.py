@@ -11,6 +11,7 @@ from skancf.arguments import STATE, flag, instance, plain, system_like, text
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.history import Case
+from skancf.layout.layout import vectors
 from skancf.layout.patches import averaging_nodes
 from skancf.materials import Section
 from skancf.recovered import section_forces, strain_excess
@@ -94,19 +95,19 @@ class Solution:
     @property
     def displacements(self) -> np.ndarray:
         """Displacements of the nodes of the mesh, (3, n_mesh_nodes) (m)."""
-        change = self.change.reshape(-1, 4, 3)
+        change = self.system.shell.nodal(self.change)
         return np.asarray(self.system.geometry.at_mesh_nodes(change)[:, 0].T)
 
     def displacement(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ self.change.reshape(-1, 3)
+        out = probe(self.system, at) @ vectors(self.change)
         if depth := self._depth(z):
             out = out + depth * self._tilts(at)
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def position(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
-        out = probe(self.system, at) @ self.q.reshape(-1, 3)
+        out = probe(self.system, at) @ vectors(self.q)
         if depth := self._depth(z):
             out = out + depth * (normals(self.system, at, self.system.undeformed) + self._tilts(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
@@ -150,7 +151,7 @@ class Solution:
         assembly, inside = self.system.assembly, self._inside(points)
         depth = self._chosen(z, points)
         heat = self._heat(inside)
-        return self._of_state(lambda q: assembly.strains(q.reshape(-1, 4, 3), inside, depth, heat))
+        return self._of_state(lambda q: assembly.strains(self.system.shell.nodal(q), inside, depth, heat))
 
     def stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
@@ -288,7 +289,7 @@ class Solution:
             return 0.0
         heat = system.shell.thermal_energy(self.case)
         thin: Any = system.assembly
-        rest = self._of_state(lambda q: thin.membrane_rest(q.reshape(-1, 4, 3)))
+        rest = self._of_state(lambda q: thin.membrane_rest(system.shell.nodal(q)))
         energy = self.strain_energy
         return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
 
@@ -373,15 +374,16 @@ class Solution:
         support = system.constraints.fixed_part(residual)
         if system.others:
             support = support - self._others_force()
-        forces = system.shell.nodal(support)[:, 0]
-        return forces.sum(axis=0) if where is None else forces[system.geometry.nodes_on(where)].sum(axis=0)
+        if where is None:
+            return np.asarray(system.layout.positions(support).sum(axis=0))
+        return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
 
     def _others_force(self) -> np.ndarray:
         """Forces of the structure's terms but for the shell; to first order in a linear answer."""
         system = self.system
         if not self.linear:
-            return system.others_force(self.q, None, self.case)
-        force = system.others_force(system.undeformed, None, self.case)
+            return system.others.force(self.q, None, self.case)
+        force = system.others.force(system.undeformed, None, self.case)
         return force if system.foundation is None else force + system.foundation @ self.change
 
     def _depth(self, z: Depth) -> float:

@@ -319,7 +319,7 @@ def add_materials(add: Any, s: Scene) -> None:
     add("Laminate", sk.Laminate, layers=[sk.Layer(s.material, 0.1)], offset=0.1, kinds={"layers": "items"})
     add("Damping", sk.Damping, mass=0.1, stiffness=0.1)
     add("Problem", sk.Problem, surface=s.surface, thickness=0.01, material=s.material, supports=[sk.Clamp("left")],
-        loads=[sk.Gravity()], damping=sk.Damping(), takes="damping:none",
+        loads=[sk.Gravity()], damping=sk.Damping(), terms=[], takes="damping:none",
         kinds={"supports": "items", "loads": "items", "thickness": "number"})  # fmt: skip
     add("Problem.on", s.problem.on, mesh=s.plain, theory="full", tolerance=0.01)
     add("through_thickness", sk.through_thickness, mesh=s.plain, thickness=0.1, n=2, n_z=2)
@@ -390,6 +390,7 @@ def add_solvers(add: Any, s: Scene) -> None:
         rule=sk.GeneralizedAlpha(), follow=sk.Follow(), checkpoint=None, progress=False, takes="steps:none,rule:none,"
         "follow:none,checkpoint:none", kinds={"checkpoint": "file"}, aliases={"checkpoint": "folder"})  # fmt: skip
     add("read_motion", sk.read_motion, system=s.system, folder=s.run)
+    add("Case", sk.Case, factor=1.0, time=0.5, takes="time:none")
     add("Checkpoint", sk.Checkpoint, folder=s.folder / "other", every=10)
     t = np.linspace(0.0, 1.0, 33)
     add("spectrum", sk.spectrum, times=t, values=np.sin(20 * t), window="hann", detrend="linear", begin=0.0, end=1.0,

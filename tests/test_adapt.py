@@ -11,12 +11,13 @@ from problems import PULLED, hemisphere
 from reference import navier
 
 import skancf as sk
-from skancf.adaptive import Outcome, no_limit
+from skancf.adaptive import no_limit
 from skancf.adaptive.analysis import StaticAnalysis
 from skancf.adaptive.singular import touching
 from skancf.adaptive.start import starting_mesh
 from skancf.errors import InputError
 from skancf.meshes import quadtree
+from skancf.solving import Status
 
 NU, THICKNESS = 0.3, 0.01
 MATERIAL = sk.Isotropic(12 * (1 - NU**2) / THICKNESS**3, NU, 1.0)
@@ -91,14 +92,14 @@ def test_rates_at_a_reentrant_corner():
     assert -0.40 < rates[1] < -0.25, "with a first step that is steeper"
     last = np.diff(np.log(errors_of(even, L_ENERGY)[-2:]))[0] / 2 / np.diff(np.log([v.n_dofs for v in even.levels[-2:]]))[0]
     assert last == pytest.approx(-0.27, abs=0.03)
-    assert adaptive.reached and abs(adaptive.value - L_ENERGY) < 1e-4 * L_ENERGY
+    assert adaptive.ok and abs(adaptive.value - L_ENERGY) < 1e-4 * L_ENERGY
 
 
 @pytest.mark.parametrize(("at", "reference"), [((-0.5, 0.5), 0.0031291), ((-0.5, -0.5), 0.0019219)])
 def test_deflections_of_the_l_shape(at, reference):
     """Graded uniform meshes with Richardson's extrapolation, five digits, a part of 2e-5; the bar has a tenth of slack."""
     result = l_run(sk.Displacement(at))
-    assert result.reached and abs(result.value - reference) < 1.3e-4 * reference
+    assert result.ok and abs(result.value - reference) < 1.3e-4 * reference
 
 
 @pytest.mark.parametrize("name", FORCES)
@@ -108,7 +109,7 @@ def test_rates_under_a_force(name):
     even = sk.adapt(square(support, FORCE), CENTRAL, 1e-9, linear=True, max_levels=4, **EVERYWHERE)
     rates = [power(r.levels, errors_of(r, reference)) for r in (result, even)]
     assert rates[0] < -1.7 and -1.15 < rates[1] < -0.9
-    assert result.reached and abs(result.value - reference) < 1.1 * result.error_bar + 1e-7
+    assert result.ok and abs(result.value - reference) < 1.1 * result.error_bar + 1e-7
 
 
 # --- what took part ------------------------------------------------------------------------------------------------------
@@ -132,7 +133,7 @@ def test_elements_that_do_not_matter_are_merged():
     kept = sk.adapt(square(SIMPLE, FORCE), CENTRAL, 1e-4, linear=True, mesh=mesh, coarsening=sk.Never())
     assert not any(level.coarsened for level in kept.levels) and kept.levels[-1].n_elements > last.n_elements
     for run in (result, kept):
-        assert run.reached and abs(run.value - FORCES["simple"][1]) < 1.1e-4 * run.value
+        assert run.ok and abs(run.value - FORCES["simple"][1]) < 1.1e-4 * run.value
 
 
 def test_a_mesh_on_which_merging_made_it_worse_is_taken_back():
@@ -147,7 +148,7 @@ def test_a_mesh_on_which_merging_made_it_worse_is_taken_back():
     assert bad.coarsened and abs(bad.error) > abs(before.error) > abs(after.error)
     assert not any(level.coarsened for level in result.levels[k + 1 :])
     assert (after.mesh.leaves.find(before.mesh.leaves.cells.parents) < 0).all(), "the next mesh refines the one before"
-    assert result.reached and not result.levels[-1].rejected and "rejected" in result.table()
+    assert result.ok and not result.levels[-1].rejected and "rejected" in result.table()
     assert abs(result.value - FORCES["simple"][1]) < 1.1e-4 * result.value
 
 
@@ -192,7 +193,7 @@ def interrupted_in(number: int, monkeypatch):
 
 def test_an_interrupt_leaves_the_last_finished_mesh(monkeypatch):
     result = interrupted_in(3, monkeypatch)
-    assert result.outcome is Outcome.INTERRUPTED and not result.reached and "keyboard" in result.message
+    assert result.status is Status.INTERRUPTED and not result.ok and "keyboard" in result.message
     assert len(result.levels) == 2 and result.value == result.levels[1].value == l_run().levels[1].value
 
 
@@ -220,11 +221,11 @@ def test_two_runs_are_the_same():
 def test_budgets(budget, levels, words):
     """The best answer with an honest bar, and why it ends."""
     result = on_l(rtol=1e-6, **budget)
-    assert result.outcome is Outcome.BUDGET and not result.reached and len(result.levels) == levels
+    assert result.status is Status.BUDGET and not result.ok and len(result.levels) == levels
     assert abs(L_ENERGY - result.value) < 1.1 * result.error_bar
     assert result.levels[-1].n_dofs <= budget.get("max_dofs", np.inf)
     assert re.match(words, result.message)
-    assert result.outcome.value in str(result)
+    assert result.status.value in str(result)
 
 
 def test_seconds_are_foreseen(monkeypatch):
@@ -232,7 +233,7 @@ def test_seconds_are_foreseen(monkeypatch):
     ticks = iter(range(10**6))
     monkeypatch.setattr("skancf.adaptive.loop.time.perf_counter", lambda: float(next(ticks)))
     result = on_l(rtol=1e-8, max_seconds=40.0)
-    assert result.outcome is Outcome.BUDGET and len(result.levels) > 1 and next(ticks) < 40
+    assert result.status is Status.BUDGET and len(result.levels) > 1 and next(ticks) < 40
 
 
 def test_a_budget_that_is_too_small_for_the_first_mesh():
@@ -270,12 +271,12 @@ def test_wrong_input(quantity, more, words):
 
 def test_an_absolute_accuracy_is_enough():
     result = sk.adapt(square(CLAMPED, UNIFORM), CENTRAL, 0.0, atol=1e-6, linear=True)
-    assert result.reached and result.error_bar <= 1e-6
+    assert result.ok and result.error_bar <= 1e-6
 
 
 def test_nothing_marked_is_said():
     result = on_l(indicator=lambda state: np.zeros(state.system.mesh.nelements))
-    assert result.outcome is Outcome.UNMARKED and "no element is marked" in result.message and len(result.levels) == 1
+    assert result.status is Status.UNMARKED and "no element is marked" in result.message and len(result.levels) == 1
 
 
 def test_rounding_ends_it():
@@ -285,7 +286,7 @@ def test_rounding_ends_it():
         mesh = mesh.refined(touching(mesh.leaves, np.array([[0.5], [0.5]])))
     moment = sk.SectionForce("M11", at=CENTRE)
     result = sk.adapt(square(SIMPLE, UNIFORM), moment, 1e-9, linear=True, mesh=mesh, coarsening=sk.Never())
-    assert result.outcome is Outcome.ROUNDING and "rounding" in result.message and len(result.levels) < 4
+    assert result.status is Status.ROUNDING and "rounding" in result.message and len(result.levels) < 4
     assert abs(result.value - 0.0478864) < result.error_bar < 1e-3 * result.value
 
 
@@ -295,7 +296,7 @@ def test_the_smallest_elements_end_it():
     for _ in range(15):
         mesh = mesh.refined(touching(mesh.leaves, np.zeros((2, 1))))
     result = sk.adapt(L_PLATE, Hidden(sk.SectionForce("M11", at=(0.0, 0.0))), 1e-3, linear=True, mesh=mesh)
-    assert result.outcome is Outcome.ROUNDING and "as small as rounding lets them be" in result.message
+    assert result.status is Status.ROUNDING and "as small as rounding lets them be" in result.message
     assert len(result.levels) == 1
 
 
@@ -319,15 +320,15 @@ def test_no_limit_by_rule(problem, quantity, more, words):
 ])  # fmt: skip
 def test_no_limit_by_what_refinement_does(problem, at, more):
     result = sk.adapt(problem, Hidden(sk.SectionForce("M11", at=at)), 1e-3, linear=True, **more)
-    assert result.outcome is Outcome.NO_LIMIT and f"({at[0]:g}, {at[1]:g})" in result.message
+    assert result.status is Status.NO_LIMIT and f"({at[0]:g}, {at[1]:g})" in result.message
     assert "within" in result.message and len(result.levels) < 8
 
 
 def test_no_false_alarm():
     """Corner and force have errors that fall slowly at first; hidden from the rules too."""
     for result in (l_run(), force_run("clamped"), hemisphere_run()):
-        assert result.reached
-    assert on_l(Hidden(sk.Displacement((-0.5, -0.5))), 1e-3).reached
+        assert result.ok
+    assert on_l(Hidden(sk.Displacement((-0.5, -0.5))), 1e-3).ok
 
 
 def test_an_error_that_is_all_at_a_corner_is_no_alarm_while_it_falls():
@@ -337,7 +338,7 @@ def test_an_error_that_is_all_at_a_corner_is_no_alarm_while_it_falls():
     for level in result.levels[1:]:
         corner = touching(level.mesh.leaves, np.zeros((2, 1)))
         assert level.indicators[corner].sum() > 0.5 * level.indicators.sum() and level.mesh.levels[corner].max() > 0
-    assert result.outcome is Outcome.BUDGET
+    assert result.status is Status.BUDGET
 
 
 # --- indicators ----------------------------------------------------------------------------------------------------------
@@ -350,7 +351,7 @@ def by_recovery(state):
 @pytest.mark.parametrize("indicator", ["goal", "residual", "recovery", "stress", by_recovery])
 def test_every_indicator_leads_to_a_percent(indicator):
     result = l_run(rtol=1e-2, indicator=indicator)
-    assert result.reached and abs(result.value - L_ENERGY) < 1e-2 * L_ENERGY
+    assert result.ok and abs(result.value - L_ENERGY) < 1e-2 * L_ENERGY
     # Uniform meshes need 192 elements for 1.5 %, and 768 for 0.7 %.
     assert result.levels[-1].n_elements < 500
     depth = result.levels[-1].mesh.levels
@@ -379,7 +380,7 @@ def pinched(angle: float) -> sk.AdaptiveResult:
 def test_a_force_on_the_seam_is_like_one_elsewhere():
     """With elements as small on both sides of it, and the same answer to the accuracy of both."""
     seam, other = pinched(0.0), pinched(pi / 2)
-    assert seam.reached and other.reached
+    assert seam.ok and other.ok
     assert abs(seam.value - other.value) < seam.error_bar + other.error_bar
     mesh = seam.solution.system.mesh
     assert len(mesh.hanging) > 10
@@ -394,7 +395,7 @@ def test_a_cap_with_a_pole():
     problem = sk.Problem(cap, 0.02, sk.Isotropic(1e6, 0.3, 1.0), [sk.Clamp(lambda x, y: np.abs(x - 0.8) < 1e-9)],
                          [sk.FollowerPressure(-10.0)])  # fmt: skip
     result, finer = (sk.adapt(problem, sk.Displacement((0.0, 0.0)), rtol) for rtol in (1e-2, 1e-3))
-    assert result.reached and finer.reached
+    assert result.ok and finer.ok
     assert abs(result.value - finer.value) < result.error_bar + finer.error_bar
 
 
@@ -422,7 +423,7 @@ def test_the_first_mesh_has_nodes_where_something_holds_or_acts():
         assert np.abs(mesh.p - np.reshape(point, (2, 1))).sum(axis=0).min() < 1e-12
     assert mesh.nelements < 80
     result, finer = (sk.adapt(problem, sk.Displacement((1.0, 0.5)), rtol, linear=True) for rtol in (1e-3, 1e-4))
-    assert result.reached and finer.reached and abs(result.value - finer.value) < result.error_bar + finer.error_bar
+    assert result.ok and finer.ok and abs(result.value - finer.value) < result.error_bar + finer.error_bar
 
 
 # --- what users do ---------------------------------------------------------------------------------------------------
@@ -458,7 +459,7 @@ def test_bars_of_moments_hold_against_the_series(rng):
         w = 16 * -1000.0 / (np.pi**6 * stiffness * m * n * (m**2 + n**2) ** 2)
         curvature = -np.pi**2 * w * (m**2 + 0.3 * n**2) * np.sin(m * np.pi * x) * np.sin(n * np.pi * y)
         truth = -stiffness * curvature.sum()
-        assert found.reached
+        assert found.ok
         assert abs(found.value - truth) < 1.5 * 1e-2 * abs(truth), (x, y)
         within += abs(found.value - truth) <= 1.1 * found.error_bar
     assert within >= 9
@@ -497,7 +498,7 @@ def test_loads_that_are_close_make_no_slivers():
         sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(7e10, 0.3, 2700.0), [sk.SimpleSupport("boundary", "hard")], loads
     )
     found = sk.adapt(plate, sk.Displacement((0.25, 0.5)), 1e-3, linear=True)
-    assert found.reached
+    assert found.ok
     sides = np.ptp(found.levels[0].mesh.p[:, found.levels[0].mesh.t], axis=1)
     assert sides.max() < 4 * sides.min()
 
@@ -505,11 +506,11 @@ def test_loads_that_are_close_make_no_slivers():
 def test_a_number_that_is_zero_is_told_apart():
     """By the sizes of what cancels in it; of a number of which nothing is known but its value, by an absolute accuracy."""
     found = sk.adapt(hard_plate(), sk.SectionForce("M12"), 1e-3, linear=True)
-    assert found.reached and found.is_zero and "zero" in found.message
+    assert found.ok and found.is_zero and "zero" in found.message
     unknown = Hidden(sk.SectionForce("M12"))
     found = sk.adapt(hard_plate(), unknown, 1e-3, linear=True, max_levels=2)
-    assert not found.reached and "atol" in found.message
-    assert sk.adapt(hard_plate(), unknown, 1e-3, atol=1e-6, linear=True).reached
+    assert not found.ok and "atol" in found.message
+    assert sk.adapt(hard_plate(), unknown, 1e-3, atol=1e-6, linear=True).ok
 
 
 class Broken:
@@ -535,7 +536,7 @@ class Broken:
 @pytest.mark.parametrize("what", ["raise", "nan"])
 def test_what_was_computed_is_kept_when_a_quantity_fails(what):
     found = sk.adapt(hard_plate(), Broken(what), 1e-9, linear=True)
-    assert found.outcome is Outcome.FAILED
+    assert found.status is Status.FAILED
     assert len(found.levels) == 2 and np.isfinite([found.value, found.error_bar]).all()
     assert ("no more" if what == "raise" else "finite") in found.message
 
@@ -553,7 +554,7 @@ def test_what_is_no_problem_or_policy_is_refused(given, match):
 def test_means_are_over_the_same_rectangle_on_all_meshes(recwarn):
     mean = sk.SectionForce("M11", within=((0.3, 0.77), (0.1, 0.6)))
     found = sk.adapt(hard_plate(), mean, 1e-3, linear=True)
-    assert found.reached and not [w for w in recwarn if "line" in str(w.message)]
+    assert found.ok and not [w for w in recwarn if "line" in str(w.message)]
     first = found.levels[0].mesh
     for axis, sides in enumerate(mean.within):
         assert np.isin(sides, first.p[axis]).all()

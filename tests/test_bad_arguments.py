@@ -43,7 +43,7 @@ ELSEWHERE = {
     # Results, which the library makes.
     "AdaptiveResult", "BucklingResult", "Carried", "Change", "Check", "Ledger", "Modes", "Motion", "PathResult", "Spectrum",
     "TheoryError",
-    "StaticResult", "Samples", "MeshQuadTree",
+    "StaticResult", "Samples", "MeshQuadTree", "Status",
     # Without arguments.
     "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
     "ElementQuadHermite", "Plane",

@@ -310,15 +310,16 @@ def test_moving_supports_keep_their_rate(theory, change):
     for off_by in (0.0, 0.01):
         v = np.zeros((old.geometry.n_nodes, 4, 3))
         v[:, 0, 2] = rate + off_by
-        q = old.undeformed + old.prescribed(0.25)
+        q = old.undeformed + old.prescribed(sk.Case(time=0.25))
         found = carried(sk.Solution(old, q, v.ravel(), time=0.25), new)
         assert found.v is not None
         edge = found.v.reshape(-1, 4, 3)[new.geometry.nodes_on("left"), 0]
         # Differences over 1e-7 s.
         assert np.allclose(edge, (0, 0, rate + off_by), rtol=0, atol=1e-6)
-        assert np.array_equal(new.constraints.fixed_part(found.q - new.undeformed), new.prescribed(0.25))
+        assert np.array_equal(new.constraints.fixed_part(found.q - new.undeformed), new.prescribed(sk.Case(time=0.25)))
     # Nodes at which nothing was known move with the support.
-    still = carried(sk.Solution(old, old.undeformed + old.prescribed(0.25), np.zeros(old.n_dofs), time=0.25), new)
+    q = old.undeformed + old.prescribed(sk.Case(time=0.25))
+    still = carried(sk.Solution(old, q, np.zeros(old.n_dofs), time=0.25), new)
     assert still.v is not None and np.abs(still.v).max() < 1e-6
 
 

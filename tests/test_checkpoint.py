@@ -2,7 +2,6 @@
 
 import errno
 import io
-import json
 import os
 import random
 import shutil
@@ -20,9 +19,9 @@ from restarts import CLAMP, RUNS, arrays, run, same
 
 import skancf as sk
 from skancf.dynamics import run_files
-from skancf.dynamics.motion import MotionStatus
 from skancf.linear import available_backends
 from skancf.linear.mkl import n_threads
+from skancf.solving import Status
 
 SCRIPT = restarts.__file__
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed by SIGKILL")
@@ -245,18 +244,14 @@ def test_another_version_is_refused_but_read(folder, monkeypatch):
     monkeypatch.setattr("skancf.dynamics.asked.__version__", "99.0")
     with pytest.raises(sk.InputError, match=r"version = .*, this one 99.0"):
         start(folder)
-    assert sk.read_motion(small()[0], folder).status is MotionStatus.UNFINISHED
+    assert sk.read_motion(small()[0], folder).status is Status.UNFINISHED
 
 
 def rewritten(file, **changes):
-    """A file of the same arrays with others among them, or other words."""
+    """A file of the same arrays with others among them; None takes one away."""
     with np.load(file) as data:
-        all_ = {name: data[name] for name in data.files}
-    text = json.loads(str(all_["text"]))
-    for name in list(changes):
-        if name in text:
-            text[name] = changes.pop(name)
-    np.savez(file, **{**all_, "text": np.array(json.dumps(text)), **changes})
+        arrays = {name: data[name] for name in data.files} | changes
+    np.savez(file, **{name: array for name, array in arrays.items() if array is not None})
 
 
 class Trap:
@@ -268,7 +263,7 @@ class Trap:
 
 def trapped(file):
     stream = io.BytesIO()
-    np.savez(stream, text=np.array([Trap()], dtype=object))
+    np.savez(stream, format=np.array([Trap()], dtype=object))
     file.write_bytes(stream.getvalue())
 
 
@@ -290,9 +285,9 @@ def flipped(file):
     ("state.npz", trapped, "is damaged"),
     ("state.npz", lambda file: file.write_bytes(b""), "is damaged"),
     ("state.npz", lambda file: np.savez(file, a=np.zeros(3)), "is no part of a run"),
-    ("state.npz", lambda file: rewritten(file, format="skancf run 99"), "is 'skancf run 99', this version reads"),
-    ("state.npz", lambda file: rewritten(file, counts={"knots": 3, "systems": 1}), "does not fit its pieces"),
-    ("state.npz", lambda file: rewritten(file, numbers=np.zeros(3)), "is no state of a run"),
+    ("state.npz", lambda file: rewritten(file, format="skancf run 99"), "is skancf run 99; this version reads"),
+    ("state.npz", lambda file: rewritten(file, **{"run.counts.knots": 3}), "does not fit its pieces"),
+    ("state.npz", lambda file: rewritten(file, **{"run.now.q": np.zeros(3)}), "is no state of a run"),
     ("state.npz", Path.unlink, "'state.npz' is missing"),
     ("piece_000001.npz", Path.unlink, "is missing"),
     ("piece_000002.npz", truncated, "is damaged"),
@@ -357,7 +352,7 @@ def test_a_finished_run_is_not_computed_again(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr("skancf.dynamics.step_solver.StepSolver.step", None)
         again = start(tmp_path / "run", every=3)
-    assert again.finished and same(arrays(known), arrays(again)) == []
+    assert again.ok and same(arrays(known), arrays(again)) == []
     assert again.seconds > 0
 
 
@@ -390,7 +385,7 @@ def test_a_full_disk_ends_the_run_and_keeps_what_there_is(n, tmp_path, monkeypat
     with monkeypatch.context() as patch:
         patch.setattr(Path, "open", full)
         cut = start(tmp_path / "run")
-    assert cut.status is MotionStatus.FAILED
+    assert cut.status is Status.FAILED
     for words in (str(tmp_path / "run"), "No space left on device", "what was computed is kept", "Make room", "resume=True"):
         assert words in cut.message
     assert "Error" not in cut.message and "[Errno" not in cut.message
@@ -405,17 +400,17 @@ def test_a_full_disk_ends_the_run_and_keeps_what_there_is(n, tmp_path, monkeypat
 def test_a_last_write_that_fails_does_not_lose_the_run(tmp_path, monkeypatch):
     known = run_files.RunFiles.write_state
 
-    def fail(self, name, text, state):
-        if text["status"] == "FINISHED":
+    def fail(self, name, state):
+        if state["status"] == "FINISHED":
             raise OSError(errno.EIO, os.strerror(errno.EIO))
-        known(self, name, text, state)
+        known(self, name, state)
 
     with monkeypatch.context() as patch:
         patch.setattr(run_files.RunFiles, "write_state", fail)
         cut = start(tmp_path / "run")
-    assert cut.status is MotionStatus.FAILED and "Input/output error" in cut.message
+    assert cut.status is Status.FAILED and "Input/output error" in cut.message
     assert cut.times[-1] == pytest.approx(0.05)
-    assert start(tmp_path / "run").finished
+    assert start(tmp_path / "run").ok
 
 
 @pytest.mark.parametrize("again", [False, True])
@@ -429,7 +424,7 @@ def test_a_folder_that_is_removed_on_the_way(again, tmp_path):
         return restarts.tip(state)
 
     cut = start(tmp_path / "run", record={"tip": remove})
-    assert cut.status is MotionStatus.FAILED and cut.stretches[-1].times[-1] == pytest.approx(0.04)
+    assert cut.status is Status.FAILED and cut.stretches[-1].times[-1] == pytest.approx(0.04)
     assert f"folder '{tmp_path / 'run'}' cannot be written any more (it is gone" in cut.message
     assert "until t = 0.02 s" in cut.message
     assert not again or not list((tmp_path / "run").iterdir())
@@ -442,7 +437,7 @@ def test_a_record_that_cannot_be_written_is_told_at_once(tmp_path):
 
 def test_a_load_without_a_value_is_found_when_the_run_gets_there(tmp_path):
     cut = start(tmp_path / "run", history=lambda t: 1.0 if t < 0.03 else np.nan)
-    assert cut.status is MotionStatus.FAILED and "history at t" in cut.message
+    assert cut.status is Status.FAILED and "history at t" in cut.message
     again = start(tmp_path / "run", history=lambda t: 1.0 if t < 0.03 else np.nan)
     assert same(arrays(cut), arrays(again)) == []
 
@@ -454,9 +449,9 @@ def test_read_without_running(folder, monkeypatch):
     whole = start(folder.with_name("whole"))
     monkeypatch.setattr("skancf.dynamics.run.Run.__init__", None)
     with np.load(folder / "state.npz") as state:
-        written = state["q"]
+        written = state["run.now.q"]
     cut = sk.read_motion(small()[0], folder)
-    assert cut.status is MotionStatus.UNFINISHED and not cut.finished
+    assert cut.status is Status.UNFINISHED and not cut.ok
     assert "until t = 0.02 s of 0.05 s" in cut.message
     assert [step.time for step in cut.steps] == pytest.approx([0.005, 0.01, 0.015, 0.02])
     assert len(cut.records["tip"][0]) == len(cut.ledger.times) == 5
@@ -473,9 +468,9 @@ def test_what_a_stopped_run_computed_is_read_to_its_end(tmp_path):
 
     cut = start(tmp_path / "run", record={"tip": stop})
     read = sk.read_motion(small()[0], tmp_path / "run")
-    assert read.status is MotionStatus.INTERRUPTED and read.message == cut.message
+    assert read.status is Status.INTERRUPTED and read.message == cut.message
     assert same(arrays(cut), arrays(read)) == [] and read.stretches[-1].times[-1] == pytest.approx(0.035)
-    assert start(tmp_path / "run").finished
+    assert start(tmp_path / "run").ok
     start(tmp_path / "whole")
     assert files_of(tmp_path / "run") == files_of(tmp_path / "whole")
 

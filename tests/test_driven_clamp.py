@@ -8,6 +8,7 @@ from problems import SURFACES
 
 import skancf as sk
 from skancf.errors import InputError
+from skancf.history import check_covers
 
 theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 UNIT = sk.Rectangle(1.0, 1.0)
@@ -59,12 +60,12 @@ def test_the_whole_plate_driven_turns_without_strain(theory, case):
     system = system_on(theory, [sk.DrivenClamp(everywhere, tuple(AXIS), tuple(THROUGH), angle, shift)], surface, mesh)
     assert system.constraints.n_free == 0
     for t in (0.0, 0.3, 1.7):
-        q = system.undeformed + system.prescribed(t)
+        q = system.undeformed + system.prescribed(sk.Case(time=t))
         assert np.allclose(q.reshape(-1, 4, 3), moved(system, t), rtol=0, atol=1e-13)
         # Rounding of the strains, 1e-15, squared times stiffness and volume.
         assert system.strain_energy(q) < 1e-20
     assert angle(1.7) > 5, "more than half a turn"
-    linear = system.undeformed + system.prescribed(0.3) + 1e-3 * moved(system, 1.7).ravel()
+    linear = system.undeformed + system.prescribed(sk.Case(time=0.3)) + 1e-3 * moved(system, 1.7).ravel()
     assert system.strain_energy(linear) > 1e-6
 
 
@@ -72,7 +73,7 @@ def test_the_whole_plate_driven_turns_without_strain(theory, case):
 def test_at_an_edge_all_vectors_follow_and_the_rest_is_free(theory):
     system = system_on(theory, [sk.DrivenClamp("left", tuple(AXIS), tuple(THROUGH), angle, shift)])
     edge, nodal = system.geometry.nodes_on("left"), (-1, 4, 3)
-    q = (system.undeformed + system.prescribed(0.8)).reshape(nodal)
+    q = (system.undeformed + system.prescribed(sk.Case(time=0.8))).reshape(nodal)
     assert np.allclose(q[edge], moved(system, 0.8, edge), rtol=0, atol=1e-14)
     assert system.constraints.fixed[edge].all() and system.constraints.n_free == 12 * (16 - 4)
     rest = np.setdiff1d(np.arange(16), edge)
@@ -86,8 +87,9 @@ def test_one_or_the_other(theory):
     edge = turning.geometry.nodes_on("left")
     both = moved(turning, 0.8, edge)
     both[:, 0] -= shift(0.8)
-    assert np.allclose((turning.undeformed + turning.prescribed(0.8)).reshape(-1, 4, 3)[edge], both, rtol=0, atol=1e-14)
-    change = moving.prescribed(0.8).reshape(-1, 4, 3)[edge]
+    found = (turning.undeformed + turning.prescribed(sk.Case(time=0.8))).reshape(-1, 4, 3)[edge]
+    assert np.allclose(found, both, rtol=0, atol=1e-14)
+    change = moving.prescribed(sk.Case(time=0.8)).reshape(-1, 4, 3)[edge]
     assert np.allclose(change[:, 0], shift(0.8), rtol=1e-14) and not change[:, 1:].any()
 
 
@@ -119,9 +121,9 @@ def test_a_run_follows_it(theory):
 def test_tables_that_do_not_cover_a_run():
     for options in ({"angle": sk.Table([0.0, 1.0], [0.0, 1.0])}, {"displacement": Known()}):
         system = system_on("full", [sk.DrivenClamp("left", **options)])
-        system.check_histories(0.0, 1.0)
+        check_covers(system.histories(), 0.0, 1.0)
         with pytest.raises(InputError, match=f"{next(iter(options))} from t = 0 to 1 s does not cover the run"):
-            system.check_histories(0.0, 2.0)
+            check_covers(system.histories(), 0.0, 2.0)
 
 
 class Known:
@@ -146,7 +148,7 @@ def test_what_agrees_is_no_conflict(theory):
     """A pin on the axis, and a roller along the axis."""
     supports = [sk.DrivenClamp("left", angle=angle), sk.Pin((0.0, 0.0)), sk.Roller("bottom")]
     system = system_on(theory, supports)
-    assert np.allclose(system.prescribed(0.5).reshape(-1, 4, 3)[system.geometry.node_at((0.0, 0.0)), 0], 0.0)
+    assert np.allclose(system.prescribed(sk.Case(time=0.5)).reshape(-1, 4, 3)[system.geometry.node_at((0.0, 0.0)), 0], 0.0)
 
 
 @pytest.mark.parametrize(("build", "words"), [
@@ -155,9 +157,9 @@ def test_what_agrees_is_no_conflict(theory):
     (lambda: sk.DrivenClamp("left", displacement=(0, 0, 1.0)), "displacement = .*give a function of time"),
     (lambda: sk.DrivenClamp("left", axis=(0, 0, 0), angle=angle), "axis = .*direction"),
     (lambda: sk.DrivenClamp("left", through=(0, 0), angle=angle), "through = .*3 numbers"),
-    (lambda: system_on("full", [sk.DrivenClamp("left", angle=lambda t: np.nan)]).prescribed(0.5),
+    (lambda: system_on("full", [sk.DrivenClamp("left", angle=lambda t: np.nan)]).prescribed(sk.Case(time=0.5)),
      r"angle at t = 0\.5 = nan"),
-    (lambda: system_on("full", [sk.DrivenClamp("left", displacement=lambda t: (t, t))]).prescribed(0.5),
+    (lambda: system_on("full", [sk.DrivenClamp("left", displacement=lambda t: (t, t))]).prescribed(sk.Case(time=0.5)),
      r"displacement at t = 0\.5 = .*3 numbers"),
     (lambda: system_on("full", [sk.DrivenClamp("nowhere", angle=angle)]), "no boundary 'nowhere'"),
 ])  # fmt: skip

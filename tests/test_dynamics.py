@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.dynamics.motion import MotionStatus
+from skancf.solving import Status
 
 YOUNG, POISSON, DENSITY = 1e6, 0.3, 1000.0
 
@@ -75,7 +75,7 @@ def test_step_control_follows_its_tolerance():
         motion = quiet(system, t_end, rtol=rtol, outputs=31)
         errors.append(np.abs(motion.displacement((1, 0.5)) - fine.displacement((1, 0.5))).max())
         counts.append(len(motion.steps))
-        assert motion.finished and len({step.dt for step in motion.steps}) > 1
+        assert motion.ok and len({step.dt for step in motion.steps}) > 1
     assert errors[0] > errors[1] > errors[2]
     assert counts[0] < counts[1] < counts[2]
     assert any(not step.accepted for step in fine.steps), "no step was ever rejected"
@@ -145,7 +145,7 @@ def test_factors_are_reused():
 def test_a_diverging_run_keeps_what_it_has_and_says_where():
     load = sk.PointForce((1.0, 1.0), (0, 0, 1e3), history=lambda t: 1.0 if t < 0.05 else 1e300)
     motion = quiet(cantilever(2, [load]), 0.2, dt=0.01)
-    assert motion.status is MotionStatus.STEP_TOO_SMALL
+    assert motion.status is Status.STEP_TOO_SMALL
     assert "t = 0.0" in motion.message and "(x, y) =" in motion.message
     assert len(motion.times) == len(motion.q) > 1 and np.isfinite(motion.q).all()
     with pytest.raises(sk.DidNotConverge, match="the run stopped"):
@@ -155,7 +155,7 @@ def test_a_diverging_run_keeps_what_it_has_and_says_where():
 def test_a_load_that_becomes_nan_keeps_what_it_has():
     load = sk.PointForce((1.0, 1.0), (0, 0, 1.0), history=lambda t: 1.0 if t < 0.05 else np.nan)
     motion = quiet(cantilever(2, [load]), 0.2, dt=0.01)
-    assert motion.status is MotionStatus.FAILED
+    assert motion.status is Status.FAILED
     assert "history at t" in motion.message
     assert motion.times[-1] > 0.03
 
@@ -166,7 +166,7 @@ def test_an_interrupted_run_keeps_what_it_has():
             raise KeyboardInterrupt
 
     motion = quiet(cantilever(2, [sk.EdgeLoad("right", (0, 0, 5.0))]), 0.2, dt=0.01, record={"stop": interrupt})
-    assert motion.status is MotionStatus.INTERRUPTED
+    assert motion.status is Status.INTERRUPTED
     assert 0.04 < motion.times[-1] < 0.1
 
 
@@ -208,7 +208,7 @@ def test_a_record_that_fails_loses_nothing():
             raise ValueError("my own mistake")
 
     motion = quiet(cantilever(2, [sk.EdgeLoad("right", (0, 0, 5.0))]), 0.2, dt=0.01, record={"x": broken})
-    assert motion.status is MotionStatus.FAILED and "my own mistake" in motion.message
+    assert motion.status is Status.FAILED and "my own mistake" in motion.message
     assert motion.times[-1] > 0.02
 
 

@@ -264,7 +264,7 @@ def test_an_adaptive_number_does_not_rest_on_a_failed_check(monkeypatch):
     modes_module_lanczos = modes_module.lanczos
     monkeypatch.setattr(modes_module, "lanczos", later)
     result = sk.adapt(problem, sk.Eigenfrequency(0), rtol=1e-7, max_levels=3)
-    assert not result.reached and result.outcome.name == "FAILED" and "missing" in result.message
+    assert not result.ok and result.status.name == "FAILED" and "missing" in result.message
     monkeypatch.setattr(buckling_module, "lanczos", forgetful(modes_module_lanczos, -1, 10**6))
     with pytest.raises(sk.DidNotConverge, match="missing"):
         sk.adapt(squeezed().problem, sk.BucklingLoad(3), rtol=1e-2)

@@ -9,7 +9,7 @@ from scipy.integrate import solve_bvp
 
 import skancf as sk
 from skancf.linear import available_backends
-from skancf.statics import Status
+from skancf.solving import Status
 
 YOUNG, THICKNESS, WIDTH = 1.2e6, 0.1, 1.0
 RIGIDITY = YOUNG * WIDTH * THICKNESS**3 / 12

@@ -8,7 +8,7 @@ import pytest
 
 import skancf as sk
 from skancf.dynamics.ledger import COLUMNS
-from skancf.dynamics.motion import MotionStatus
+from skancf.solving import Status
 
 theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 T_END = 0.16
@@ -121,7 +121,7 @@ def falling(rule, **options):
 def test_a_run_out_of_balance_stops_and_keeps_what_it_has():
     """A plate that falls from one corner loses 3 % of its energy with the rule that damps most."""
     motion = falling(sk.GeneralizedAlpha(0.0), balance=0.01, outputs=11)
-    assert motion.status is MotionStatus.UNBALANCED and not motion.finished
+    assert motion.status is Status.UNBALANCED and not motion.ok
     assert "lost" in motion.message and "tolerance is 1.0%" in motion.message and "t = " in motion.message
     ledger, end = motion.ledger, motion.ledger.times[-1]
     assert 0 < end < 1.0 and f"{end:.6g}" in motion.message
@@ -130,7 +130,7 @@ def test_a_run_out_of_balance_stops_and_keeps_what_it_has():
     assert motion.times[-1] <= end < motion.times[-1] + 0.1 and np.isfinite(motion.q).all()
     with pytest.raises(sk.DidNotConverge, match="energy"):
         motion.unwrap()
-    assert falling(sk.GeneralizedAlpha(0.0), balance=0.1).finished and falling(sk.EnergyMomentum(), balance=1e-8).finished
+    assert falling(sk.GeneralizedAlpha(0.0), balance=0.1).ok and falling(sk.EnergyMomentum(), balance=1e-8).ok
 
 
 def test_an_impulse_is_booked_with_its_work():

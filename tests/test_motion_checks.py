@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.dynamics.motion import MotionStatus
 from skancf.dynamics.rule import Rule
+from skancf.solving import Status
 
 theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 TAKEN = "numerical dissipation"
@@ -50,7 +50,7 @@ def test_a_motion_whose_vibrations_are_not_followed_says_so(theory):
     """A quarter of the strain energy that was ever there is taken out; the swing itself is right."""
     with pytest.warns(sk.OutOfDepth, match="vibrations of the stress .* are not"):
         motion = simulate(stiff_pendulum(theory), 1.0, rtol=1e-2)
-    assert motion.finished and 0.1 < value(motion, TAKEN).value < 1.0
+    assert motion.ok and 0.1 < value(motion, TAKEN).value < 1.0
     # As a rigid body it turns by an angle phi, (l^2 / 3 + h^2 / 12) phi'' = - g l / 2 sin phi.
     tip = motion.displacement((1.3, 0.06)) + np.array([1.3, 0.06, 0.0])
     turned = np.unwrap(np.arctan2(-tip[:, 2], tip[:, 0]))
@@ -77,7 +77,7 @@ def test_a_motion_that_is_followed_says_nothing(rtol, theory):
     with warnings.catch_warnings():
         warnings.simplefilter("error", sk.OutOfDepth)
         motion = simulate(cloth(theory), 0.4, rtol=rtol)
-    assert motion.finished and all(check.passed for check in motion.checks)
+    assert motion.ok and all(check.passed for check in motion.checks)
     assert value(motion, TAKEN).value < 0.05 and motion.ledger.strain.max() > 0.05 * motion.ledger.turnover[-1]
 
 
@@ -117,9 +117,9 @@ def bent(x, y):
 def test_momenta_out_of_balance_are_no_finished_run(theory):
     velocity = sk.RigidVelocity((0.3, 0.2, 0.1), (1.0, 2.0, 3.0), (0.25, 0.15, 0.0))
     good = simulate(free(theory), 0.2, dt=5e-3, velocity=velocity)
-    assert good.finished and value(good, "linear momentum").value < 1e-6
+    assert good.ok and value(good, "linear momentum").value < 1e-6
     bad = simulate(free(theory), 0.2, dt=5e-3, velocity=velocity, rule=Leaks(), balance=1e-3)
-    assert not bad.finished and bad.status is MotionStatus.UNBALANCED and bad.message
+    assert not bad.ok and bad.status is Status.UNBALANCED and bad.message
     assert not value(bad, "linear momentum").passed
     with pytest.raises(sk.DidNotConverge):
         bad.unwrap()
@@ -129,9 +129,9 @@ def test_momenta_alone_out_of_balance_too():
     """Where energy hardly sees it: the rule that leaks, with a force that does no work on a plate that flies across."""
     system = free()
     motion = simulate(system, 0.02, dt=2e-3, velocity=sk.RigidVelocity((40.0, 0.0, 0.0)), rule=Leaks(), balance=1e-4)
-    assert motion.status is MotionStatus.UNBALANCED and "momentum without a source" in motion.message
+    assert motion.status is Status.UNBALANCED and "momentum without a source" in motion.message
     assert value(motion, "energy without").passed
-    assert simulate(system, 0.02, dt=2e-3, velocity=sk.RigidVelocity((40.0, 0.0, 0.0)), rule=Leaks(), balance=None).finished
+    assert simulate(system, 0.02, dt=2e-3, velocity=sk.RigidVelocity((40.0, 0.0, 0.0)), rule=Leaks(), balance=None).ok
 
 
 @theories
@@ -140,10 +140,10 @@ def test_energy_is_balanced_to_a_thousandth(theory):
     system, rule = free(theory), sk.EnergyMomentum()
     assert rule.balance == 1e-3 and sk.GeneralizedAlpha().balance == Rule.balance == 0.1
     good = simulate(system, 0.2, dt=2e-3, velocity=bent)
-    assert good.finished and value(good, "energy without").bound == 1e-3 and value(good, "energy without").value < 1e-6
+    assert good.ok and value(good, "energy without").bound == 1e-3 and value(good, "energy without").value < 1e-6
     bad = simulate(system, 0.2, dt=2e-3, velocity=bent, rule=Feeds())
-    assert bad.status is MotionStatus.UNBALANCED and "energy" in bad.message
-    assert simulate(system, 0.2, dt=2e-3, velocity=bent, rule=Feeds(), balance=0.5).finished
+    assert bad.status is Status.UNBALANCED and "energy" in bad.message
+    assert simulate(system, 0.2, dt=2e-3, velocity=bent, rule=Feeds(), balance=0.5).ok
 
 
 def test_without_a_balance_it_is_not_looked_at():

@@ -12,9 +12,9 @@ import pytest
 
 import skancf as sk
 from skancf.dynamics import run_lock
-from skancf.dynamics.motion import MotionStatus
 from skancf.dynamics.run_lock import LOCK, RunLock
 from skancf.errors import InputError
+from skancf.solving import Status
 
 SLOW = """
 import time
@@ -70,16 +70,16 @@ def test_a_second_process_is_refused_until_the_first_is_gone(tmp_path):
                 run(folder, resume)
         # Others look at it meanwhile.
         motion = sk.read_motion(system(), folder)
-        assert motion.status is MotionStatus.UNFINISHED and motion.times[-1] > 0
+        assert motion.status is Status.UNFINISHED and motion.times[-1] > 0
         assert first.poll() is None and json.loads((folder / LOCK).read_text())["pid"] == first.pid
     finally:
         first.send_signal(signal.SIGKILL if os.name == "posix" else signal.SIGTERM)
         first.wait()
     assert (folder / LOCK).exists(), "it had no time to take it away"
     done = run(folder, True)
-    assert done.status is MotionStatus.FINISHED and done.times[-1] == pytest.approx(0.5)
+    assert done.status is Status.FINISHED and done.times[-1] == pytest.approx(0.5)
     assert not (folder / LOCK).exists()
-    assert run(folder, True).status is MotionStatus.FINISHED
+    assert run(folder, True).status is Status.FINISHED
 
 
 def test_of_processes_that_begin_at_once_one_goes_on(tmp_path):
@@ -106,7 +106,7 @@ def test_a_process_is_refused_what_it_writes_itself(tmp_path):
             tried.append(refused)
         return 0.0
 
-    assert run(tmp_path, record=again).status is MotionStatus.FINISHED
+    assert run(tmp_path, record=again).status is Status.FINISHED
     assert tried[0].match("this process is writing its run") and not (tmp_path / LOCK).exists()
     with pytest.raises(InputError, match="holds a run already"):
         run(tmp_path)

@@ -6,7 +6,8 @@ import pytest
 import skancf as sk
 from skancf.errors import InputError
 from skancf.linear import DirectSolver
-from skancf.statics import HalveAndGrow, NewtonResult, Status, newton
+from skancf.solving import Status
+from skancf.statics import HalveAndGrow, NewtonResult, newton
 
 LENGTH, THICKNESS, YOUNG = 10.0, 0.1, 1.2e6
 RIGIDITY = YOUNG * THICKNESS**3 / 12
@@ -34,7 +35,7 @@ def test_residuals_fall_quadratically_and_the_answer_is_an_equilibrium():
     system = strip()
     watched = []
     result = newton_on(system, rtol=1e-10, watch=lambda step, norm: watched.append(step))
-    assert result.status is Status.CONVERGED and result.converged and result.negative_pivots == 0
+    assert result.status is Status.CONVERGED and result.ok and result.negative_pivots == 0
     norms = np.array(result.residual_norms)
     assert watched == list(range(len(norms))) and norms.max() == 1.0
     # Near the end the number of right digits doubles; the last drop may meet rounding.
@@ -47,7 +48,7 @@ def test_residuals_fall_quadratically_and_the_answer_is_an_equilibrium():
 
 def test_a_single_solve_that_runs_out_of_steps_says_so():
     result = newton_on(strip(), max_steps=3)
-    assert result.status is Status.STEPS_SPENT and not result.converged and len(result.residual_norms) == 3
+    assert result.status is Status.STEPS_SPENT and not result.ok and len(result.residual_norms) == 3
     with pytest.raises(sk.DidNotConverge, match="iteration limit reached; residual") as caught:
         result.unwrap()
     assert caught.value.residual_norms == result.residual_norms
@@ -71,7 +72,7 @@ def test_a_state_that_is_not_finite_is_located():
 
 def test_mixed_and_plain_find_the_same_equilibrium():
     mixed, plain = newton_on(strip(), rtol=1e-10), newton_on(strip(), rtol=1e-10, mixed=False)
-    assert mixed.converged and plain.converged
+    assert mixed.ok and plain.ok
     assert np.abs(mixed.q - plain.q).max() < 1e-8
     assert len(mixed.residual_norms) < len(plain.residual_norms)
 
@@ -85,7 +86,7 @@ def test_steps_are_halved_where_newton_fails():
     direct = sk.solve(system, rtol=1e-9)
     hard = sk.solve(system, rtol=1e-9, max_iterations=6)
     tried = [factor for factor, _ in hard.attempts]
-    failed = [result.status for _, result in hard.attempts if not result.converged]
+    failed = [result.status for _, result in hard.attempts if not result.ok]
     assert Status.STEPS_SPENT in failed, "nothing failed, so halving was not tested"
     assert tried[:2] == [1.0, 0.5]
     assert hard.status is Status.CONVERGED and hard.message == ""

@@ -8,6 +8,7 @@ from spins import centre, spinning
 
 import skancf as sk
 from skancf.dynamics.state import State
+from skancf.dynamics.step_newton import StepTangents
 from skancf.dynamics.step_solver import StepSolver
 from skancf.dynamics.turning import TurningFactors, nodal_frames, turning_vectors
 
@@ -40,7 +41,7 @@ def stresses_of_last_steps(name, theory, step, n, rule=None, last=20):
     velocity = sk.RigidVelocity(spin=(0.0, 0.0, SPIN), about=tuple(centre(system)))
     motion = sk.simulate(system, n * step / SPIN, dt=step / SPIN, velocity=velocity, rule=rule, outputs="steps",
                          balance=None, progress=False)  # fmt: skip
-    assert motion.finished and all(s.accepted for s in motion.steps)
+    assert motion.ok and all(s.accepted for s in motion.steps)
     return np.array([state.nodal_stresses(0.0) for state in list(motion.states)[-last:]])
 
 
@@ -92,7 +93,7 @@ def test_a_thin_plate_that_turns_about_an_oblique_axis(theory, monkeypatch):
     motion = sk.simulate(system, 0.06, **options)
     steps = motion.steps
     # Measured 4.4 and 3.7 iterations, and two factorisations in all.
-    assert motion.finished and len(steps) == 60 and all(step.accepted for step in steps)
+    assert motion.ok and len(steps) == 60 and all(step.accepted for step in steps)
     assert motion.iterations < 8 * 60 and sum(step.factorisations for step in steps) < 10
     # Factors that stay where they were made do not do it.
     monkeypatch.setattr(TurningFactors, "turn_to", _without_a_turn)
@@ -110,7 +111,7 @@ def test_a_steady_spin_keeps_its_factors(name, theory):
     """From the relative equilibrium, 80 steps of 6 degrees: more than a turn."""
     system = body(name, theory)
     motion = sk.simulate(system, 8.0 / 50, dt=0.1 / 50, start=spinning(system, (0.0, 0.0, 50.0)), outputs=2, progress=False)
-    assert motion.finished and all(step.accepted for step in motion.steps) and len(motion.steps) == 80
+    assert motion.ok and all(step.accepted for step in motion.steps) and len(motion.steps) == 80
     assert sum(step.factorisations for step in motion.steps) < 80 / 4 and motion.iterations < 8 * 80
     # Strain stays to what Newton's method leaves of the kinetic energy, of which it is 1e-5.
     assert np.ptp(motion.ledger.strain) < 1e-2 * motion.ledger.strain[0]
@@ -181,7 +182,7 @@ def test_a_plate_that_turns_about_a_roller_goes_on(theory):
     system = sk.Problem(PLATE, 0.002, METAL, [roller]).on(sk.meshes.uniform(PLATE, 2, 2), theory)
     velocity = sk.RigidVelocity(spin=(20.0, 10.0, 0.0))
     motion = sk.simulate(system, 0.05, dt=1e-3, velocity=velocity, progress=False, outputs="steps")
-    assert motion.finished
+    assert motion.ok
     along = np.array([state.displacement((0.0, 0.15)) for state in motion.states]) @ (1.0, -2.0, 0.5)
     assert np.abs(along).max() < 1e-9 and motion.ledger.energy.max() < motion.ledger.energy[0] * (1 + 1e-6)
 
@@ -215,17 +216,17 @@ def test_wrong_factors_never_converge(theory, factor, gmres, monkeypatch):
 
     monkeypatch.setattr(TurningFactors, "solve", wrong)
     if not gmres:
-        monkeypatch.setattr(StepSolver, "_with_skew_part", lambda self, change, *rest: change)
+        monkeypatch.setattr(StepTangents, "_with_skew_part", lambda self, change, *rest: change)
     at, rng = system.undeformed, np.random.default_rng(2)
     v = sk.RigidVelocity(spin=tuple(OBLIQUE), about=tuple(centre(system))).at(at)
     v.reshape(-1, 4, 3)[:, 0] += 0.5 * rng.standard_normal((len(v) // 12, 3))
     outcome, left = one_step(system, State(0.0, at, v, np.zeros_like(v)), 1e-3)
     if factor == 1.0:
-        assert outcome.converged and left < 1e-4
+        assert outcome.ok and left < 1e-4
     elif gmres:  # what is only scaled is made good, but for the last correction, or given up
-        assert not outcome.converged or left < 1e-4 * max(1.0, factor)
+        assert not outcome.ok or left < 1e-4 * max(1.0, factor)
     else:
-        assert not outcome.converged and outcome.message
+        assert not outcome.ok and outcome.message
 
 
 @theories

@@ -54,7 +54,7 @@ def run(scene: Scene, asked: Asked, rtol: float, right: dict[str, Any], seconds:
         for level in result.levels
     ]  # fmt: skip
     return {**out, "value": result.value, "bar": result.error_bar, "corrected": result.corrected,
-            "outcome": result.outcome.name, "message": result.message, "levels": levels,
+            "outcome": result.status.name, "message": result.message, "levels": levels,
             "seconds": round(time.perf_counter() - begun, 2)}  # fmt: skip
 
 

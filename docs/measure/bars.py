@@ -210,7 +210,7 @@ def measured(name: str, scene: Scene) -> Iterator[list[Any]]:
         begun = time.perf_counter()
         found = sk.adapt(scene.problem, scene.quantity, rtol, max_dofs=60_000, **scene.more)
         error, size = abs(found.value - truth), abs(truth) or found.error_bar or 1.0
-        yield [name, f"{rtol:.0e}", found.outcome.name.lower() + (", zero" if found.is_zero else ""), len(found.levels),
+        yield [name, f"{rtol:.0e}", found.status.name.lower() + (", zero" if found.is_zero else ""), len(found.levels),
                found.solution.system.n_dofs, f"{found.error_bar / size:.1e}", f"{error / size:.1e}",
                f"{min(found.error_bar / max(error, 1e-300), 999):.2f}", "own" if scene.truth is None else "",
                f"{time.perf_counter() - begun:.1f}"]  # fmt: skip

@@ -23,9 +23,9 @@ from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.singular import singular_points, touching
 from skancf.adaptive.transfer import transfer
 from skancf.meshes import MeshQuadTree
+from skancf.solving import Status
 from skancf.statics import HalveAndGrow
 from skancf.statics.equilibrium import equilibrium
-from skancf.statics.newton import Status
 
 OUT = Path(__file__).resolve().parent.parent / "decisions"
 EXTRA = (0, 1, 2, 4, 6)

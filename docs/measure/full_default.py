@@ -69,7 +69,7 @@ def costs() -> list[list[Any]]:
     for name, (problem, quantity, mesh, rtol) in cases().items():
         for marking, policy in MARKINGS.items():
             result, spent, seconds = run(problem, quantity, mesh, rtol, policy)
-            rows.append([name, marking, f"{rtol:g}", "yes" if result.reached else "no",
+            rows.append([name, marking, f"{rtol:g}", "yes" if result.ok else "no",
                          f"{result.error_bar / abs(result.value):.1e}", len(result.levels), result.levels[-1].n_dofs,
                          round(spent, -3), f"{seconds:.1f}"])  # fmt: skip
     return rows

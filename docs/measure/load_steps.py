@@ -82,7 +82,7 @@ def extrapolated(system: System) -> str:
             guess = q if last is None else q + (aim - done) / (done - last[0]) * (q - last[1])
             result = newton(system, guess, solver, load_factor=aim)
             count += len(result.residual_norms)
-            if result.converged:
+            if result.ok:
                 last, q, done, accepted = (done, q), result.q, aim, accepted + 1
             step = control.next_step(step, result)
     return f"{count} in {accepted}" if done == 1.0 else f"stops at {done:.3g} after {count}"
@@ -91,7 +91,7 @@ def extrapolated(system: System) -> str:
 def stepped(system: System, mixed: bool) -> str:
     """By ``solve``."""
     result = sk.solve(system, mixed=mixed)
-    if result.status is not sk.statics.Status.CONVERGED:
+    if result.status is not sk.Status.CONVERGED:
         return f"stops at {result.solution.load_factor:.3g} after {result.iterations}"
     return f"{result.iterations} in {len(result.path) - 1}"
 

@@ -119,7 +119,7 @@ def roll_up() -> None:
                 system = strip.on(sk.meshes.uniform(strip.surface, n, 1), sk.Full(assumed=assumed))
                 result = sk.solve(system, control=sk.statics.HalveAndGrow(smallest=0.02))
                 u = result.solution.displacement((length, width / 2))
-                ok = result.status is sk.statics.Status.CONVERGED
+                ok = result.status is sk.Status.CONVERGED
                 cells.append(f"{-u[0]:.2f}, {u[2]:.2f} ({result.iterations})" if ok else "none")
             rows.append(["assumed" if assumed else "plain", n, *cells])
     exact = [(length * (1 - np.sinc(2 * m)), length * (1 - math.cos(2 * math.pi * m)) / (2 * math.pi * m))

@@ -156,7 +156,7 @@ def costs() -> list[list[Any]]:
         a = steps.initial_acceleration(state.q, state.velocity, 4e-3, np.zeros(old.n_dofs))
 
         def step(fresh: bool, steps: StepSolver = steps, state: sk.Solution = state, a: np.ndarray = a) -> None:
-            steps.factored_dt = 0.0 if fresh else steps.factored_dt
+            steps.factors.dt = 0.0 if fresh else steps.factors.dt
             steps.step(State(4e-3, state.q, state.velocity, a), 2e-5)
 
         calls: list[Callable[[], Any]] = [

@@ -77,7 +77,7 @@ def pendulum(dt: float) -> Case:
     period = 4 * ellipk(0.5) / sqrt(gravity * (length / 2) / (length**2 / 3))
 
     def seen(motion: sk.Motion) -> str:
-        if not motion.finished:
+        if not motion.ok:
             return ""
         moved = motion.displacement((length, 0.05))
         angle = np.arctan2(length + moved[:, 0], -moved[:, 2])

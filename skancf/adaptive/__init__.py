@@ -9,7 +9,7 @@ from skancf.adaptive.marking import AllElements, Below, Doerfler, Even, FixedFra
 from skancf.adaptive.quantities import Displacement, Quantity, Reaction, Rotation, SectionForce, StrainEnergy
 from skancf.adaptive.recovery import recovery
 from skancf.adaptive.regions import find_regions
-from skancf.adaptive.result import AdaptiveResult, Level, Outcome
+from skancf.adaptive.result import AdaptiveResult, Level
 from skancf.adaptive.stability import BucklingLoad
 from skancf.adaptive.stress import nodal_measure, stress_indicator, stress_regions
 from skancf.adaptive.theory_error import TheoryError, theory_error
@@ -18,7 +18,7 @@ from skancf.adaptive.vibration import Eigenfrequency
 
 __all__ = [
     "AdaptiveResult", "AllElements", "Below", "BucklingLoad", "Carried", "Change", "Displacement", "Doerfler",
-    "Eigenfrequency", "Estimate", "Even", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never", "Outcome",
+    "Eigenfrequency", "Estimate", "Even", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never",
     "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy", "TheoryError", "adapt", "carried", "drift",
     "find_regions", "goal_estimate", "no_limit", "nodal_measure", "recovery", "residual", "stress_indicator",
     "stress_regions", "theory_error", "transfer",

@@ -11,9 +11,8 @@ from skancf.adaptive.theory_error import TheoryError, theory_error_or_why
 from skancf.adaptive.transfer import transfer
 from skancf.checks import Check
 from skancf.solution import Solution
-from skancf.statics.cascade import REACHED
+from skancf.solving import FOUND, Status
 from skancf.statics.equilibrium import equilibrium, small_deflection
-from skancf.statics.newton import Status
 from skancf.system.system import System
 
 
@@ -103,7 +102,7 @@ class StaticAnalysis:
             spent += result.iterations
             if result.status is Status.INTERRUPTED:
                 raise KeyboardInterrupt
-            if result.status in REACHED:
+            if result.status in FOUND:
                 break
         state, restarted = result.unwrap(), start is not None and begin is None
         return Answer(state, value_of(self.quantity, state), spent, restarted, None, result.message, result.checks)

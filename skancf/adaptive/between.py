@@ -1,14 +1,18 @@
 """Fields of one mesh on another of the same tree: where its nodes are, and turned with the surface where meshes differ."""
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError
+from skancf.kernels.constants import AXES, VECTORS
 from skancf.layout.geometry import Geometry
+from skancf.layout.layout import Part, nodal
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
+from skancf.system.system import System
 
 # Places of nodes in the elements of another mesh of the same tree are multiples of this.
 FINEST = 2.0**20
@@ -34,45 +38,71 @@ class Interpolation:
         P.
     """
 
-    def __init__(self, old: Geometry, new: Geometry):
-        self.old, self.new = old, new
+    def __init__(self, old: Geometry, new: Geometry, others: Sequence[Part] = ()):
+        self.old, self.new, self.others = old, new, others
         self.matrix = prolongation(old, new)
 
+    @classmethod
+    def of(cls, old: System, new: System) -> "Interpolation":
+        """Between systems, with the unknowns that do not belong to their plates.
+
+        Raises
+        ------
+        InputError
+            Where these are others on the new mesh.
+        """
+        mine, others = old.layout.parts[1:], new.layout.parts[1:]
+        if [(p.name, p.nodal) for p in mine] != [(p.name, p.nodal) for p in others] or any(
+            len(a) != len(b) and not a.nodal for a, b in zip(mine, others, strict=True)
+        ):
+            raise InputError("transfer: unknowns that belong to no mesh are others in the two systems; a part that is to be "
+                             "interpolated with the mesh says nodal=True")  # fmt: skip
+        return cls(old.geometry, new.geometry, mine)
+
     def field(self, values: np.ndarray) -> np.ndarray:
-        """P times nodal coordinates, (n_new_dofs,)."""
-        return np.asarray((self.matrix @ values.reshape(-1, 3)).ravel())
+        """P times nodal coordinates, (n_new_dofs,); unknowns that belong to no mesh stay as they are."""
+        return self._each(self.matrix, values, self.old.n_nodes)
 
     def transposed(self, forces: np.ndarray) -> np.ndarray:
         """What forces on the new nodes do on the old ones, (n_old_dofs,)."""
-        return np.asarray((self.matrix.T @ forces.reshape(-1, 3)).ravel())
+        return self._each(self.matrix.T, forces, self.new.n_nodes)
+
+    def _each(self, matrix: sp.spmatrix, values: np.ndarray, n_nodes: int) -> np.ndarray:
+        """A matrix times the values of the plate and of other parts with a block for each node; the rest as it is."""
+        vectors, out, at = values.reshape(-1, AXES), [], 0
+        for n, interpolated in [(n_nodes, True), *[(n_nodes if p.nodal else len(p), p.nodal) for p in self.others]]:
+            part = vectors[at : at + VECTORS * n]
+            out.append((matrix @ part if interpolated else part).ravel())
+            at += VECTORS * n
+        return np.asarray(out[0] if len(out) == 1 else np.concatenate(out))
 
     def positions(self, q: np.ndarray) -> np.ndarray:
         """Nodal coordinates of a state, (n_new_dofs,)."""
-        out, (nodes, frames, gap) = self.field(q).reshape(-1, 4, 3), self._gap
+        out, (nodes, frames, gap) = nodal(self.field(q)), self._gap
         if nodes.size:
             out[nodes] += gap @ (_frames(out[nodes])[0] @ frames.swapaxes(1, 2)).swapaxes(1, 2)
         return out.ravel()
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Those of its rate v, (n_new_dofs,)."""
-        out, (nodes, frames, gap) = self.field(v).reshape(-1, 4, 3), self._gap
+        out, (nodes, frames, gap) = nodal(self.field(v)), self._gap
         if nodes.size:
-            turning = _frames(self.field(q).reshape(-1, 4, 3)[nodes], out[nodes])[1]
+            turning = _frames(nodal(self.field(q))[nodes], out[nodes])[1]
             out[nodes] += gap @ (turning @ frames.swapaxes(1, 2)).swapaxes(1, 2)
         return out.ravel()
 
     @cached_property
     def _gap(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Nodes (m,) with a gap, the frames (m, 3, 3) of the old undeformed surface there, and the gap (m, 4, 3)."""
-        before = self.field(self.old.undeformed).reshape(-1, 4, 3)
+        before = nodal(np.asarray((self.matrix @ self.old.undeformed.reshape(-1, AXES)).ravel()))
         gap = self.new.undeformed - before
         nodes = np.flatnonzero(np.abs(gap).max(axis=(1, 2)) > SAME * np.abs(before).max())
         return nodes, _frames(before[nodes])[0], gap[nodes]
 
 
-def _frames(nodal: np.ndarray, rates: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+def _frames(vectors: np.ndarray, rates: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal frames (n, 3, 3), columns along r_x, across it in the surface, and normal; and their rates."""
-    (a, b), (da, db) = (np.moveaxis(v[:, 1:3], 1, 0) for v in (nodal, np.zeros_like(nodal) if rates is None else rates))
+    (a, b), (da, db) = (np.moveaxis(v[:, 1:3], 1, 0) for v in (vectors, np.zeros_like(vectors) if rates is None else rates))
     first, first_rate = _unit(a, da)
     normal, normal_rate = _unit(np.cross(a, b), np.cross(da, b) + np.cross(a, db))
     across = np.cross(normal, first)

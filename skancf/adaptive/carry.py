@@ -19,10 +19,12 @@ from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import prescribed_rate
-from skancf.errors import vector
+from skancf.errors import SingularMatrix, vector
 from skancf.history import Case
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
+from skancf.solving import End, Status, iterate
+from skancf.statics.stopping import work
 from skancf.system.system import System
 
 STEPS, ENOUGH = 3, 1e-2
@@ -128,7 +130,7 @@ def carried(
         factor, v = 1.0, None
         if state.velocity is not None:
             now = Momenta(system, q, passage.new_mass.solve)
-            before = now.rigid(state.q) @ (state.system.mass @ state.velocity)
+            before = now.rigid(state.system.layout, state.q) @ (state.system.mass @ state.velocity)
             v = now.corrected(passage.velocity(), before)
             if settle:
                 v, factor = now.slowed(v, passage.energy - passage.strain_energy(system, q))
@@ -167,9 +169,9 @@ class _Passage:
     def __init__(self, state: Solution, system: System, backend: str):
         self.state, self.old, self.new, self.backend = state, state.system, system, backend
         self.old_mass, self.new_mass = _Mass(self.old, backend), _Mass(system, backend)
-        self.there = Interpolation(self.old.geometry, system.geometry)
+        self.there = Interpolation.of(self.old, system)
         finer = is_finer(system.mesh.leaves, self.old.mesh.leaves)
-        self.back = None if finer else Interpolation(system.geometry, self.old.geometry)
+        self.back = None if finer else Interpolation.of(system, self.old)
         wanted = system.undeformed + system.prescribed(state.case)
         at_nodes = self.there.positions(state.q)
         self._taken = at_nodes + system.constraints.fixed_part(wanted - at_nodes)
@@ -192,14 +194,15 @@ class _Passage:
 
     def _centred(self) -> np.ndarray:
         """The positions of the nodes, of a free body with the centre of mass of what was lost."""
-        return self._taken if self._lost is None else self._taken + self._mean(self.old, self._lost)
+        return self._taken if self._lost is None else self._taken + self.mean(self.old, self._lost)
 
-    def _mean(self, system: System, change: np.ndarray) -> np.ndarray:
+    def mean(self, system: System, change: np.ndarray) -> np.ndarray:
         """The translation that moves the centre of mass of a free body as a change does on a system, (n_new_dofs,)."""
-        out = np.zeros((self.new.n_dofs // 12, 4, 3))
-        if self.new.foundation is None and not self.new.constraints.fixed.any():
+        layout = self.new.layout
+        out = np.zeros_like(layout.undeformed)
+        if not self.new.others and not self.new.constraints.fixed.any():
             moment, mass = _moments(system, change)
-            out[:, 0] = moment / mass
+            out[layout.moving, 0] = moment / mass
         return out.ravel()
 
     def rates(self, v: np.ndarray) -> np.ndarray:
@@ -225,19 +228,15 @@ class _Passage:
         """The positions after a step towards the internal forces that belong to the accelerations; more, where one leaves
         much more energy than there was."""
         old, new, state, q = self.old, self.new, self.state, self.start
-        excess = self.strain_energy(new, q) - self._strain
+        excess = self.excess(q)
         if not self._is_settled(excess):
-            accelerations = self.rates(self.old_mass.solve(self._net_force(old, state.q)))
+            accelerations = self.rates(self.old_mass.solve(self.net_force(old, state.q)))
             inertia = new.mass @ accelerations
             with DirectSolver(new.pattern, new.constraints, self.backend) as solver:
-                for _ in range(STEPS):
-                    stepped = q + self._step(q, inertia, solver)
-                    left = self.strain_energy(new, stepped) - self._strain
-                    if not abs(left) < abs(excess):
-                        break
-                    q, excess = stepped, left
-                    if excess <= ENOUGH * self.energy:
-                        break
+                found = iterate(q, _Settling(self, inertia, solver), _Excess(self, excess), STEPS)
+            if found.status is Status.SINGULAR:
+                raise SingularMatrix(found.message)
+            q = found.x
         return q
 
     def _is_settled(self, excess: float) -> bool:
@@ -245,21 +244,12 @@ class _Passage:
         lost_nothing = self._lost is not None and not self._lost.any()
         return lost_nothing or abs(excess) <= NOTHING * self.energy
 
-    def _step(self, q: np.ndarray, inertia: np.ndarray, solver: DirectSolver) -> np.ndarray:
-        new = self.new
-        residual = new.constraints.free_part(self._net_force(new, q) - inertia)
-        if not residual.any():
-            return residual
-        elastic = new.tangent(q, Case(0.0), np.zeros_like(new.stresses(q)))
-        mass = new.mass.diagonal()  # a pole has a vector without any
-        direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
-        squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))
-        solver.factor(elastic + new.geometry.theory.softest * squared_frequency * new.mass)
-        step = solver.solve(residual)
-        return step - self._mean(new, step)
-
-    def _net_force(self, system: System, q: np.ndarray) -> np.ndarray:
+    def net_force(self, system: System, q: np.ndarray) -> np.ndarray:
         return system.external_force(q, self.state.case) - system.internal_force(q)
+
+    def excess(self, q: np.ndarray) -> float:
+        """Strain energy on the new mesh beyond that of the state (J)."""
+        return self.strain_energy(self.new, q) - self._strain
 
     def strain_energy(self, system: System, q: np.ndarray) -> float:
         return system.strain_energy(q, self.state.case)
@@ -276,6 +266,49 @@ class _Passage:
         )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class _Settling:
+    """Steps towards the internal forces that belong to given forces of inertia, by the elastic tangent of each state."""
+
+    passage: _Passage
+    inertia: np.ndarray
+    solver: DirectSolver
+
+    def residual(self, q: np.ndarray) -> np.ndarray:
+        new = self.passage.new
+        return new.constraints.free_part(self.passage.net_force(new, q) - self.inertia)
+
+    def correction(self, q: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
+        new = self.passage.new
+        if not residual.any():
+            return residual, 0.0
+        elastic = new.tangent(q, Case(0.0), np.zeros_like(new.stresses(q)))
+        mass = new.mass.diagonal()  # a pole has a vector without any
+        direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
+        squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))
+        self.solver.factor(elastic + new.geometry.theory.softest * squared_frequency * new.mass)
+        step = self.solver.solve(residual)
+        return step - self.passage.mean(new, step), work(step, residual)
+
+    def step(self, q: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
+        return q + change
+
+
+@dataclass
+class _Excess:
+    """Ends where a step does not bring the strain energy nearer to that of the state, or brings it near enough."""
+
+    passage: _Passage
+    excess: float
+
+    def judge(self, q: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
+        left = self.passage.excess(q + change)
+        if not abs(left) < abs(self.excess):
+            return Status.DIVERGED, ""
+        self.excess = left
+        return (Status.CONVERGED, "") if left <= ENOUGH * self.passage.energy else None
+
+
 def _rate(system: System, time: float | None) -> np.ndarray:
     """The rate of the prescribed coordinates, (n_dofs,)."""
     return np.zeros(system.n_dofs) if time is None else prescribed_rate(system, time, MOMENT * max(1.0, abs(time)))
@@ -283,4 +316,4 @@ def _rate(system: System, time: float | None) -> np.ndarray:
 
 def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:
     """Mass times the place of its centre (3,), and the mass."""
-    return np.einsum("nk,nki->i", system.shares, q.reshape(-1, 4, 3)), float(system.shares[:, 0].sum())
+    return system.inertia.centre(q), system.inertia.total

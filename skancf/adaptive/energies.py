@@ -12,14 +12,14 @@ Strained = tuple[np.ndarray, np.ndarray]
 
 def small(system: System, change: np.ndarray, q: np.ndarray | None = None) -> Strained:
     """Of a change of the coordinates q, the undeformed ones by default, to first order."""
-    return of_change(system.assembly, (system.undeformed if q is None else q).reshape(-1, 4, 3), change)
+    return of_change(system.shell, system.undeformed if q is None else q, change)
 
 
 def of_state(state: Solution) -> Strained:
     """Of a state, those of a free strain not subtracted."""
     if state.linear:
         return small(state.system, state.change)
-    strains, stresses = state.system.assembly.stresses(state.q.reshape(-1, 4, 3), None, keep_strains=True)
+    strains, stresses = state.system.assembly.stresses(state.system.shell.nodal(state.q), None, keep_strains=True)
     return strains, stresses
 
 

@@ -6,6 +6,7 @@ of its error. The residual vanishes on what the coarse mesh can do; the rest of 
 :math:`z - P I z` over its nodal interpolant, which lives in the bubbles of elements and edges.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 from types import TracebackType
 from typing import Any
@@ -17,12 +18,14 @@ from skancf.adaptive.energies import Strained, energies, virtual_work
 from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE, may_be_quartered
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
-from skancf.adaptive.singular import images, nodes_at, singular_points, touching
-from skancf.errors import InputError
+from skancf.adaptive.singular import images, singular_points, touching
+from skancf.errors import InputError, finite
 from skancf.history import Case
+from skancf.layout.singularities import nodes_at
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
+from skancf.solving import End, Status, iterate
 from skancf.statics.equilibrium import equilibrium
 from skancf.statics.newton import newton, skew_part
 from skancf.statics.stopping import work
@@ -74,8 +77,8 @@ class Refined:
         self.coarse, self.points, self._quantity = coarse, singular_points(coarse, quantity), quantity
         fine_mesh = enriched_mesh(coarse, self.points, smallest) if mesh is None else mesh
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
-        self._up = Interpolation(coarse.geometry, self.system.geometry)
-        self._down = Interpolation(self.system.geometry, coarse.geometry)
+        self._up = Interpolation.of(coarse, self.system)
+        self._down = Interpolation.of(self.system, coarse)
 
     def halvings(self, *pairs: Pair, before: Halvings | None = None) -> Halvings:
         """What a halving leaves at the singular points of the problem, by energies of answers and weights here, and by
@@ -111,7 +114,7 @@ class Refined:
         A weight that is singular at a node has slopes and a twist there that are those of the smallest element, and say
         nothing of larger ones: its interpolant has none.
         """
-        coarse = self.down(weight).reshape(-1, 4, 3)
+        coarse = self.coarse.layout.nodal(self.down(weight))
         coarse[self._at_quantity, 1:] = 0.0
         return weight - self.up(coarse.ravel())
 
@@ -120,12 +123,13 @@ class Refined:
         """Coarse nodes at the point of a section force, at most one."""
         if not isinstance(self._quantity, SectionForce) or self._quantity.at is None:
             return np.empty(0, dtype=int)
-        return nodes_at(self.coarse.geometry, self._quantity.at)
+        geometry = self.coarse.geometry
+        return nodes_at(geometry, geometry.within(finite("at", self._quantity.at)[:, None]))
 
     def shares(self, products: np.ndarray) -> np.ndarray:
         """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
         geometry = self.system.geometry
-        sizes = np.abs(products.reshape(-1, 12).sum(axis=1))
+        sizes = np.abs(self.system.layout.blocks(products)[: geometry.n_nodes].sum(axis=1))
         nodes = geometry.ties.node_of[geometry.mesh.t]
         valence = np.bincount(nodes[nodes >= 0], minlength=len(sizes))
         parts = np.where(nodes >= 0, (sizes / np.maximum(valence, 1))[nodes], 0.0).sum(axis=0)
@@ -133,11 +137,11 @@ class Refined:
         return np.bincount(ancestors_in(coarse.leaves, geometry.mesh.leaves), parts, minlength=coarse.nelements)
 
     def is_new(self) -> np.ndarray:
-        """Which nodes of the refined mesh the coarse one does not have, (n_fine_nodes,)."""
+        """Which nodes of the refined mesh the coarse one does not have, (n_fine_blocks,)."""
         fine, coarse = self.system.geometry, self.coarse.geometry
         old = coarse.mesh.leaves.forest.point_keys(coarse.mesh.leaves.cells).ravel()
         new = fine.mesh.leaves.forest.point_keys(fine.mesh.leaves.cells).ravel()
-        out = np.zeros(fine.n_nodes, dtype=bool)
+        out = np.zeros(self.system.layout.n_blocks, dtype=bool)
         out[fine.ties.node_of[fine.mesh.t.ravel()[~np.isin(new, old)]]] = True
         return out
 
@@ -170,7 +174,7 @@ class Enriched(Refined):
         else:
             self.start = self._up.positions(state.q)
             gap = fine.undeformed + factor * fine.prescribed() - self.start
-            self.residual, self.stiffness = self._residual(self.start), fine.tangent(self.start, Case(factor))
+            self.residual, self.stiffness = self.residual_of(self.start), fine.tangent(self.start, Case(factor))
         self._moved = fine.constraints.fixed_part(gap)
 
     @cached_property
@@ -179,45 +183,33 @@ class Enriched(Refined):
 
     @cached_property
     def _step(self) -> np.ndarray:
-        """To the solution of the refined system; leaves the factors of its tangent in the solver."""
+        """To the solution of the refined system, by one tangent, or by Newton's method where its corrections do not shrink
+        fast; leaves the factors of a tangent there in the solver."""
         moved = self._moved
         self._solver.factor(self.stiffness)
         if self.state.linear:
             return self._solver.solve(-(self.residual + self.stiffness @ moved)) + moved
         tangent = SkewSolver(self.stiffness, skew_part(self.system, self.start, self.state.load_factor), self._solver)
         first = tangent.solve(-(self.residual + tangent.multiply(moved))) + moved
-        return self._chord(first, tangent)
+        chord = iterate(first, _Chord(self, tangent), _Shrinking(work(first, tangent.multiply(first))), CHORDS)
+        return chord.x if chord.ok else self._newton() - self.start
 
     @property
     def unresolved(self) -> np.ndarray:
         """What is left of the residual after the step, (n_fine,): rounding, and what Newton's method left."""
         if self.state.linear:
             return self.residual + self.stiffness @ self._step
-        return self._residual(self.start + self._step)
+        return self.residual_of(self.start + self._step)
 
-    def _residual(self, q: np.ndarray) -> np.ndarray:
+    def residual_of(self, q: np.ndarray) -> np.ndarray:
         return self.system.internal_force(q) - self.state.load_factor * self.system.external_force(q)
-
-    def _chord(self, first: np.ndarray, tangent: SkewSolver) -> np.ndarray:
-        """The step with more of them by the same tangent, or by Newton's method where these do not shrink fast."""
-        step, largest, last = first, work(first, tangent.multiply(first)), np.inf
-        for _ in range(CHORDS):
-            more = tangent.solve(-self._residual(self.start + step))
-            size = work(more, tangent.multiply(more))
-            step = step + more
-            if size <= NEAR**2 * largest:
-                return step
-            if not size < last / 4:
-                break
-            last = size
-        return self._newton() - self.start
 
     def _newton(self) -> np.ndarray:
         """Coordinates of the refined equilibrium by Newton's method, relaxed from the coarse one where that fails."""
         fine, factor = self.system, self.state.load_factor
         result: Any = newton(fine, self.start, self._solver, load_factor=factor, rtol=NEAR)
         q = result.q
-        if not result.converged:
+        if not result.ok:
             start = Solution(fine, self.start, load_factor=factor)
             q = equilibrium(fine, factor, start=start, rtol=NEAR, backend=self._solver.backend_name).unwrap().q
         self.stiffness = fine.tangent(q, Case(factor))
@@ -264,7 +256,7 @@ class Enriched(Refined):
         """
         system, factor = self.system, abs(self.state.load_factor)
         force = system.external_force(system.undeformed if self.state.linear else self.corrected.q)
-        sizes = [np.linalg.norm(v.reshape(-1, 4, 3), axis=2) for v in (smooth, force)]
+        sizes = [np.linalg.norm(system.layout.nodal(v), axis=2) for v in (smooth, force)]
         most = [2 * np.sqrt(energies(answer).sum() * energies(weight).sum()), factor * (sizes[0] * sizes[1]).sum()]
         return max(float(np.abs(virtual_work(answer, weight)).sum()), NOTHING * float(max(most)))
 
@@ -286,15 +278,47 @@ class Enriched(Refined):
         """The diagonal blocks of the tangent in nodal coordinates, one where they are held, (n_fine_nodes, 12, 12)."""
         pattern, constraints = self.system.pattern, self.system.constraints
         blocks = self.stiffness.values[pattern.diagonal_slots].copy()
-        upper = np.triu(np.ones((12, 12), dtype=bool))
+        upper = np.triu(np.ones(blocks.shape[1:], dtype=bool))
         blocks = np.where(upper, blocks, blocks.swapaxes(1, 2))
-        frames = np.broadcast_to(np.eye(12), blocks.shape).copy()
+        frames = np.broadcast_to(np.eye(blocks.shape[1]), blocks.shape).copy()
         frames[constraints.frame_nodes] = constraints.frames
         turned = frames @ blocks @ frames.swapaxes(1, 2)
         free = ~constraints.fixed
         turned *= free[:, :, None] & free[:, None, :]
-        turned += np.einsum("ni,ij->nij", (~free).astype(float) * np.abs(blocks).max(axis=(1, 2))[:, None], np.eye(12))
+        held = (~free).astype(float) * np.abs(blocks).max(axis=(1, 2))[:, None]
+        turned += np.einsum("ni,ij->nij", held, np.eye(blocks.shape[1]))
         return frames.swapaxes(1, 2) @ turned @ frames
+
+
+@dataclass(frozen=True)
+class _Chord:
+    """Steps from the start of an enriched state, by its one tangent."""
+
+    enriched: Enriched
+    tangent: SkewSolver
+
+    def residual(self, step: np.ndarray) -> np.ndarray:
+        return self.enriched.residual_of(self.enriched.start + step)
+
+    def correction(self, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
+        more = self.tangent.solve(-residual)
+        return more, work(more, self.tangent.multiply(more))
+
+    def step(self, step: np.ndarray, residual: np.ndarray, more: np.ndarray) -> np.ndarray:
+        return step + more
+
+
+@dataclass(frozen=True)
+class _Shrinking:
+    """Ends where corrections are small beside the first, of energy ``largest``, and where they do not shrink fast."""
+
+    largest: float
+
+    def judge(self, step: np.ndarray, more: np.ndarray, energies: list[float]) -> End | None:
+        size, last = energies[-1], energies[-2] if len(energies) > 1 else np.inf
+        if size <= NEAR**2 * self.largest:
+            return Status.CONVERGED, ""
+        return None if size < last / 4 else (Status.DIVERGED, "")
 
 
 def _require_at_rest(state: Solution) -> None:

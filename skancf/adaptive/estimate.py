@@ -166,9 +166,9 @@ def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:
     check_state("state", state, backend)
     with Enriched(state, state.system.mesh.refined(), backend=backend) as enriched:
         blocks = enriched.free_diagonal()
-        r = enriched.system.constraints.free_part(enriched.residual).reshape(-1, 12)
+        r = enriched.system.layout.blocks(enriched.system.constraints.free_part(enriched.residual))
         steps = np.linalg.solve(blocks, r[:, :, None])[:, :, 0]
-        return enriched.shares(0.5 * (r * steps).ravel() * enriched.is_new().repeat(12))
+        return enriched.shares(0.5 * (r * steps * enriched.is_new()[:, None]).ravel())
 
 
 def value_of(quantity: Quantity, state: Solution) -> float:

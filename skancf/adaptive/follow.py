@@ -12,6 +12,7 @@ from skancf.adaptive.marking import check_indicators
 from skancf.adaptive.recovery import recovery
 from skancf.arguments import function, plain, whole
 from skancf.dynamics import MeshEvent
+from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
 from skancf.errors import InputError, OutOfDepth, positive
@@ -101,9 +102,12 @@ class Follow:
         function("indicator", self.indicator, "a function of a Solution, for example sk.recovery")
 
     def check(self, system: System) -> None:
-        """InputError for a mesh that cannot be refined."""
+        """InputError for a mesh that cannot be refined, and for terms that remember something."""
         if not isinstance(system.mesh, MeshQuadTree):
             raise InputError("follow: the mesh of the system must be a quadtree; make it by sk.meshes.quadtree(mesh)")
+        if names := flat(system.terms.state()):
+            raise InputError(f"follow: a term remembers '{min(names)}', which does not go from mesh to mesh; let the motion "
+                             "be on one mesh, without follow")  # fmt: skip
 
     def change(
         self, system: System, before: State, now: State, end: float, energy: float, again: bool

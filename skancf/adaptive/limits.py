@@ -4,21 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.quantities import Displacement, Quantity, SectionForce, StrainEnergy
-from skancf.adaptive.singular import (
-    at_free_right_angle,
-    has_part_along,
-    holding,
-    normal_at,
-    point_forces,
-    point_supports,
-    reentrant_corners,
-    same_point,
-)
+from skancf.adaptive.quantities import Displacement, Quantity, Rotation, SectionForce, StrainEnergy
+from skancf.adaptive.singular import at_free_right_angle, has_part_along, held_points, holding, normal_at, same_point
 from skancf.errors import finite, unit_vector
 from skancf.layout.geometry import Geometry
-from skancf.loads import PointForce
-from skancf.supports import Clamp, NoRotation
+from skancf.layout.singularities import Singularity
+from skancf.recovered import reentrant_corners
+from skancf.system.regularity import singularities
 from skancf.system.system import System
 
 ALONG_TOO = 1e-6
@@ -28,13 +20,17 @@ ALONG_TOO = 1e-6
 def no_limit(quantity: Quantity, system: System) -> str | None:
     """Why a quantity has no limit as the mesh is refined, and which one has; None where no rule says so.
 
-    - A section force at a point where a point force acts, at a support of a single point, and in a re-entrant corner. Not
-      moments at a free right-angled corner in theory `kirchhoff`, where the twisting moment carries the force.
+    - A section force at a point where a point force or moment acts, at a support of a single point, and in a re-entrant
+      corner. Not moments at a free right-angled corner in theory `kirchhoff`, where the twisting moment carries the force.
     - A displacement under a point force, along it, and the strain energy it makes, which grow with the logarithm of the
       element size: those across the surface in theory `full`, those along it in both theories. The rotation there has a
       limit.
+    - The rotation under a point moment, and the strain energy it makes, in both theories. The displacement there has a
+      limit.
 
-    Corners that are obtuse and supported, where moments of theory `kirchhoff` have no limit either, are not found.
+    Loads and supports say what they do at points, those of a user's own too: see :class:`~skancf.loads.Singularity`. A load
+    that moves counts where it stands in statics. Corners that are obtuse and supported, where moments of theory `kirchhoff`
+    have no limit either, are not found.
 
     Parameters
     ----------
@@ -51,11 +47,14 @@ def no_limit(quantity: Quantity, system: System) -> str | None:
     --------
     >>> sk.adaptive.no_limit(sk.Displacement(at=(0.5, 0.5)), system)
     """
+    said = singularities(system)
     if isinstance(quantity, SectionForce):
-        return None if quantity.at is None else _section_force(quantity, quantity.at, system)
+        return None if quantity.at is None else _section_force(quantity, quantity.at, system.geometry, said)
     if isinstance(quantity, Displacement):
-        return _displacement(quantity, system)
-    return _energy(system) if isinstance(quantity, StrainEnergy) else None
+        return _displacement(quantity, system.geometry, said)
+    if isinstance(quantity, Rotation):
+        return _rotation(quantity, system.geometry, said)
+    return _energy(system.geometry, said) if isinstance(quantity, StrainEnergy) else None
 
 
 def drift(system: System) -> str | None:
@@ -65,70 +64,94 @@ def drift(system: System) -> str | None:
     thickness squared over the size squared; and a moment, of a support that holds the normal at a point, turns that point in
     both theories, by a part of the order of one.
     """
-    thin = system.geometry.theory.twist
-    nodes = [node for support, node in point_supports(system) if not thin or isinstance(support, Clamp | NoRotation)]
-    if not nodes:
+    shear, held = system.geometry.theory.shear, held_points(system.geometry, singularities(system))
+    points = [point for _, point, rests, turned in held if turned or (rests and shear)]
+    if not points:
         return None
-    places = ", ".join(_at(system.mesh.p[:, node]) for node in nodes[:4]) + (", ..." if len(nodes) > 4 else "")
+    places = ", ".join(_at(point) for point in points[:4]) + (", ..." if len(points) > 4 else "")
     what, way_out = "theory 'full' is supported", "support an edge, or take theory 'kirchhoff'"
-    if thin:
+    if not shear:
         what, way_out = "the normal is held", "hold it along an edge"
     return (f"{what} at single points, {places}: with a reaction there every displacement drifts by the logarithm of the "
             f"element size, and has no limit as the mesh is refined; {way_out}")  # fmt: skip
 
 
-def _section_force(quantity: SectionForce, at: Any, system: System) -> str | None:
-    why = _why_singular(quantity, at, system)
+def _section_force(quantity: SectionForce, at: Any, geometry: Geometry, said: list[Singularity]) -> str | None:
+    why = _why_singular(quantity, at, geometry, said)
     if why is None:
         return None
     return (f"SectionForce({quantity.component!r}, at={_at(at)}) has no limit as the mesh is refined: {why}. Its mean over "
-            f"a region has one: SectionForce({quantity.component!r}, within={_region(system.geometry, at)})")  # fmt: skip
+            f"a region has one: SectionForce({quantity.component!r}, within={_region(geometry, at)})")  # fmt: skip
 
 
-def _why_singular(quantity: SectionForce, at: Any, system: System) -> str | None:
-    geometry = system.geometry
+def _why_singular(quantity: SectionForce, at: Any, geometry: Geometry, said: list[Singularity]) -> str | None:
     geometry.locate(at)
-    carried = quantity.component.startswith("M") and at_free_right_angle(system, at)
-    for load in point_forces(system):
-        if same_point(geometry, load.at, at) and (not carried or has_part_along(geometry, load)):
-            return f"a PointForce acts there, {_at(load.force)} N"
-    for support, node in point_supports(system):
-        turning = isinstance(support, Clamp | NoRotation)
-        if (turning or not carried) and same_point(geometry, geometry.mesh.p[:, node], at):
-            return f"a {type(support).__name__} holds this single point"
+    carried = quantity.component.startswith("M") and at_free_right_angle(geometry, said, at)
+    for load, point in _acting(said, "force"):
+        if same_point(geometry, point, at) and (not carried or has_part_along(geometry, load.vector, point)):
+            return f"{load.words} acts there, {_at(load.vector)} N"
+    for load, point in _acting(said, "moment"):
+        if same_point(geometry, point, at):
+            return f"{load.words} acts there, {_at(load.vector)} N m"
+    for support, point, _, turned in held_points(geometry, said):
+        if (turned or not carried) and same_point(geometry, point, at):
+            return f"{support.words} holds this single point"
     for node, angle in reentrant_corners(geometry).items():
         if same_point(geometry, geometry.points[:, node], at):
             return f"the boundary has a re-entrant corner there, with {np.degrees(angle):.0f} degrees of material"
     return None
 
 
-def _displacement(quantity: Displacement, system: System) -> str | None:
-    geometry, direction = system.geometry, unit_vector("direction", quantity.direction)
+def _displacement(quantity: Displacement, geometry: Geometry, said: list[Singularity]) -> str | None:
+    direction = unit_vector("direction", quantity.direction)
     geometry.locate(quantity.at)
-    for load in point_forces(system):
-        if not same_point(geometry, load.at, quantity.at):
+    for load, point in _acting(said, "force"):
+        if not same_point(geometry, point, quantity.at):
             continue
-        n, force = normal_at(geometry, load.at), unit_vector("force", load.force)
+        n, force = normal_at(geometry, point), unit_vector("force", load.vector)
         along = (direction - (direction @ n) * n) @ (force - (force @ n) * n)
-        across = 0.0 if geometry.theory.twist else (direction @ n) * (force @ n)
+        across = (direction @ n) * (force @ n) if geometry.theory.shear else 0.0
         if max(abs(along), abs(across)) > ALONG_TOO:
-            return (f"Displacement(at={_at(quantity.at)}) has no limit as the mesh is refined: the PointForce there sinks "
+            return (f"Displacement(at={_at(quantity.at)}) has no limit as the mesh is refined: {load.words} there sinks "
                     f"into theory {geometry.theory.name!r} with the logarithm of the element size; "
-                    f"{_spread(system, [load])}")  # fmt: skip
+                    f"{_spread(geometry, [(load, point)])}")  # fmt: skip
     return None
 
 
-def _energy(system: System) -> str | None:
-    thin = system.geometry.theory.twist
-    loads = [load for load in point_forces(system) if not thin or has_part_along(system.geometry, load)]
-    if not loads:
-        return None
-    return (f"StrainEnergy() has no limit as the mesh is refined: the PointForce at {_at(loads[0].at)} sinks into theory "
-            f"{system.geometry.theory.name!r} with the logarithm of the element size; {_spread(system, loads)}")  # fmt: skip
+def _rotation(quantity: Rotation, geometry: Geometry, said: list[Singularity]) -> str | None:
+    towards = unit_vector("towards", quantity.towards)
+    geometry.locate(quantity.at)
+    for load, point in _acting(said, "moment"):
+        if same_point(geometry, point, quantity.at):
+            turned = np.cross(unit_vector("moment", load.vector), normal_at(geometry, point))
+            if abs(turned @ towards) > ALONG_TOO:
+                return f"Rotation(at={_at(quantity.at)}) has no limit as the mesh is refined: {_turns(load, 'there')}"
+    return None
 
 
-def _spread(system: System, loads: list[PointForce]) -> str:
-    thin_has_one = not system.geometry.theory.twist and not any(has_part_along(system.geometry, load) for load in loads)
+def _energy(geometry: Geometry, said: list[Singularity]) -> str | None:
+    shear, none = geometry.theory.shear, "StrainEnergy() has no limit as the mesh is refined:"
+    loads = [(load, at) for load, at in _acting(said, "force") if shear or has_part_along(geometry, load.vector, at)]
+    for load, point in loads[:1]:
+        return (f"{none} {load.words} at {_at(point)} sinks into theory {geometry.theory.name!r} with the logarithm of the "
+                f"element size; {_spread(geometry, loads)}")  # fmt: skip
+    for load, point in _acting(said, "moment"):
+        return f"{none} {_turns(load, f'at {_at(point)}')}"
+    return None
+
+
+def _acting(said: list[Singularity], kind: str) -> list[tuple[Singularity, np.ndarray]]:
+    """Forces or moments that act at single points, and those points."""
+    return [(each, point) for each in said if each.pushes(kind) for point in each.alone.T]
+
+
+def _turns(load: Singularity, where: str) -> str:
+    return (f"{load.words} {where} turns its point with the logarithm of the element size, in every theory; take a couple "
+            "of DiskForces, or an EdgeMoment")  # fmt: skip
+
+
+def _spread(geometry: Geometry, loads: list[tuple[Singularity, np.ndarray]]) -> str:
+    thin_has_one = geometry.theory.shear and not any(has_part_along(geometry, each.vector, at) for each, at in loads)
     return "take a DiskForce" + (", or theory 'kirchhoff'" if thin_has_one else "")
 
 

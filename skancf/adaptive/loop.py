@@ -18,7 +18,7 @@ from skancf.adaptive.judge import judge
 from skancf.adaptive.marking import Below, Even, Marking, check_indicators
 from skancf.adaptive.nested import Nested
 from skancf.adaptive.quantities import Quantity
-from skancf.adaptive.result import AdaptiveResult, Level, Outcome
+from skancf.adaptive.result import AdaptiveResult, Level
 from skancf.adaptive.rings import NOTHING_KNOWN
 from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
@@ -31,6 +31,7 @@ from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.solving import End, Status, kept
 from skancf.system.system import System
 from skancf.theories import Theory
 
@@ -135,7 +136,7 @@ def adapt(
         system = first_system(problem, first, theory, quantity, analysis, max_dofs)
         even = indicator == "goal" and system.geometry.theory.order == 2
         growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening, analysis.smallest)
-        return _Run(problem, quantity, analysis, growth, by, asked, bar).go(system)
+        return _Run(system, quantity, analysis, growth, by, asked, bar).go()
 
 
 class _Found(NamedTuple):
@@ -164,31 +165,28 @@ class _Run:
     """State of one run; what it keeps is usable whenever it stops."""
 
     def __init__(
-        self, problem: Problem, quantity: Any, analysis: Analysis, growth: Growth,
+        self, system: System, quantity: Any, analysis: Analysis, growth: Growth,
         indicator: Callable[[Solution], np.ndarray] | None, asked: Asked, bar: Progress,
     ) -> None:  # fmt: skip
-        self.problem, self.quantity, self.analysis, self.growth = problem, quantity, analysis, growth
+        self.system, self.quantity, self.analysis, self.growth = system, quantity, analysis, growth
         self.indicator, self.asked, self.bar = indicator, asked, bar
         self.levels: list[Level] = []
         self.best: _Found | None = None
+        self.start: Solution | None = None
+        self.merged, self.clock = 0, _Clock({})
         self.finer_starts, self.nested = 0, Nested(quantity)
         self.begun = time.perf_counter()
 
-    def go(self, system: System) -> AdaptiveResult:
-        try:
-            outcome, message = self._refine(system)
-        except KeyboardInterrupt:
-            if self.best is None:
-                raise
-            outcome, message = Outcome.INTERRUPTED, "interrupted from the keyboard; the last finished mesh is kept"
+    def go(self) -> AdaptiveResult:
+        status, message = kept(self._step, lambda: self._unless_first("; the last finished mesh is kept"), self._failed)
         assert self.best is not None
         _, answer, estimate = self.best
-        if outcome is not Outcome.REACHED and abs(answer.value) < estimate.bar:
+        if not status.ok and abs(answer.value) < estimate.bar:
             message += ". The value is zero within its error bar: say by atol how near to zero is near enough"
         left_out = self.analysis.theory_error(answer) if hasattr(self.analysis, "theory_error") else None
         judge(answer.state, left_out, answer.found is None)
         return AdaptiveResult(
-            answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), outcome,
+            answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), status,
             ". ".join(part for part in (message, self._met()) if part), self.quantity.unit, answer.checks, left_out,
         )  # fmt: skip
 
@@ -197,37 +195,40 @@ class _Run:
         noted = next((level for level in reversed(self.levels) if level.note), None)
         return f"On {noted.n_elements} elements: {noted.note}" if noted else ""
 
-    def _refine(self, system: System) -> tuple[Outcome, str]:
-        start: Solution | None = None
-        merged, clock = 0, _Clock({})
-        while True:
-            try:
-                self._keep(self._on(system, start, merged, clock))
-                assert self.best is not None
-                level, answer, _ = self.best
-                if end := self._end():
-                    return end
-                at = answer.state.system
-                points = singular_points(at, self.quantity)
-                mesh, end = clock.take("mark", self._next, at.geometry, self.best, points)
-                if end:
-                    return end
-                merged, start, clock = _merged(level.mesh, mesh), answer.state, _Clock({})
-                system = clock.take("assemble", self.problem.on, mesh, at.geometry.theory)
-            except Exception as failed:  # noqa: PERF203 - a user's indicator may fail too; what is computed is kept
-                if self.best is None:
-                    system = self._finer_start(system, failed)
-                    continue
-                return Outcome.FAILED, f"after the mesh of {system.mesh.nelements} elements: {failed}"
+    def _unless_first(self, message: str) -> str | None:
+        return None if self.best is None else message
 
-    def _finer_start(self, system: System, failed: Exception) -> System:
-        """The system on a mesh of quarters, for a first mesh that is too coarse to have an answer; or the failure."""
-        mesh = system.mesh.refined()
-        n_dofs = 12 * mesh.p.shape[1]
-        if not isinstance(failed, DidNotConverge) or n_dofs > self.asked.max_dofs or self.finer_starts == FINER_STARTS:
+    def _failed(self, error: Exception) -> str | None:
+        return self._unless_first(f"after the mesh of {self.system.mesh.nelements} elements: {error}")
+
+    def _step(self) -> End | None:
+        """One mesh, and the system on the next one."""
+        try:
+            self._keep(self._on(self.system, self.start, self.merged, self.clock))
+        except DidNotConverge as failed:
+            if self.best is not None:
+                raise
+            self._start_finer(failed)
+            return None
+        assert self.best is not None
+        level, answer, _ = self.best
+        if end := self._end():
+            return end
+        at, clock = answer.state.system, self.clock
+        mesh, end = clock.take("mark", self._next, at.geometry, self.best, singular_points(at, self.quantity))
+        if end:
+            return end
+        self.merged, self.start, self.clock = _merged(level.mesh, mesh), answer.state, _Clock({})
+        self.system = self.clock.take("assemble", at.problem.on, mesh, at.geometry.theory)
+        return None
+
+    def _start_finer(self, failed: DidNotConverge) -> None:
+        """Go on with a mesh of quarters, where the first one is too coarse to have an answer; or with the failure."""
+        mesh = self.system.mesh.refined()
+        if 12 * mesh.p.shape[1] > self.asked.max_dofs or self.finer_starts == FINER_STARTS:
             raise failed
         self.finer_starts += 1
-        return self.problem.on(mesh, system.geometry.theory)
+        self.system = self.system.problem.on(mesh, self.system.geometry.theory)
 
     def _on(self, system: System, start: Solution | None, merged: int, clock: _Clock) -> _Found:
         with warnings.catch_warnings():
@@ -267,24 +268,24 @@ class _Run:
         note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
         self.bar.at(min(1.0, wanted) ** 0.5, note)
 
-    def _end(self) -> tuple[Outcome, str] | None:
+    def _end(self) -> End | None:
         """Why to stop after a mesh."""
         assert self.best is not None
         found, accepted = self.best, [level for level in self.levels if not level.rejected]
         level = found.level
         if found.estimate.bar <= self.asked.tolerance(level.value):
-            return Outcome.REACHED, ""
+            return Status.REACHED, ""
         if zero := self.asked.zero(found.estimate):
-            return Outcome.REACHED, zero
+            return Status.REACHED, zero
         if found.estimate.bar < 2 * found.estimate.rounding:
-            return Outcome.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
+            return Status.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
                                       "smaller tolerance cannot be met")  # fmt: skip
         if why := why_without_limit(accepted, singular_points(found.answer.state.system)):
-            return Outcome.NO_LIMIT, why
+            return Status.NO_LIMIT, why
         if stuck := self._in_smallest(found):
-            return Outcome.ROUNDING, stuck
+            return Status.ROUNDING, stuck
         if len(self.levels) >= self.asked.max_levels:
-            return Outcome.BUDGET, f"max_levels = {self.asked.max_levels} meshes are spent"
+            return Status.BUDGET, f"max_levels = {self.asked.max_levels} meshes are spent"
         return None
 
     def _in_smallest(self, found: _Found) -> str:
@@ -299,7 +300,7 @@ class _Run:
 
     def _next(
         self, geometry: Geometry, found: _Found, points: np.ndarray
-    ) -> tuple[MeshQuadTree, tuple[Outcome, str] | None]:
+    ) -> tuple[MeshQuadTree, End | None]:
         """The next mesh, and why not to begin with it; one of fewer elements where all of them are too many."""
         level, known = found.level, (found.level.indicators, points, found.estimate.halvings)
         mesh = self.growth.next_mesh(geometry, *known)
@@ -310,19 +311,19 @@ class _Run:
                 return fewer, None
         return mesh, end
 
-    def _too_much(self, level: Level, mesh: MeshQuadTree) -> tuple[Outcome, str] | None:
+    def _too_much(self, level: Level, mesh: MeshQuadTree) -> End | None:
         """Why not to begin with the next mesh."""
         asked = self.asked
         if np.array_equal(mesh.leaves.keys, level.mesh.leaves.keys):
-            return Outcome.UNMARKED, "no element is marked; take another indicator, or a marking that takes more"
+            return Status.UNMARKED, "no element is marked; take another indicator, or a marking that takes more"
         n_dofs = 12 * (mesh.p.shape[1] - len(mesh.hanging))
         if n_dofs > asked.max_dofs:
-            return Outcome.BUDGET, f"max_dofs = {asked.max_dofs}: the next mesh has {n_dofs} nodal coordinates"
+            return Status.BUDGET, f"max_dofs = {asked.max_dofs}: the next mesh has {n_dofs} nodal coordinates"
         if asked.max_seconds is not None:
             spent = time.perf_counter() - self.begun
             expected = level.total_seconds * (n_dofs / level.n_dofs) ** COST
             if spent + expected > asked.max_seconds:
-                return Outcome.BUDGET, (f"max_seconds = {asked.max_seconds:g}: {spent:.2g} s are spent, and the next mesh "
+                return Status.BUDGET, (f"max_seconds = {asked.max_seconds:g}: {spent:.2g} s are spent, and the next mesh "
                                         f"would take some {expected:.2g} s")  # fmt: skip
         return None
 

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from skancf.dynamics.initial import rigid_rates
+from skancf.layout.layout import Layout
 from skancf.system.system import System
 
 ROUNDING = 1e-14
@@ -30,16 +31,16 @@ class Momenta:
 
     def __init__(self, system: System, q: np.ndarray, solve: Callable[[np.ndarray], np.ndarray]):
         self.system, self._solve = system, solve
-        positions = q.reshape(-1, 4, 3)[:, 0]
+        positions = system.layout.positions(q)
         self.centre = positions.mean(axis=0)
         self.size = float(np.abs(positions - self.centre).max())
-        self._modes = self.rigid(q)
+        self._modes = self.rigid(system.layout, q)
 
-    def rigid(self, q: np.ndarray) -> np.ndarray:
+    def rigid(self, layout: Layout, q: np.ndarray) -> np.ndarray:
         """Unit translations and, in units of this size, rotations about this centre of a body at q: (6, n_dofs)."""
         none, axes = np.zeros(3), np.eye(3)
-        translations = [rigid_rates(q, axis, none, self.centre) for axis in axes]
-        return np.array(translations + [rigid_rates(q, none, axis / self.size, self.centre) for axis in axes])
+        translations = [rigid_rates(layout, q, axis, none, self.centre) for axis in axes]
+        return np.array(translations + [rigid_rates(layout, q, none, axis / self.size, self.centre) for axis in axes])
 
     def corrected(self, v: np.ndarray, wanted: np.ndarray) -> np.ndarray:
         """The velocity next to v in the mass norm that has the wanted momenta (6,)."""

@@ -1,7 +1,6 @@
 """What the adaptive loop found: every mesh, the number with its error bar, and why it stopped."""
 
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 
@@ -9,18 +8,7 @@ from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
-
-
-class Outcome(Enum):
-    """How a loop ended."""
-
-    REACHED = "the asked accuracy is reached"
-    BUDGET = "the budget is spent"
-    NO_LIMIT = "the number has no limit"
-    ROUNDING = "rounding is as large as the error"
-    UNMARKED = "the next mesh would be the same"
-    INTERRUPTED = "interrupted"
-    FAILED = "a mesh had no answer"
+from skancf.solving import Status
 
 
 @dataclass(frozen=True)
@@ -87,7 +75,7 @@ class Level:
 
 @dataclass(frozen=True)
 class AdaptiveResult:
-    """Outcome of :func:`adapt`.
+    """Status of :func:`adapt`.
 
     Attributes
     ----------
@@ -101,7 +89,7 @@ class AdaptiveResult:
         The state on that mesh (of a frequency or buckling load its mode).
     levels : tuple of Level
         Every mesh, rejected ones too.
-    outcome : Outcome
+    status : Status
     message : str
         Why it stopped, if the accuracy was not reached; and what solves met on their way.
     unit : str
@@ -118,16 +106,16 @@ class AdaptiveResult:
     corrected: float
     solution: Solution
     levels: tuple[Level, ...]
-    outcome: Outcome
+    status: Status
     message: str
     unit: str
     checks: tuple[Check, ...] = ()
     theory_error: TheoryError | None = None
 
     @property
-    def reached(self) -> bool:
-        """Is the value as accurate as asked?"""
-        return self.outcome is Outcome.REACHED
+    def ok(self) -> bool:
+        """Whether the value is as accurate as asked."""
+        return self.status.ok
 
     @property
     def is_zero(self) -> bool:
@@ -141,7 +129,7 @@ class AdaptiveResult:
     def __str__(self) -> str:
         n, zero = self.solution.system.n_dofs, ", and zero lies within it" if self.is_zero else ""
         said = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit}".rstrip() + self._left_out()
-        return f"{said} ({n} nodal coordinates; {self.outcome.value}{zero})"
+        return f"{said} ({n} nodal coordinates; {self.status.value}{zero})"
 
     def _left_out(self) -> str:
         """What the theory leaves out, in words."""

@@ -6,18 +6,15 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.quantities import SectionForce
-from skancf.errors import InputError, finite, unit_vector
+from skancf.errors import finite, unit_vector
 from skancf.layout.geometry import Geometry
-from skancf.loads import DiskForce, PointForce
+from skancf.layout.singularities import SAME_POINT, Singularity, nodes_at
 from skancf.meshes.forest import Leaves
-from skancf.recovered import reentrant_corners
-from skancf.supports import Clamp, NoRotation, Pin, SimpleSupport, Symmetry
-from skancf.supports.conditions import R_X, R_Y, edges, single_points
+from skancf.supports.conditions import R_X, R_Y
 from skancf.surfaces import normal
+from skancf.system.regularity import facets_of, singularities
 from skancf.system.system import System
 
-SAME_POINT = 1e-8
-"""Of the extent of the mesh: two points of the parameter plane closer than this are one."""
 ALONG = 1e-6
 """Part of a unit vector that counts, cosine of a right angle."""
 
@@ -27,19 +24,15 @@ def singular_points(system: System, quantity: Any = None) -> np.ndarray:
 
     And the point of a section force, about which its dual weight is singular. Not the poles that mirrors make smooth.
     """
-    geometry, problem = system.geometry, system.problem
-    corners, smooth = _boundary_corners(geometry), _mirrored_poles(system)
+    geometry, said = system.geometry, singularities(system)
+    corners, smooth = _boundary_corners(geometry), _mirrored_poles(geometry, said)
     places = [corners[:, ~at_poles(geometry, corners, smooth)]]
     if isinstance(quantity, SectionForce) and quantity.at is not None:
         places.append(geometry.within(finite("at", quantity.at)[:, None]))
-    for item in (*problem.supports, *problem.loads):
-        if isinstance(item, DiskForce):
-            continue
-        if hasattr(item, "where"):
-            ends = _ends(geometry, item.where)
-            places.append(ends[:, ~at_poles(geometry, ends, smooth)] if isinstance(item, Symmetry) else ends)
-        points = [getattr(item, name) for name in ("at", "start", "end") if hasattr(item, name)]
-        places += [np.reshape(point, (2, 1)).astype(float) for point in points if not callable(point)]
+    for each in said:
+        mirrors = at_poles(geometry, each.points, smooth) if "mirror" in each.kinds else np.zeros(each.points.shape[1], bool)
+        if each.at_rest:
+            places.append(each.points[:, ~mirrors])
     found = _around_poles(geometry, _both_sides(geometry, np.hstack(places)))
     if not found.size:
         return found
@@ -64,18 +57,6 @@ def _boundary_corners(geometry: Geometry) -> np.ndarray:
     along_x = np.bincount(mesh.facets[:, facets[along[0] > along[1]]].ravel(), minlength=mesh.p.shape[1])
     along_y = np.bincount(mesh.facets[:, facets[along[0] <= along[1]]].ravel(), minlength=mesh.p.shape[1])
     return np.asarray(mesh.p[:, (along_x > 0) & (along_y > 0)])
-
-
-def _ends(geometry: Geometry, where: Any) -> np.ndarray:
-    """Ends of the edges of a place, and its nodes that are on none."""
-    try:
-        nodes, facets = geometry.points_and_facets(where)
-    except InputError:
-        return np.empty((2, 0))
-    ends = geometry.mesh.facets[:, facets]
-    once = np.flatnonzero(np.bincount(ends.ravel(), minlength=geometry.mesh.p.shape[1]) == 1)
-    alone = np.setdiff1d(nodes, geometry.ties.node_of[ends])
-    return np.hstack([geometry.mesh.p[:, once], geometry.points[:, alone]])
 
 
 def _around_poles(geometry: Geometry, points: np.ndarray) -> np.ndarray:
@@ -107,13 +88,11 @@ def images(geometry: Geometry, leaves: Leaves, points: np.ndarray) -> np.ndarray
     return np.hstack([points, np.unique(corners[:, at_poles(geometry, corners, here)], axis=1)])
 
 
-def _mirrored_poles(system: System) -> list[int]:
+def _mirrored_poles(geometry: Geometry, said: list[Singularity]) -> list[int]:
     """Poles at which the surface, mirrored at the edges that end there, is smooth."""
-    geometry = system.geometry
-    mirrors = [s for s in system.problem.supports if isinstance(s, Symmetry)]
-    if not geometry.ties.poles or not mirrors:
+    mirrored = facets_of(said, "mirror")
+    if not geometry.ties.poles or not mirrored.size:
         return []
-    mirrored = np.concatenate([geometry.points_and_facets(s.where)[1] for s in mirrors])
     others = geometry.mesh.facets[:, np.setdiff1d(geometry.boundary, mirrored)]
     ends = np.unique(geometry.ties.node_of[others])
     return [pole for pole in geometry.ties.poles if pole not in ends and _mirrors_fit(geometry, pole)]
@@ -145,49 +124,37 @@ def touching(leaves: Leaves, points: np.ndarray) -> np.ndarray:
     return np.flatnonzero(np.any(inside, axis=0)) if inside else np.empty(0, dtype=int)
 
 
-def strong_points(system: System) -> np.ndarray:
-    """Those at which moments grow without end and the thin theory says nothing, (2, n): re-entrant corners, point forces,
-    supports of single points."""
-    geometry = system.geometry
-    nodes = list(reentrant_corners(geometry))
-    places = [geometry.points[:, nodes], geometry.mesh.p[:, [node for _, node in point_supports(system)]]]
-    places += [np.reshape(load.at, (2, 1)).astype(float) for load in point_forces(system)]
-    return np.hstack(places)
+def held_points(geometry: Geometry, said: list[Singularity]) -> Iterator[tuple[Singularity, np.ndarray, bool, bool]]:
+    """Single points (2,) that supports hold, whether in position, and whether their normal; without what an edge holds
+    anyway."""
+    held = geometry.ends(facets_of(said, "position"))
+    clamped = geometry.ends(facets_of(said, "position", "normal"))
+    for each in (each for each in said if each.holds and each.at_rest):
+        for point in each.alone.T:
+            node = nodes_at(geometry, point[:, None])
+            rests = bool({"position", "part"} & set(each.kinds)) and not np.isin(node, held).any()
+            turned = "normal" in each.kinds and not np.isin(node, clamped).any()
+            if rests or turned:
+                yield each, point, rests, turned
 
 
-def point_forces(system: System) -> list[PointForce]:
-    return [load for load in system.problem.loads if isinstance(load, PointForce) and np.any(load.force)]
-
-
-def point_supports(system: System) -> Iterator[tuple[Any, int]]:
-    """Supports of single points and the mesh nodes they hold, without what an edge holds anyway."""
-    geometry = system.geometry
-    placed = [support for support in system.problem.supports if hasattr(support, "where")]
-    lines = [geometry.points_and_facets(s.where)[1] for s in placed if isinstance(s, Pin | Clamp | SimpleSupport)]
-    held = geometry.ends(np.concatenate([np.empty(0, int), *lines]))
-    for support in placed:
-        for node in single_points(geometry, edges(geometry, support.where)):
-            if isinstance(support, Clamp | NoRotation) or geometry.ties.node_of[node] not in held:
-                yield support, node
-
-
-def at_free_right_angle(system: System, at: Any) -> bool:
+def at_free_right_angle(geometry: Geometry, said: list[Singularity], at: Any) -> bool:
     """Is there a right-angled corner of theory `kirchhoff` that no mirror makes a part of a longer edge?"""
-    geometry = system.geometry
-    for node in geometry.corners if geometry.theory.twist else ():
+    for node in () if geometry.theory.shear else geometry.corners:
         mesh_node = int(geometry.ties.representative[node])
         if not same_point(geometry, geometry.mesh.p[:, mesh_node], at):
             continue
         x, y = geometry.undeformed_at(mesh_node)[[R_X, R_Y]]
-        mirrors = [s for s in system.problem.supports if isinstance(s, Symmetry | NoRotation)]
-        mirrored = any(edges(geometry, s.where).get(mesh_node) for s in mirrors)
+        guided = np.setdiff1d(facets_of(said, "normal"), facets_of(said, "position", "normal"))
+        mirrors = np.concatenate([facets_of(said, "mirror"), guided])
+        mirrored = bool(np.isin(node, geometry.ends(mirrors)))
         return bool(abs(x @ y) < ALONG * np.linalg.norm(x) * np.linalg.norm(y)) and not mirrored
     return False
 
 
-def has_part_along(geometry: Geometry, load: PointForce) -> bool:
-    """Does a force have a part along the undeformed surface?"""
-    force, n = unit_vector("force", load.force), normal_at(geometry, load.at)
+def has_part_along(geometry: Geometry, force: np.ndarray, at: Any) -> bool:
+    """Does a force (3,) at a point have a part along the undeformed surface?"""
+    force, n = unit_vector("force", force), normal_at(geometry, at)
     return bool(np.linalg.norm(force - (force @ n) * n) > ALONG)
 
 
@@ -195,14 +162,6 @@ def normal_at(geometry: Geometry, at: Any) -> np.ndarray:
     """The undeformed normal, at a pole its limit."""
     x, y = geometry.within(finite("at", at))[:, None]
     return np.asarray(normal(geometry.surface, x, y)[:, 0])
-
-
-def nodes_at(geometry: Geometry, at: Any) -> np.ndarray:
-    """Nodes at a point of the parameter plane, hanging ones not counted: one or none, (n,)."""
-    point, extent = geometry.within(finite("at", at)[:, None]), np.ptp(geometry.mesh.p, axis=1)[:, None]
-    here = np.flatnonzero((np.abs(geometry.mesh.p - point) < SAME_POINT * extent).all(axis=0))
-    nodes = geometry.ties.node_of[here]
-    return np.unique(nodes[nodes >= 0])
 
 
 def same_point(geometry: Geometry, one: Any, two: Any) -> bool:

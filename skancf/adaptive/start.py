@@ -48,7 +48,7 @@ def _held(problem: Problem, axis: int) -> list[float]:
 
 def _loaded(problem: Problem, axis: int) -> list[float]:
     """Coordinates of points where something acts: nodes there help."""
-    return [float(load.at[axis]) for load in problem.loads if hasattr(load, "at")]
+    return [float(point[axis]) for load in problem.loads for point in _points(getattr(load, "at", None))]
 
 
 def _points(where: object) -> list:

@@ -32,7 +32,7 @@ def transfer(state: Solution, system: System) -> Solution:
     old, new = state.system.geometry, system.geometry
     require_one_tree(old, new)
     if state.linear:
-        q = system.undeformed + Interpolation(old, new).field(state.q - state.system.undeformed)
+        q = system.undeformed + Interpolation.of(state.system, system).field(state.q - state.system.undeformed)
         wanted = system.undeformed + system.prescribed(state.case)
         q, v = q + system.constraints.fixed_part(wanted - q), None
     else:

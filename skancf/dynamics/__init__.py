@@ -6,7 +6,8 @@ from skancf.dynamics.generalized_alpha import GeneralizedAlpha
 from skancf.dynamics.initial import RigidVelocity
 from skancf.dynamics.ledger import Ledger, MeshEvent
 from skancf.dynamics.midpoint import ImplicitMidpoint
-from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.motion import Motion
+from skancf.dynamics.named_state import HasState
 from skancf.dynamics.simulate import simulate
 from skancf.dynamics.spectrum import Spectrum, spectrum
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, NewtonCount
@@ -18,12 +19,12 @@ __all__ = [
     "EnergyMomentum",
     "FixedStep",
     "GeneralizedAlpha",
+    "HasState",
     "ImplicitMidpoint",
     "Ledger",
     "LocalError",
     "MeshEvent",
     "Motion",
-    "MotionStatus",
     "NewtonCount",
     "RigidVelocity",
     "Spectrum",

@@ -4,6 +4,7 @@ import numpy as np
 
 from skancf.dynamics.state import State
 from skancf.dynamics.turning import SAME, nodal_frames
+from skancf.layout.layout import Layout
 from skancf.linear import Constraints
 from skancf.vectors import rotation, rotation_vector, sum_of_cross
 
@@ -18,10 +19,10 @@ class Between:
     on the way, as it would be by polynomials of r.
     """
 
-    def __init__(self, constraints: Constraints):
-        held = np.trace(constraints.of_vectors(), axis1=2, axis2=3)
-        self.places = _or_all(held[:, 0] > 3 - SAME)
-        self.turning = _or_all((held[:, 1:3] > 2 - SAME).all(axis=1))
+    def __init__(self, layout: Layout, constraints: Constraints):
+        held, self.layout = np.trace(constraints.of_vectors(), axis1=2, axis2=3), layout
+        self.places = _or_all((held[:, 0] > 3 - SAME) & layout.moves, layout.moves)
+        self.turning = _or_all((held[:, 1:3] > 2 - SAME).all(axis=1) & layout.moves, layout.moves)
 
     def cubic(self, t: float, times: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and rates at a time between two, cubic in that frame.
@@ -44,7 +45,7 @@ class Between:
         (c, of_c), (x, of_x) = _cubic(s, dt, centres, speeds), _cubic(s, dt, arms, rates)
         of_x += np.cross(spin, x)
         turned = rotation(spin * s * dt).T
-        return _joined(c, x @ turned), _joined(of_c, of_x @ turned)
+        return self._joined(c, x @ turned), self._joined(of_c, of_x @ turned)
 
     def inside(self, t: float, start: State, end: State) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and rates inside of a step.
@@ -70,14 +71,18 @@ class Between:
             more = (s - s * s) * end.dt
             c, psi, x = c + more * speeds[0], psi + more * spin, x + more * (rates[0] - np.cross(spin, arms[0]))
         turned = rotation(psi).T
-        return _joined(c, x @ turned), _joined(of_c, of_x @ turned)
+        return self._joined(c, x @ turned), self._joined(of_c, of_x @ turned)
 
     def _split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Means of positions (n, 3), and nodal vectors (n, n_nodes, 4, 3) with positions less them."""
-        nodal = vectors.reshape(len(vectors), -1, 4, 3).copy()
+        nodal = vectors.reshape(len(vectors), *self.layout.shape).copy()
         centres = nodal[:, self.places, 0].mean(axis=1)
-        nodal[:, :, 0] -= centres[:, None]
+        nodal[:, self.layout.moving, 0] -= centres[:, None]
         return centres, nodal
+
+    def _joined(self, centre: np.ndarray, nodal: np.ndarray) -> np.ndarray:
+        nodal[self.layout.moving, 0] += centre
+        return nodal.ravel()
 
     def _turns(self, q: np.ndarray) -> np.ndarray:
         """The rotations that fit those of the nodal frames from the first of some states to each best, vectors (n, 3)."""
@@ -87,19 +92,14 @@ class Between:
         return np.array([rotation_vector(R) for R in left @ right])
 
 
-def _or_all(nodes: np.ndarray) -> np.ndarray:
-    return nodes if nodes.any() else np.ones_like(nodes)
+def _or_all(blocks: np.ndarray, every: np.ndarray) -> np.ndarray:
+    return blocks if blocks.any() else every
 
 
 def _spin(arms: np.ndarray, rates: np.ndarray) -> np.ndarray:
     """The angular velocity that fits the rates of nodal vectors best, (3,)."""
-    x = arms.reshape(-1, 3)
+    x = np.reshape(arms, (-1, 3))
     return np.asarray(np.linalg.pinv(np.sum(x * x) * np.eye(3) - x.T @ x, hermitian=True) @ sum_of_cross(arms, rates))
-
-
-def _joined(centre: np.ndarray, nodal: np.ndarray) -> np.ndarray:
-    nodal[:, 0] += centre
-    return nodal.ravel()
 
 
 def _cubic(s: float, dt: float, values: np.ndarray, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -26,16 +26,16 @@ class Measure:
     """
 
     def __init__(self, system: System):
-        mass = np.abs(system.shares[:, 0])
+        mass = np.abs(system.inertia.shares[system.layout.moving, 0])
         self.system, self.mass = system, float(mass.sum())
         self.weights = mass / mass.sum()
-        self.free = not system.constraints.fixed.any() and system.foundation is None
-        positions = system.undeformed.reshape(-1, 4, 3)[:, 0]
+        self.free = not system.constraints.fixed.any() and not system.others
+        positions = system.layout.positions(system.undeformed)
         self.rounding = ROUNDING * float(np.abs(positions - positions.mean(axis=0)).max())
 
     def size(self, u: np.ndarray) -> float:
         """That of nodal vectors (n_dofs,)."""
-        r = u.reshape(-1, 4, 3)[:, 0]
+        r = self.system.layout.positions(u)
         with np.errstate(over="ignore", invalid="ignore"):
             if self.free:
                 r = r - self.weights @ r

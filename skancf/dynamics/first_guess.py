@@ -20,28 +20,26 @@ def advanced(system: System, start: State, dt: float, easy: bool) -> tuple[np.nd
         Whether steps resolve the motion, so that the rest of the accelerations counts as well; that of what they do not
         resolve spoils a guess.
     """
-    shares, mass = system.shares, system.mass
-    total = shares[:, 0].sum()
-    arms = start.q.reshape(-1, 4, 3).copy()
-    centre = np.einsum("ng,ngi->i", shares, arms) / total
-    arms[:, 0] -= centre
-    of_arms, of_v, of_a = ((mass @ x).reshape(-1, 4, 3) for x in (arms.ravel(), start.v, start.a))
+    layout, mass, total, moving = system.layout, system.mass, system.inertia.total, system.layout.moving
+    centre = system.inertia.centre(start.q) / total
+    arms = layout.arms(start.q, centre)
+    of_arms, of_v, of_a = (layout.nodal(mass @ x) for x in (arms.ravel(), start.v, start.a))
     second = np.einsum("ngi,ngj->ij", arms, of_arms)
     inverse = np.linalg.pinv(np.trace(second) * np.eye(3) - second, rcond=1e-12, hermitian=True)
-    velocity, spin = of_v[:, 0].sum(axis=0) / total, inverse @ sum_of_cross(arms, of_v)
+    velocity, spin = of_v[moving, 0].sum(axis=0) / total, inverse @ sum_of_cross(arms, of_v)
     centripetal = cross_matrix(spin) @ cross_matrix(spin)
-    acceleration = of_a[:, 0].sum(axis=0) / total
+    acceleration = of_a[moving, 0].sum(axis=0) / total
     turning = inverse @ sum_of_cross(arms, of_a - of_arms @ centripetal.T)
-    rest = start.v.reshape(-1, 4, 3) - np.cross(spin, arms)
-    rest[:, 0] -= velocity
+    rest = layout.nodal(start.v) - np.cross(spin, arms)
+    rest[moving, 0] -= velocity
     deformed = arms + dt * rest
     if easy:
-        rest_of_a = start.a.reshape(-1, 4, 3) - arms @ centripetal.T - np.cross(turning, arms) - 2 * np.cross(spin, rest)
-        rest_of_a[:, 0] -= acceleration
+        rest_of_a = layout.nodal(start.a) - arms @ centripetal.T - np.cross(turning, arms) - 2 * np.cross(spin, rest)
+        rest_of_a[moving, 0] -= acceleration
         deformed += 0.5 * dt**2 * rest_of_a
     turned = rotation(dt * (spin + 0.5 * dt * turning)).T
     moved = centre + dt * velocity + 0.5 * dt**2 * acceleration
     ends = np.stack([deformed, arms]) @ turned
-    ends[:, :, 0] += moved
+    ends[:, moving, 0] += moved
     increment, rigid = ends.reshape(2, -1) - start.q
     return increment, rigid

@@ -39,6 +39,12 @@ class LoadImpulses:
         self.whole = [span * float(np.abs(_values(h, times)).mean()) for h in self.functions]
         self.missed = np.zeros(len(self.functions))
 
+    def state(self) -> dict[str, Any]:
+        return {"missed": self.missed}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        self.missed = state["missed"]
+
     def step(self, start: float, dt: float) -> tuple[Missed, ...]:
         """What a step from a time on misses of each: the value in its middle is taken for the mean."""
         n = max(LEAST, int(SAMPLES * dt / self.span) + 2)

@@ -10,6 +10,7 @@ from skancf.arguments import plain
 from skancf.errors import InputError, finite, vector
 from skancf.kernels.constants import FOURTH, R_X, R_Y, R
 from skancf.layout.geometry import Geometry
+from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.loads.acting import over_elements, values_at
 from skancf.system.system import System
@@ -47,17 +48,15 @@ class RigidVelocity:
         for name in ("velocity", "spin", "about"):
             vector(name, getattr(self, name), 3)
 
-    def at(self, q: np.ndarray) -> np.ndarray:
-        """Rates of nodal coordinates q, (n_dofs,)."""
-        return rigid_rates(q, self.velocity, self.spin, self.about)
+    def at(self, layout: Layout, q: np.ndarray) -> np.ndarray:
+        """Rates of unknowns q of a layout, (n_dofs,)."""
+        return rigid_rates(layout, q, self.velocity, self.spin, self.about)
 
 
-def rigid_rates(q: np.ndarray, velocity: Any, spin: Any, about: Any) -> np.ndarray:
-    """Rates of nodal coordinates q that move as a rigid body, (n_dofs,): see :class:`RigidVelocity`."""
-    nodal = q.reshape(-1, 4, 3).copy()
-    nodal[:, R] -= about
-    rates = np.cross(np.asarray(spin, float), nodal)
-    rates[:, R] += velocity
+def rigid_rates(layout: Layout, q: np.ndarray, velocity: Any, spin: Any, about: Any) -> np.ndarray:
+    """Rates of unknowns q that move as a rigid body, (n_dofs,): see :class:`RigidVelocity`."""
+    rates = np.cross(np.asarray(spin, float), layout.arms(q, np.asarray(about, float)))
+    rates[layout.moving, R] += velocity
     return rates.ravel()
 
 
@@ -93,7 +92,7 @@ def initial_velocity(system: System, q: np.ndarray, velocity: Velocity) -> np.nd
     if velocity is None:
         return np.zeros(system.n_dofs)
     if isinstance(velocity, RigidVelocity):
-        return velocity.at(q)
+        return velocity.at(system.layout, q)
     if callable(velocity) and not isinstance(velocity, type):
         return _projected(system, q, velocity)
     v = finite("velocity", velocity).ravel()
@@ -107,11 +106,13 @@ def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> n
     geometry, sections = system.geometry, system.assembly.sections
     masses = sections.moments[sections.shape][:, 0]
     momentum = values_at(velocity, geometry.parameters(geometry.integration.local), "velocity") * masses[:, None]
-    with DirectSolver(system.pattern, Constraints(_massless(geometry))) as solver:
+    fixed = np.ones_like(system.layout.scales, dtype=bool)
+    fixed[: geometry.n_nodes] = _massless(geometry)
+    with DirectSolver(system.pattern, Constraints(fixed)) as solver:
         solver.factor(_mass_of_positions(system))
-        v = solver.solve(over_elements(geometry, momentum[:, None]).ravel(), refinements=2)
+        v = solver.solve(system.shell.flat(over_elements(geometry, momentum[:, None])), refinements=2)
     if geometry.theory.directors:
-        nodal, rates = q.reshape(-1, 4, 3), v.reshape(-1, 4, 3)
+        nodal, rates = system.shell.nodal(q), system.shell.nodal(v)
         rates[:, FOURTH] = _director_rates(nodal[:, FOURTH], nodal[:, [R_X, R_Y]], rates[:, [R_X, R_Y]])
     return v
 
@@ -129,9 +130,9 @@ def _mass_of_positions(system: System) -> BlockMatrix:
 
 def _massless(geometry: Geometry) -> np.ndarray:
     """Coordinates of which positions do not depend, (n_nodes, 12) bool: directors, and r_xy of a pole, which has none."""
-    out = np.zeros((geometry.n_nodes, 4, 3), dtype=bool)
+    out = np.zeros_like(geometry.undeformed, dtype=bool)
     out[slice(None) if geometry.theory.directors else list(geometry.ties.poles), FOURTH] = True
-    return out.reshape(-1, 12)
+    return out.reshape(geometry.n_nodes, -1)
 
 
 def _director_rates(director: np.ndarray, slopes: np.ndarray, rates: np.ndarray) -> np.ndarray:

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from skancf.dynamics.forces import net_force
+from skancf.dynamics.log import Log
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.errors import InputError, finite
@@ -151,28 +153,36 @@ KINDS = tuple(field.name for field in fields(Forces) if field.name != "time")
 class Book:
     """Keeps the ledger of a run, step by step."""
 
-    def __init__(self, system: System, state: State):
-        self.times: list[float] = []
-        self.rows: list[dict[str, Any]] = []
-        self.events: list[MeshEvent] = []
+    def __init__(self) -> None:
+        self.rows, self.events = Log(), Log(MeshEvent)
+        self.logs = {"book": self.rows, "events": self.events}
         self.sums: dict[str, Any] = {name: np.zeros(3) if "impulse" in name else 0.0 for name in SUMS}
         self.turnover = 0.0
+
+    def begin(self, system: System, state: State) -> None:
+        """The first row."""
         self.before = forces_at_rest(system, state)
         self._write(system, state)
 
+    def state(self) -> dict[str, Any]:
+        """What the next row needs to know of those before."""
+        return {"turnover": self.turnover, "sums": self.sums, "before": vars(self.before)}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        self.turnover, self.sums, self.before = state["turnover"], state["sums"], Forces(**state["before"])
+
     def ledger(self) -> Ledger:
-        columns = {name: np.array([row[name] for row in self.rows]) for name in COLUMNS}
-        return Ledger(np.array(self.times), **columns, events=tuple(self.events))
+        columns = {name: np.array([row[name] for row in self.rows]) for name in ("time", *COLUMNS)}
+        return Ledger(columns.pop("time"), **columns, events=tuple(self.events))
 
     def _write(self, system: System, state: State) -> None:
         linear, angular = system.momenta(state.q, state.v)
         case = Case(time=state.time)
         row = {
-            "kinetic": system.kinetic_energy(state.v), "strain": system.strain_energy(state.q, case),
+            "time": state.time, "kinetic": system.kinetic_energy(state.v), "strain": system.strain_energy(state.q, case),
             "potential": system.loads.energy(state.q, case), "linear": linear, "angular": angular,
             **self.sums,
         }  # fmt: skip
-        self.times.append(state.time)
         self.rows.append(row)
         self.turnover = max(self.turnover, *(abs(row[name]) for name in AMOUNTS))
 
@@ -221,7 +231,7 @@ class Book:
             springs = -rule.others_force(system, u, start, dt)
         if system.viscous is not None:
             viscous = -(system.viscous @ v)
-        if system.retardation:
+        if system.shell.retardation:
             stresses = rule.viscous_stresses(system, u, start, dt)
             material = -rule.force_of(system.shell, u, start, dt, stresses)
         loads, working = system.loads.applied(at, v, case, potential=False), _working(system, at, v, case)
@@ -249,15 +259,6 @@ class Book:
         last.update(self.sums)
         self.events.append(event)
 
-    def mark(self) -> tuple[Any, ...]:
-        """What :meth:`rewind` goes back to."""
-        return len(self.times), len(self.events), self.sums, self.turnover, self.before
-
-    def rewind(self, mark: tuple[Any, ...]) -> None:
-        """Forget what was booked since a mark."""
-        n, n_events, self.sums, self.turnover, self.before = mark
-        del self.times[n:], self.rows[n:], self.events[n_events:]
-
     def _add(self, **amounts: Any) -> None:
         self.sums = {name: value + amounts.get(name, 0.0) for name, value in self.sums.items()}
 
@@ -269,7 +270,7 @@ def _numerical(system: System, rule: Rule, start: State, u: np.ndarray, dt: floa
 
 
 def _sum_of_forces(system: System, force: np.ndarray) -> np.ndarray:
-    return np.asarray(system.layout.positions(system.layout.nodal(force)).sum(axis=0))
+    return np.asarray(system.layout.positions(force).sum(axis=0))
 
 
 def _working(system: System, q: np.ndarray, v: np.ndarray, case: Case) -> np.ndarray:
@@ -283,12 +284,12 @@ def forces_at_rest(system: System, state: State) -> Forces:
     q, v, case = state.q, state.v, Case(time=state.time)
     loads, working = system.loads.applied(q, v, case, potential=False), _working(system, q, v, case)
     supports, viscous = np.zeros((2, q.size))
-    springs = -system.others_force(q, v, case) - working
+    springs = -system.others.force(q, v, case) - working
     if system.viscous is not None:
         viscous = -(system.viscous @ v)
     material = -system.shell.retarding_force(q, v)
     if system.constraints.fixed.any():
-        supports = system.constraints.fixed_part(system.mass @ state.a - system.net_force(q, v, case))
+        supports = system.constraints.fixed_part(system.mass @ state.a - net_force(system, q, v, case))
     return Forces(state.time, loads + working, supports, springs, viscous, material)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Any
 
 import numpy as np
@@ -14,19 +13,9 @@ from skancf.dynamics.ledger import Ledger
 from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.system.probe import probe
 from skancf.system.system import System
-
-
-class MotionStatus(Enum):
-    """How a run ended."""
-
-    FINISHED = "finished"
-    STEP_TOO_SMALL = "the step became too small"
-    UNBALANCED = "the energy balance left its tolerance"
-    FAILED = "an error on the way"
-    INTERRUPTED = "interrupted from the keyboard"
-    UNFINISHED = "read from its folder before its end"
 
 
 @dataclass(frozen=True)
@@ -65,7 +54,7 @@ class Stretch:
         k = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
         if self.times[k] >= time or k == len(self.times) - 1:
             return Solution(self.system, self.q[k], self.v[k], time)
-        between = Between(self.system.constraints)
+        between = Between(self.system.layout, self.system.constraints)
         q, v = between.cubic(time, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
         return Solution(self.system, q, v, time)
 
@@ -96,15 +85,16 @@ class Motion:
     steps: tuple[Step, ...]
     ledger: Ledger
     records: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
-    status: MotionStatus = MotionStatus.FINISHED
+    status: Status = Status.FINISHED
     message: str = ""
     seconds: float = 0.0
     checks: tuple[Check, ...] = ()
     error: np.ndarray | None = None
 
     @property
-    def finished(self) -> bool:
-        return self.status is MotionStatus.FINISHED
+    def ok(self) -> bool:
+        """Whether the end was reached, with momenta in balance."""
+        return self.status.ok
 
     @property
     def iterations(self) -> int:
@@ -113,7 +103,7 @@ class Motion:
 
     def unwrap(self) -> "Motion":
         """The motion, or :class:`~skancf.DidNotConverge` if it did not reach its end."""
-        if not self.finished:
+        if not self.ok:
             raise DidNotConverge(self.message)
         return self
 

@@ -73,6 +73,6 @@ ROUNDED = 1e-9
 
 def warn_of(motion: Motion) -> None:
     """Warn of a motion that reached its end and failed a check."""
-    failed = failures(motion.checks) if motion.finished else ""
+    failed = failures(motion.checks) if motion.ok else ""
     if failed:
         warn(failed)

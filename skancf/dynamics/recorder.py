@@ -1,11 +1,13 @@
 """States at output times and quantities at every step, as they come."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from skancf.dynamics.between import Between
+from skancf.dynamics.log import Log
 from skancf.dynamics.motion import Stretch
 from skancf.dynamics.state import State
 from skancf.functions import called
@@ -15,7 +17,8 @@ from skancf.system.system import System
 Quantity = Callable[[Solution], Any]
 
 
-class Knot(NamedTuple):
+@dataclass(frozen=True)
+class Knot:
     """A kept state, the stretch of the run in which it lies, and whether it is one at an output time."""
 
     stretch: int
@@ -38,9 +41,14 @@ class Recorder:
         self.slack = 1e-9 * (self.times[-1] - self.times[0] + 1e-300)
         self.done = 0
         self.systems: list[System] = []
-        self.knots: list[Knot] = []
-        self.record_times: list[float] = []
-        self.values: dict[str, list[Any]] = {name: [] for name in quantities}
+        self.logs = {"knots": Log(Knot), "records": Log()}
+
+    def state(self) -> dict[str, Any]:
+        """How many of the output times are done."""
+        return {"done": self.done}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        self.done = state["done"]
 
     @property
     def asked(self) -> list[float] | str:
@@ -48,23 +56,14 @@ class Recorder:
         return "steps" if self.every else self.times.tolist()
 
     def begin(self, system: System, state: State) -> None:
-        """A new stretch, on a mesh or after a jump."""
+        """A new stretch, on a mesh or after a jump: where the last state is an output, the first one is it instead."""
         self.systems.append(system)
-        due = self._due(state.time)
+        last, due = self.logs["knots"][-1:], self._due(state.time)
         self.done += due
-        due = self.replace_output(len(self.systems) - 1, state.time) or due
-        self._add(state.time, state.q, state.v, due)
-
-    def replace_output(self, stretch: int, time: float) -> bool:
-        """At the time of an event the output is the state after it: whether there is one before it that no longer counts."""
-        last = self.knots[-1] if self.knots else None
-        if last is None or last.stretch == stretch or not last.output or last.time != time:
-            return False
-        self.knots[-1] = last._replace(output=False)
-        return True
+        self._add(state.time, state.q, state.v, due or (bool(last) and last[0].output and last[0].time == state.time))
 
     def _add(self, time: float, q: np.ndarray, v: np.ndarray, output: bool) -> None:
-        self.knots.append(Knot(len(self.systems) - 1, time, q, v, output))
+        self.logs["knots"].append(Knot(len(self.systems) - 1, time, q, v, output))
 
     def _due(self, time: float) -> bool:
         return self.every or (self.done < len(self.times) and bool(self.times[self.done] <= time + self.slack))
@@ -78,39 +77,32 @@ class Recorder:
             t = float(self.times[self.done])
             q, v = end.q, end.v
             if t < end.time - self.slack:
-                q, v = Between(self.systems[-1].constraints).inside(t, start, end)
+                q, v = Between(self.systems[-1].layout, self.systems[-1].constraints).inside(t, start, end)
             self._add(t, q, v, True)
             self.done += 1
 
     def keep(self, state: State) -> None:
         """The quantities of an accepted state."""
-        self.record_times.append(state.time)
+        row: dict[str, Any] = {"time": state.time}
         for name, quantity in self.quantities.items():
             seen = Solution(self.systems[-1], state.q.copy(), state.v.copy(), state.time)
-            self.values[name].append(called(f"record[{name!r}]", quantity, seen))
+            row[_column(name)] = called(_column(name), quantity, seen)
+        self.logs["records"].append(row)
 
     def end(self, state: State) -> None:
         """Closes a stretch with its last state."""
-        if state.time > self.knots[-1].time + self.slack:
+        if state.time > self.logs["knots"][-1].time + self.slack:
             self._add(state.time, state.q, state.v, False)
-
-    def mark(self) -> tuple[int, int, int]:
-        """What :meth:`rewind` goes back to, in the present stretch."""
-        return self.done, len(self.knots), len(self.record_times)
-
-    def rewind(self, mark: tuple[int, int, int]) -> None:
-        """Forget what was kept since a mark."""
-        self.done, n_knots, n = mark
-        del self.knots[n_knots:], self.record_times[n:]
-        for values in self.values.values():
-            del values[n:]
 
     @property
     def stretches(self) -> tuple[Stretch, ...]:
         """What was kept, by stretches."""
         parts: list[list[Knot]] = [[] for _ in self.systems]
-        for knot in self.knots:
-            parts[knot.stretch].append(knot)
+        knots = self.logs["knots"]
+        for knot, after in zip(knots, [*knots[1:], None], strict=True):
+            # At the time of an event the output is the state after it.
+            late = after is not None and after.stretch > knot.stretch and after.output and after.time == knot.time
+            parts[knot.stretch].append(replace(knot, output=False) if late else knot)
         return tuple(
             Stretch(system, *(np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output")))
             for system, part in zip(self.systems, parts, strict=True)
@@ -119,9 +111,13 @@ class Recorder:
     @property
     def records(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Times and values of the quantities."""
-        n = min([len(self.record_times), *(len(values) for values in self.values.values())])
-        times = np.array(self.record_times[:n])
-        return {name: (times, _stacked(values[:n])) for name, values in self.values.items()}
+        rows = self.logs["records"]
+        times = np.array([row["time"] for row in rows])
+        return {name: (times, _stacked([row[_column(name)] for row in rows])) for name in self.quantities}
+
+
+def _column(name: str) -> str:
+    return f"record[{name!r}]"
 
 
 def _stacked(values: list[Any]) -> np.ndarray:

@@ -12,8 +12,10 @@ from skancf.checks import Check, failures
 from skancf.dynamics.error import Measure
 from skancf.dynamics.impulses import LoadImpulses, Missed
 from skancf.dynamics.ledger import Book, MeshEvent
-from skancf.dynamics.motion import Motion, MotionStatus, Step
+from skancf.dynamics.log import Log
+from skancf.dynamics.motion import Motion, Step
 from skancf.dynamics.motion_checks import MOMENTA, checks_of
+from skancf.dynamics.named_state import HasState, flat, nested
 from skancf.dynamics.prescribed import prescribed_acceleration
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.rule import Rule
@@ -22,8 +24,9 @@ from skancf.dynamics.step_solver import StepOutcome, StepSolver
 from skancf.dynamics.steps import FADING, Attempt, StepControl
 from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
-from skancf.history import knots_of
+from skancf.history import Case, knots_of
 from skancf.progress import Progress
+from skancf.solving import End, Status, kept
 from skancf.system.system import System
 
 
@@ -79,19 +82,8 @@ class Settings:
         return self.end - self.begin
 
 
-@dataclass(frozen=True)
-class Mark:
-    """Where a run can go back to."""
-
-    tries: int
-    state: State
-    dt: float
-    farthest: float
-    hardest: float
-    missed: np.ndarray
-    n_steps: int
-    book: Any
-    recorder: Any
+OWN = ("dt", "shortest", "farthest", "hardest", "origin", "tries")
+"""What a run remembers beside its parts."""
 
 
 class Run:
@@ -106,16 +98,18 @@ class Run:
         self.settings, self.recorder = settings, recorder
         self._on(system)
         a = self.solver.initial_acceleration(q, v, settings.begin, self._driven(settings.begin))
-        self.state = State(settings.begin, q, v, a)
-        self.steps: list[Step] = []
+        self.now = State(settings.begin, q, v, a)
+        self.steps, self.tries = Log(Step), 0
         self.origin, self.least, self.hardest = q, self.measure.least(q), 0.0
         self.farthest = self.least
         self.impulses = LoadImpulses(system, settings.begin, settings.span)
         self.dt = positive("steps.first", called("steps.first", settings.control.first, settings.span / FIRST_STEP), "s")
         self.shortest = self.dt * positive("steps.smallest", settings.control.smallest)
-        self.book = Book(system, self.state)
-        recorder.begin(system, self.state)
-        recorder.keep(self.state)
+        self.book = Book()
+        self.logs = logs_of(self.steps, recorder, self.book)
+        self.book.begin(system, self.now)
+        recorder.begin(system, self.now)
+        recorder.keep(self.now)
         times = [time for time, _ in system.loads.impulses() if settings.begin <= time <= settings.end]
         self.strikes = [time for time in times if time > settings.begin or not struck]
         self.knots = knots_of(system.histories())
@@ -127,77 +121,107 @@ class Run:
         self.solver = StepSolver(system, self.settings.rule, self.settings.newton_rtol, self.settings.backend)
         self.measure = Measure(system)
 
+    @property
+    def parts(self) -> dict[str, HasState]:
+        """What remembers something from step to step."""
+        settings = self.settings
+        parts = {
+            "solver": self.solver, "book": self.book, "recorder": self.recorder, "impulses": self.impulses,
+            "terms": self.system.terms, "rule": settings.rule, "steps": settings.control, "follow": settings.follow,
+        }  # fmt: skip
+        return {name: part for name, part in parts.items() if isinstance(part, HasState)}
+
+    def state(self) -> dict[str, Any]:
+        """All that the steps to come depend on, beside what was asked for, and how long the logs are."""
+        own = {name: getattr(self, name) for name in OWN} | {"strikes": np.array(self.strikes), "now": self.now.state()}
+        own["counts"] = {name: len(log) for name, log in self.logs.items()}
+        return own | {name: part.state() for name, part in self.parts.items()}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go to where :meth:`state` was given, on the mesh of the last stretch; ValueError for vectors of another one."""
+        if self.recorder.systems[-1] is not self.system:
+            self.solver.close()
+            self._on(self.recorder.systems[-1])
+        for name in OWN:
+            setattr(self, name, state[name])
+        self.strikes, self.now = state["strikes"].tolist(), State(**state["now"])
+        vectors = (self.origin, *(value for value in state["now"].values() if isinstance(value, np.ndarray)))
+        if any(vector.size != self.system.n_dofs for vector in vectors):
+            raise ValueError(f"vectors of other sizes than {self.system.n_dofs}, that of the mesh")
+        for name, log in self.logs.items():
+            del log[state["counts"][name] :]
+        for name, part in self.parts.items():
+            if name in state:
+                part.restore(state[name])
+
     def close(self) -> None:
         self.solver.close()
 
-    def motion(self, status: MotionStatus, message: str) -> Motion:
+    def motion(self, status: Status, message: str) -> Motion:
         """What the run left behind; one that reached its end with momenta out of balance has not finished."""
         ledger, settings = self.book.ledger(), self.settings
         checks: tuple[Check, ...] = ()
         if self.steps:
-            size = float(np.abs(self.state.q.reshape(-1, 4, 3)[:, 0]).max())
+            size = float(np.abs(self.system.layout.positions(self.now.q)).max())
             checks = checks_of(ledger, mass=self.measure.mass, size=size, missed=self.impulses.part, noise=self._noise,
                                balance=settings.balance, rtol=getattr(settings.control, "rtol", None))  # fmt: skip
         out_of_balance = failures(check for check in checks if MOMENTA in check.name)
-        if status is MotionStatus.FINISHED and out_of_balance:
-            status, message = MotionStatus.UNBALANCED, out_of_balance
+        if status.ok and out_of_balance:
+            status, message = Status.UNBALANCED, out_of_balance
         recorder = self.recorder
         return Motion(recorder.stretches, tuple(self.steps), ledger, recorder.records, status, message, checks=checks)
 
     def go(
         self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
         at_end: Callable[[], None] = lambda: None,
-    ) -> tuple[MotionStatus, str]:  # fmt: skip
+    ) -> End:  # fmt: skip
         """Run to the end, or until it stops; ``after_step`` follows every accepted step, ``at_end`` the last one."""
         try:
-            status, message = self._go(bar, after_step)
-            if status is MotionStatus.FINISHED:
-                self.recorder.end(self.state)
-                at_end()
-            return status, message
-        except KeyboardInterrupt:
-            return MotionStatus.INTERRUPTED, f"interrupted from the keyboard at t = {self.state.time:.6g} s"
-        except Exception as error:  # whatever a load, a record, a disk or the machine raises, what was computed is kept
-            if not self.steps:
-                raise
-            return MotionStatus.FAILED, f"stopped at t = {self.state.time:.6g} s, what was computed is kept: {_words(error)}"
+            return kept(
+                lambda: self._step(bar, after_step, at_end), lambda: f" at t = {self.now.time:.6g} s", self._failed
+            )
         finally:
-            self.recorder.end(self.state)
+            self.recorder.end(self.now)
 
-    def _go(self, bar: Progress, after_step: Callable[["Run"], None]) -> tuple[MotionStatus, str]:
+    def _failed(self, error: Exception) -> str | None:
+        said = f"stopped at t = {self.now.time:.6g} s, what was computed is kept: {_words(error)}"
+        return said if self.steps else None
+
+    def _step(self, bar: Progress, after_step: Callable[["Run"], None], at_end: Callable[[], None]) -> End | None:
         settings = self.settings
         tiny = 1e-12 * settings.span
-        while True:
-            while self.strikes and self.strikes[0] <= self.state.time + tiny:
-                self._strike(self.strikes.pop(0))
-            if self.state.time >= settings.end - tiny:
-                return MotionStatus.FINISHED, ""
-            knot = next((time for time in self.knots if time > self.state.time + tiny), settings.end)
-            stop = min(knot, settings.end, *self.strikes[:1])
-            left = stop - self.state.time
-            step = left if self.dt > left - tiny else self.dt
-            outcome, accepted = self._attempt(step)
-            bar.at(self.state.time - settings.begin, self._news(outcome, step))
-            if self.dt < self.shortest:
-                return MotionStatus.STEP_TOO_SMALL, self._too_small(outcome)
-            if not accepted:
-                continue
+        while self.strikes and self.strikes[0] <= self.now.time + tiny:
+            self._strike(self.strikes.pop(0))
+        if self.now.time >= settings.end - tiny:
+            self.recorder.end(self.now)
+            at_end()
+            return Status.FINISHED, ""
+        knot = next((time for time in self.knots if time > self.now.time + tiny), settings.end)
+        stop = min(knot, settings.end, *self.strikes[:1])
+        left = stop - self.now.time
+        step = left if self.dt > left - tiny else self.dt
+        outcome, accepted = self._attempt(step)
+        bar.at(self.now.time - settings.begin, self._news(outcome, step))
+        if self.dt < self.shortest:
+            return Status.STEP_TOO_SMALL, self._too_small(outcome)
+        if accepted:
             if settings.balance is not None and self._is_unbalanced(settings.balance):
-                return MotionStatus.UNBALANCED, self._unbalanced()
+                return Status.UNBALANCED, self._unbalanced()
             self._look()
             after_step(self)
+        return None
 
     def _attempt(self, step: float) -> tuple[StepOutcome, bool]:
         """One step; whether it was accepted. Sets the length of the next."""
-        settings, start, control, measure = self.settings, self.state, self.settings.control, self.measure
+        settings, start, control, measure = self.settings, self.now, self.settings.control, self.measure
         outcome = self.solver.step(start, step)
         error = imbalance = np.inf
         farthest, over, accepted = self.farthest, 0.0, False
         missed: tuple[Missed, ...] = ()
-        if outcome.converged:
+        if outcome.ok:
             error = measure.error(self.solver, start, outcome.end, settings.span)
         if np.isfinite(error):
-            mark, before, known = self.book.mark(), self.book.left, self.book.turnover
+            mark, n_rows, before, known = self.book.state(), len(self.book.rows), self.book.left, self.book.turnover
             self.book.step(self.system, settings.rule, start, outcome.u, outcome.end,
                            lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
             imbalance = (self.book.left - before) / max(self.book.turnover, self._noise)
@@ -221,23 +245,25 @@ class Run:
                                  "that is tried again must be shorter")  # fmt: skip
             self.dt = max(self.dt, following) if cut else following
             if not accepted:
-                self.book.rewind(mark)
+                self.book.restore(mark)
+                del self.book.rows[n_rows:]
         else:
             self.dt = step / 2
         self.steps.append(Step(start.time + step, step, error / max(farthest, 1e-300), outcome.iterations,
                                outcome.factorisations, accepted, imbalance, self.system.n_dofs))  # fmt: skip
         if accepted:
             self.recorder.step(start, outcome.end)
-            self.state, self.farthest, self.hardest = outcome.end, farthest, max(over, FADING * self.hardest)
-            self.solver.reached(self.state)
+            self.now, self.farthest, self.hardest = outcome.end, farthest, max(over, FADING * self.hardest)
+            self.solver.reached(self.now)
+            self.system.terms.reached(self.now.q, self.now.v, Case(time=self.now.time))
             self.impulses.add(missed)
-            self.recorder.keep(self.state)
+            self.recorder.keep(self.now)
         return outcome, accepted
 
     @property
     def _noise(self) -> float:
         """Energy that is rounding (J): of coordinates alone, and of their product with a strain in the energy."""
-        rounding = NOISE * self.solver.rounding
+        rounding = NOISE * self.solver.factors.rounding
         return max(rounding, 1e-300) + (rounding * self.book.turnover) ** 0.5
 
     def _is_unbalanced(self, tolerance: float) -> bool:
@@ -253,13 +279,13 @@ class Run:
 
     def _strike(self, time: float) -> None:
         """Velocities jump by the impulse of a time, on the present mesh."""
-        system, start = self.system, self.state
+        system, start = self.system, self.now
         self.recorder.end(start)
         jump = self.solver.jump(dict(system.loads.impulses())[time])
         a = self.solver.initial_acceleration(start.q, start.v + jump, start.time, self._driven(start.time))
-        self.state = State(start.time, start.q, start.v + jump, a)
-        self.book.jump(system, start, self.state)
-        self.recorder.begin(system, self.state)
+        self.now = State(start.time, start.q, start.v + jump, a)
+        self.book.jump(system, start, self.now)
+        self.recorder.begin(system, self.now)
         self.mark_here()
 
     def _look(self) -> None:
@@ -268,51 +294,49 @@ class Run:
         if follow is None:
             return
         self.looked += 1
-        if self.looked < follow.every or self.state.time >= self.settings.end * (1 - 1e-12):
+        if self.looked < follow.every or self.now.time >= self.settings.end * (1 - 1e-12):
             return
-        most, again = self.book.most_strain, self.mark.tries < TRIES
-        new = follow.change(self.system, self.mark.state, self.state, self.settings.end, most, again)
+        most, again, energy = self.book.most_strain, self.tries < TRIES, self.solver.energy
+        new = follow.change(self.system, self.mark, self.now, self.settings.end, most, again)
         tries = 0
         if new is not None:
             if new.event.again:
-                tries = self.mark.tries + 1
+                tries = self.tries + 1
                 self._rewind()
-            self.recorder.end(self.state)
-            energy, undeformed = self.solver.energy, np.array_equal(self.origin, self.system.undeformed)
+            self.recorder.end(self.now)
+            undeformed = np.array_equal(self.origin, self.system.undeformed)
             self.solver.close()
             self._on(new.system)
-            self.solver.energy, self.state = energy, new.state
+            self.solver.energy, self.now = energy, new.state
             # Displacements since the start are not known on another mesh, unless it began undeformed.
             self.origin = new.system.undeformed if undeformed else new.state.q
-            self.book.remeshed(new.event, new.system, self.state)
-            self.recorder.begin(new.system, self.state)
+            self.book.remeshed(new.event, new.system, self.now)
+            self.recorder.begin(new.system, self.now)
         self.mark_here(tries)
 
     def mark_here(self, tries: int = 0) -> None:
         """Where the run may go back to, from the next look at the mesh; ``tries`` counts how often it did."""
-        self.looked = 0
-        self.mark = Mark(tries, self.state, self.dt, self.farthest, self.hardest, self.impulses.missed, len(self.steps),
-                         self.book.mark(), self.recorder.mark())  # fmt: skip
+        self.looked, self.tries = 0, tries
+        self.mark, self.kept = self.now, flat(self.state())
 
     def _rewind(self) -> None:
-        """Back to the last mark; the steps since then count as rejected."""
-        mark = self.mark
-        self.state, self.dt, self.farthest, self.hardest = mark.state, mark.dt, mark.farthest, mark.hardest
-        self.impulses.missed = mark.missed
-        self.steps[mark.n_steps :] = [replace(step, accepted=False) for step in self.steps[mark.n_steps :]]
-        self.book.rewind(mark.book)
-        self.recorder.rewind(mark.recorder)
+        """Back to the last mark, but for the policy, which has just decided it; the steps since then count as rejected."""
+        back = nested(self.kept, self.state())
+        back.pop("follow", None)
+        since = [replace(step, accepted=False) for step in self.steps[back["counts"]["steps"] :]]
+        self.restore(back)
+        self.steps += since
 
     def _news(self, outcome: StepOutcome, step: float) -> str:
         elements = f", {self.system.geometry.n_elements} elements" if self.settings.follow else ""
-        return f"t = {self.state.time:.4g} s, step {step:.2g} s, {outcome.iterations} iterations{elements}"
+        return f"t = {self.now.time:.4g} s, step {step:.2g} s, {outcome.iterations} iterations{elements}"
 
     def _too_small(self, outcome: StepOutcome) -> str:
         last = self.steps[-1]
         found = f"local error {last.error:.1e}, energy without a source {last.imbalance:.1e} of the largest"
-        reason = outcome.message if not outcome.converged else found
+        reason = outcome.message if not outcome.ok else found
         return (
-            f"the run stopped at t = {self.state.time:.6g} s: its step fell to {self.dt:.1e} s ({reason}); "
+            f"the run stopped at t = {self.now.time:.6g} s: its step fell to {self.dt:.1e} s ({reason}); "
             "what was computed is kept. Look for a mechanism, an element that folds, or a load that jumps."
         )
 
@@ -320,11 +344,16 @@ class Run:
         book, rule = self.book, type(self.settings.rule).__name__
         way = "gained" if book.imbalance > 0 else "lost"
         return (
-            f"the run stopped at t = {self.state.time:.6g} s: the integration has {way} {abs(book.imbalance):.1%} of the "
+            f"the run stopped at t = {self.now.time:.6g} s: the integration has {way} {abs(book.imbalance):.1%} of the "
             f"largest energy, {book.turnover:.4g} J; the tolerance is {self.settings.balance:.1%}. What was computed is "
             f"kept. Take shorter steps (a smaller rtol or dt) than {rule} had here, or rule=EnergyMomentum(), which keeps "
             "energy; balance=None does not look"
         )
+
+
+def logs_of(steps: Log, recorder: Recorder, book: Book) -> dict[str, Log]:
+    """What only grows in a run."""
+    return {"steps": steps, **recorder.logs, **book.logs}
 
 
 def _words(error: Exception) -> str:

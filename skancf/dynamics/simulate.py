@@ -10,21 +10,23 @@ import numpy as np
 from skancf.arguments import choice, function, having, mapping, whole
 from skancf.atomic import AnyPath
 from skancf.dynamics.asked import asked_of
-from skancf.dynamics.checkpoint import Checkpoint
+from skancf.dynamics.checkpoint import Checkpoint, Writer
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.initial import Velocity, initial_velocity
-from skancf.dynamics.motion import Motion, MotionStatus
+from skancf.dynamics.motion import Motion
 from skancf.dynamics.motion_checks import warn_of
+from skancf.dynamics.named_state import flat, nested
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, StepControl
 from skancf.errors import InputError, finite, positive, shown
-from skancf.history import Case
+from skancf.history import Case, check_covers
 from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.solving import Status
 from skancf.statics.asked import check_asked
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
@@ -119,14 +121,15 @@ def simulate(
         follow.check(system)
     doubled = _doubled(control, follow) if check else None
     warn_if_mass_is_off(system)
+    _require_mass(system)
     begin = 0.0 if start is None or start.time is None else start.time
-    system.check_histories(begin, begin + t_end)
+    check_covers(system.histories(), begin, begin + t_end)
     times = output_times(outputs, begin, begin + t_end, system.n_dofs)
     _check_number_of_steps(control, t_end)
     q = system.undeformed.copy() if start is None else start.q.copy()
     v = _initial_velocity(system, velocity, start, begin, t_end)
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
-    began = clock.perf_counter()
+    began, remembered = clock.perf_counter(), flat(system.terms.state())
     # A state that has a time is the one after what happened then.
     struck = start is not None and start.time is not None
     with Progress("dynamics", t_end, shown=progress) as bar:
@@ -136,7 +139,8 @@ def simulate(
         finally:
             run.close()
     motion = run.motion(status, message)
-    if doubled is not None and motion.finished:
+    if doubled is not None and motion.ok:
+        system.terms.restore(nested(remembered, system.terms.state()))
         with Progress("the same with steps twice as long", t_end, shown=progress) as bar:
             again = Run(system, replace(settings, control=doubled), Recorder(motion.times, {}), q, v, struck)
             try:
@@ -167,7 +171,7 @@ def _doubled(control: Any, follow: Any) -> StepControl:
 
 def _difference(motion: Motion, again: Run) -> np.ndarray:
     """Mass-weighted root mean squares at the output times; not a number where the second run did not come."""
-    other = again.motion(MotionStatus.FINISHED, "")
+    other = again.motion(Status.FINISHED, "")
     n = len(other.times)
     out = np.full(len(motion.times), np.nan)
     out[:n] = [again.measure.size(one - two) for one, two in zip(motion.q[:n], other.q, strict=True)]
@@ -176,19 +180,19 @@ def _difference(motion: Motion, again: Run) -> np.ndarray:
 
 def _go(
     run: Run, bar: Progress, checkpoint: Checkpoint | AnyPath | None, resume: bool
-) -> tuple[MotionStatus, str, float | None]:
+) -> tuple[Status, str, float | None]:
     """The run, written to a folder if it is asked for, with the wall time of all its processes."""
     if checkpoint is None:
         if resume:
             raise InputError("resume = True: from which folder? Give it, as in checkpoint='run'")
         return *run.go(bar), None
     checkpoint = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
-    writer = checkpoint.attach(run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
+    writer = Writer(checkpoint, run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
     try:
         if writer.finished:
-            return MotionStatus.FINISHED, "", writer.seconds
+            return Status.FINISHED, "", writer.seconds
         status, message = run.go(bar, writer.after_step, lambda: writer.write(run, finished=True))
-        if status is not MotionStatus.FINISHED:
+        if not status.ok:
             writer.stopped(run, status, message)
         return status, message, writer.seconds
     finally:
@@ -243,6 +247,17 @@ def _rule(rule: Rule | None, rho_inf: float | None) -> Rule:
     if not isinstance(rule, Rule):
         raise InputError(f"rule = {shown(rule)}: give a rule of integration, for example GeneralizedAlpha(0.8)")
     return rule
+
+
+def _require_mass(system: System) -> None:
+    """InputError where an unknown that is free has no inertia; of the shell all have."""
+    layout, free = system.layout, ~system.constraints.fixed
+    none = free & (layout.blocks(system.mass.diagonal()) <= 0)
+    own = none[system.geometry.n_nodes :]
+    if own.any():
+        name = layout.name_of(system.geometry.n_nodes + int(np.argmax(own.any(axis=1))))
+        raise InputError(f"part {name!r} has unknowns without inertia, which do not move by an equation of motion: let its "
+                         "term add a mass (add_mass), or hold them (held)")  # fmt: skip
 
 
 def output_times(

@@ -23,3 +23,7 @@ class State:
     jerk: np.ndarray | None = None
     before: np.ndarray | None = None
     kept: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    def state(self) -> dict[str, Any]:
+        """All of it but what is computed again."""
+        return {name: value for name, value in vars(self).items() if name != "kept"}

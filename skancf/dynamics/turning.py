@@ -7,6 +7,7 @@ another. What turns as a whole then keeps its factors.
 
 import numpy as np
 
+from skancf.layout.layout import nodal
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 
 SAME = 1e-12
@@ -20,11 +21,13 @@ class TurningFactors:
     ----------
     linear : DirectSolver
     constraints : Constraints
+    moves : (n_blocks,) bool array
+        Blocks that have slopes or directors, by which their rotation is known.
     """
 
-    def __init__(self, linear: DirectSolver, constraints: Constraints):
+    def __init__(self, linear: DirectSolver, constraints: Constraints, moves: np.ndarray):
         self.linear = linear
-        self.turns = turning_vectors(constraints)[:, :, None]
+        self.turns = (turning_vectors(constraints) & moves[:, None])[:, :, None]
         self.frames = self.rows = self.columns = np.empty(0)
 
     def factor(self, matrix: BlockMatrix, q: np.ndarray) -> None:
@@ -46,8 +49,8 @@ class TurningFactors:
         return self._turned(self.columns, correction), abs(float(correction @ turned_back))
 
     def _turned(self, rotations: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-        nodal = vectors.reshape(-1, 4, 3)
-        return np.where(self.turns, nodal @ rotations.swapaxes(1, 2), nodal).ravel()
+        blocks = nodal(vectors)
+        return np.where(self.turns, blocks @ rotations.swapaxes(1, 2), blocks).ravel()
 
 
 def nodal_frames(q: np.ndarray) -> np.ndarray:
@@ -55,9 +58,9 @@ def nodal_frames(q: np.ndarray) -> np.ndarray:
 
     They turn with a rigid rotation, and treat both slopes alike where these are sheared.
     """
-    nodal = q.reshape(-1, 4, 3)
-    slopes = nodal[:, 1:3] / np.maximum(np.linalg.norm(nodal[:, 1:3], axis=2, keepdims=True), 1e-300)
-    frames = np.empty((len(nodal), 3, 3))
+    slopes = nodal(q)[:, 1:3]
+    slopes = slopes / np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), 1e-300)
+    frames = np.empty((len(slopes), 3, 3))
     frames[:, :, 0], frames[:, :, 1] = slopes[:, 0] + slopes[:, 1], slopes[:, 1] - slopes[:, 0]
     frames[:, :, :2] /= np.maximum(np.linalg.norm(frames[:, :, :2], axis=1, keepdims=True), 1e-300)
     frames[:, :, 2] = np.cross(frames[:, :, 0], frames[:, :, 1])

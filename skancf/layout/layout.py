@@ -6,15 +6,12 @@ directors). Blocks stand part by part, those of the plate first.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from skancf.errors import InputError
-from skancf.kernels.constants import AXES, BLOCK, FOURTH, R_X, R_Y, VECTORS, R
-
-__all__ = ["AXES", "BLOCK", "FOURTH", "R_X", "R_Y", "VECTORS", "Layout", "Part", "R", "nodal"]
+from skancf.kernels.constants import AXES, BLOCK, VECTORS, R
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +77,16 @@ class Layout:
     undeformed : (n_blocks, 4, 3) array
     scales : (n_blocks, 12) array
     places : (n_blocks, 3) array
+    n_blocks, n_dofs : int
+        Blocks, and unknowns, held ones included.
+    shape : tuple
+        Of all vectors, (n_blocks, 4, 3).
+    moves : (n_blocks,) bool array
+        Blocks whose first vector is a place in space, which a translation of everything moves; ``moving`` is the same as an
+        index.
     """
+
+    moving: Any
 
     def __init__(self, parts: Sequence[Part]) -> None:
         names = [part.name for part in parts]
@@ -90,20 +96,14 @@ class Layout:
         self.parts = tuple(parts)
         ends = np.cumsum([len(part) for part in parts]).tolist()
         starts = [0, *ends[:-1]]
+        self._whole = names[0] if len(names) == 1 else None
         self._slices = {name: slice(*ends) for name, *ends in zip(names, starts, ends, strict=True)}
-        self.undeformed = _joined([part.undeformed for part in parts])
-        self.scales = _joined([part.scales for part in parts])
-        self.places = _joined([part.places for part in parts])
-        self.held = _joined([part.held for part in parts])
-
-    @property
-    def n_blocks(self) -> int:
-        return len(self.undeformed)
-
-    @property
-    def n_dofs(self) -> int:
-        """Unknowns, held ones included."""
-        return self.undeformed.size
+        self.undeformed, self.scales, self.places, self.held = (
+            _joined([getattr(part, name) for part in parts]) for name in ("undeformed", "scales", "places", "held")
+        )
+        self.n_blocks, self.n_dofs, self.shape = ends[-1], BLOCK * ends[-1], self.undeformed.shape
+        moves = np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
+        self.moves, self.moving = moves, slice(None) if all(part.moves for part in parts) else moves
 
     def part(self, name: str) -> slice:
         """The blocks of a part.
@@ -117,6 +117,10 @@ class Layout:
             raise InputError(f"part {name!r}: the layout has {', '.join(map(repr, self._slices))}")
         return self._slices[name]
 
+    def name_of(self, block: int) -> str:
+        """The part to which a block belongs."""
+        return next(name for name, part in self._slices.items() if part.start <= block < part.stop)
+
     def nodal(self, q: np.ndarray, name: str | None = None) -> np.ndarray:
         """Vectors (n_blocks, 4, 3) of unknowns (n_dofs,), a view where q is contiguous; of one part, or of all.
 
@@ -125,44 +129,50 @@ class Layout:
         InputError
             For another number of unknowns.
         """
-        if np.size(q) != self.n_dofs:
-            raise InputError(f"a vector of {np.size(q)} nodal coordinates; this system has {self.n_dofs}, 12 per node")
-        q = np.ascontiguousarray(q, dtype=complex if np.iscomplexobj(q) else float)
-        blocks = q.reshape(self.undeformed.shape)
-        return blocks if name is None else blocks[self.part(name)]
+        if type(q) is not np.ndarray or q.dtype.char not in "dD" or not q.flags.c_contiguous:
+            q = np.ascontiguousarray(q, dtype=complex if np.iscomplexobj(q) else float)
+        if q.size != self.n_dofs:
+            raise InputError(f"a vector of {q.size} nodal coordinates; this system has {self.n_dofs}, 12 per node")
+        blocks = q.reshape(self.shape)
+        return blocks if name is None or name == self._whole else blocks[self.part(name)]
 
     def flat(self, nodal: np.ndarray, name: str | None = None) -> np.ndarray:
         """Unknowns (n_dofs,) of vectors (n, 4, 3) of all blocks, or of those of one part and zero elsewhere."""
-        if name is None or len(nodal) == self.n_blocks:
+        if name is None or name == self._whole:
             return nodal.ravel()
-        out = np.zeros(self.undeformed.shape, nodal.dtype)
+        out = np.zeros(self.shape, nodal.dtype)
         out[self.part(name)] = nodal
         return out.ravel()
 
     def blocks(self, q: np.ndarray) -> np.ndarray:
         """Unknowns (n_dofs,) block by block, (n_blocks, 12)."""
-        return np.reshape(q, (-1, BLOCK))
+        return q.reshape(-1, BLOCK)
 
     def dofs(self, name: str) -> slice:
         """Numbers of the unknowns of a part."""
         blocks = self.part(name)
         return slice(BLOCK * blocks.start, BLOCK * blocks.stop)
 
-    @cached_property
-    def moving(self) -> Any:
-        """Blocks whose first vector is a place in space, as an index."""
-        moves = np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
-        return slice(None) if moves.all() else moves
+    def positions(self, q: np.ndarray) -> np.ndarray:
+        """Those vectors of unknowns (n_dofs,) that a translation moves, (n, 3)."""
+        return self.nodal(q)[self.moving, R]
 
-    def positions(self, nodal: np.ndarray) -> np.ndarray:
-        """Those vectors of (n_blocks, 4, 3) that a translation moves, (n, 3)."""
-        return np.asarray(nodal[self.moving, R])
+    def arms(self, q: np.ndarray, about: np.ndarray) -> np.ndarray:
+        """Vectors (n_blocks, 4, 3) of unknowns, a copy, positions from a point (3,)."""
+        out = self.nodal(q).copy()
+        out[self.moving, R] -= about
+        return out
 
 
 def _joined(arrays: Sequence[np.ndarray | None]) -> np.ndarray:
     return np.asarray(arrays[0] if len(arrays) == 1 else np.concatenate([np.asarray(a) for a in arrays]))
 
 
+def vectors(q: np.ndarray) -> np.ndarray:
+    """Vectors of unknowns one after another, (n, 3), a view."""
+    return q.reshape(-1, AXES)
+
+
 def nodal(q: np.ndarray) -> np.ndarray:
     """Vectors (n, 4, 3) of unknowns (12 n,) of blocks, a view."""
-    return np.reshape(q, (-1, VECTORS, AXES))
+    return q.reshape(-1, VECTORS, AXES)

@@ -1,6 +1,5 @@
 """Where a symmetric matrix of small dense blocks has entries: one block for each pair of nodes that share a cell."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -34,13 +33,13 @@ class BlockPattern:
 
     @classmethod
     def from_cells(
-        cls, cells: np.ndarray | Sequence[np.ndarray], n_nodes: int, block: int, coordinates: np.ndarray
+        cls, cells: np.ndarray | tuple[np.ndarray, ...], n_nodes: int, block: int, coordinates: np.ndarray
     ) -> "BlockPattern":
         """The pattern in which all nodes of a cell are coupled.
 
         Parameters
         ----------
-        cells : (m, n_cells) int array, or several of them
+        cells : (m, n_cells) int array, or a tuple of several
         coordinates : (d, n_nodes) array
 
         Raises
@@ -48,7 +47,7 @@ class BlockPattern:
         InputError
             For a node number outside the mesh or coordinates of another number of nodes.
         """
-        every = [np.asarray(each) for each in (cells if isinstance(cells, list) else [cells])]
+        every = [np.asarray(each) for each in (cells if isinstance(cells, tuple) else [cells])]
         coordinates = np.asarray(coordinates, float)
         for each in every:
             if each.size and not (each.min() >= 0 and each.max() < n_nodes):

@@ -4,6 +4,7 @@ Statics takes every load as it is given times the load factor, which is what ful
 largest or last value is, counts in dynamics only, which multiplies the load by ``history(t)``.
 """
 
+from skancf.layout.singularities import Singularity
 from skancf.loads.acting import Load
 from skancf.loads.edge import EdgeLoad, LineLoad
 from skancf.loads.impulse import EdgeImpulse, Impulse
@@ -21,5 +22,6 @@ ALL = [
 
 __all__ = [
     "ALL", "DiskForce", "EdgeImpulse", "EdgeLoad", "EdgeMoment", "FollowerPressure", "Gravity", "Impulse", "LineLoad",
-    "Load", "MovingForce", "MovingLine", "PointForce", "PointMoment", "SurfaceLoad", "Temperature",
+    "Load", "MovingForce", "MovingLine", "PointForce", "PointMoment", "Singularity", "SurfaceLoad",
+    "Temperature",
 ]  # fmt: skip

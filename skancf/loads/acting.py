@@ -1,5 +1,6 @@
 """What a load is on a mesh, and the ways that forces get to the nodes."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -8,6 +9,7 @@ from skancf import functions
 from skancf.errors import vector
 from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, places_of
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
@@ -40,9 +42,19 @@ class Acting:
         """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
         return None
 
+    def edge_moments(self, facets: np.ndarray, at: np.ndarray, case: Case) -> np.ndarray | None:
+        """Moments per length that it applies along boundary facets (m,), at their points (2, m, n) of the parameter plane:
+        (3, m, n); None without any."""
+        return None
+
+    def singularities(self, case: Case) -> list[Singularity]:
+        """What it does that is not smooth; of a force at a point its force. Default: nothing."""
+        return []
+
     def places(self, case: Case) -> np.ndarray:
-        """Points (2, n) of the parameter plane at which it acts, if it is at some only; else (2, 0)."""
-        return np.empty((2, 0))
+        """Points (2, n) of the parameter plane at which it acts, if it is at some only; else (2, 0). Default: the single
+        points of its singularities."""
+        return places_of(self.singularities(case))
 
     def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray] | None:
         """A time (s) and the impulse (n_nodes, 4, 3) that acts then; None of what acts all the time."""
@@ -54,17 +66,21 @@ class Acting:
 
 
 class DeadLoad(Acting):
-    """A force (n_nodes, 4, 3) that does not depend on the configuration, at points (2, n) if it is at some only."""
+    """A force (n_nodes, 4, 3) that does not depend on the configuration; spread over points (2, n) if it is at some only."""
 
-    def __init__(self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None):
-        self.nodal, self.history = nodal, history
-        self.at = np.empty((2, 0)) if at is None else at
+    def __init__(
+        self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None, singular: Sequence[Singularity] = ()
+    ):
+        self.nodal, self.history, self.at, self.singular = nodal, history, at, singular
 
     def force(self, q: np.ndarray, case: Case) -> np.ndarray:
         return np.asarray(case.amplitude(self.history) * self.nodal)
 
+    def singularities(self, case: Case) -> list[Singularity]:
+        return list(self.singular)
+
     def places(self, case: Case) -> np.ndarray:
-        return self.at
+        return super().places(case) if self.at is None else self.at
 
 
 class Load(Protocol):

@@ -12,6 +12,7 @@ from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, vector
 from skancf.history import History
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import DeadLoad, Spread, check_distributed, values_at
 from skancf.terms.protocols import Assembly
 
@@ -29,7 +30,9 @@ class EdgeLoad:
         check_distributed(self.force, self.history)
 
     def on(self, assembly: Assembly) -> DeadLoad:
-        return DeadLoad(on_edges(assembly.geometry, self.where, self.force).nodal(assembly.geometry), self.history)
+        geometry = assembly.geometry
+        ends = at_place(geometry, self.where, "force", "an EdgeLoad", single=False)
+        return DeadLoad(on_edges(geometry, self.where, self.force).nodal(geometry), self.history, singular=ends)
 
 
 def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") -> Spread:
@@ -71,7 +74,8 @@ class LineLoad:
     def on(self, assembly: Assembly) -> DeadLoad:
         ends = np.asarray(self.start, float), np.asarray(self.end, float)
         at, spread = on_line(assembly.geometry, *ends, self.force)
-        return DeadLoad(spread.nodal(assembly.geometry), self.history, at.reshape(2, -1))
+        singular = [along_line(assembly.geometry, *ends, "a LineLoad")]
+        return DeadLoad(spread.nodal(assembly.geometry), self.history, at.reshape(2, -1), singular)
 
 
 def on_line(
@@ -97,6 +101,14 @@ def on_line(
         lengths = piece * w * np.linalg.norm(np.tensordot(along, slopes, 1), axis=0)
         forces[:, 0] = values_at(force, at) * lengths[:, None]
     return at, Spread(elements, geometry.local_in(elements, at), forces)
+
+
+def along_line(
+    geometry: Geometry, start: np.ndarray, end: np.ndarray, words: str, moves: bool = False
+) -> Singularity:
+    """A force per length along a straight line of the parameter plane."""
+    line = np.column_stack([start, end])
+    return Singularity("force", geometry.within(line), words, single=False, line=line, moves=moves)
 
 
 def _crossings(geometry: Geometry, start: np.ndarray, along: np.ndarray) -> np.ndarray:

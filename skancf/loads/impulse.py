@@ -8,6 +8,8 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import number, vector
 from skancf.functions import is_function
+from skancf.history import Case
+from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import Acting, point_forces
 from skancf.loads.edge import on_edges
 from skancf.terms.protocols import Assembly
@@ -48,9 +50,11 @@ class Impulse:
         number("time", self.time)
 
     def on(self, assembly: Assembly) -> "Blow":
-        element, local = assembly.geometry.locate(self.at)
-        nodal = point_forces(assembly.geometry, [element], local[None], np.array([self.impulse], float))
-        return Blow(nodal, float(self.time))
+        geometry = assembly.geometry
+        element, local = geometry.locate(self.at)
+        nodal = point_forces(geometry, [element], local[None], np.array([self.impulse], float))
+        at = geometry.within(np.asarray(self.at, float)[:, None])
+        return Blow(nodal, float(self.time), [Singularity("force", at, "an Impulse", self.impulse, at_rest=False)])
 
 
 @dataclass(frozen=True)
@@ -84,14 +88,18 @@ class EdgeImpulse:
 
     def on(self, assembly: Assembly) -> "Blow":
         spread = on_edges(assembly.geometry, self.where, self.impulse, "impulse")
-        return Blow(spread.nodal(assembly.geometry), float(self.time))
+        ends = at_place(assembly.geometry, self.where, "force", "an EdgeImpulse", single=False, at_rest=False)
+        return Blow(spread.nodal(assembly.geometry), float(self.time), ends)
 
 
 class Blow(Acting):
     """An impulse (n_nodes, 4, 3) at a time."""
 
-    def __init__(self, nodal: np.ndarray, time: float):
-        self.nodal, self.time = nodal, time
+    def __init__(self, nodal: np.ndarray, time: float, singular: list[Singularity]):
+        self.nodal, self.time, self.singular = nodal, time, singular
+
+    def singularities(self, case: Case) -> list[Singularity]:
+        return self.singular
 
     def impulse(self, q: np.ndarray) -> tuple[float, np.ndarray]:
         return self.time, self.nodal

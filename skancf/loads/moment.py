@@ -11,6 +11,7 @@ from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import Acting
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
@@ -21,7 +22,6 @@ ROUNDING = 1e-12
 """A moment's part normal to the surface that is none, relative to the moment."""
 ALONG = 1e-9
 """Sine of the angle between a moment and the normal below which it is along it."""
-NOWHERE = np.empty((2, 0))
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,10 @@ class EdgeMoment:
         geometry = assembly.geometry
         elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
         moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
+        ends = at_place(geometry, self.where, "moment", "an EdgeMoment", single=False)
         if geometry.theory.directors:
-            return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history)
-        return MomentOnNormals(assembly, elements, points, moments, self.history)
+            return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history, ends)
+        return EdgeMomentOnNormals(assembly, elements, points, moments, self, ends)
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class PointMoment:
 
     Its virtual work is that on the spin of the director or normal there, :math:`m \cdot (d \times \delta d) / d \cdot d`:
     the part of m along the normal does no work. The rotation under it has no limit as the mesh is refined, it grows with the
-    logarithm of the element size; displacements of the thin theory have one.
+    logarithm of the element size; the displacement has one.
 
     Parameters
     ----------
@@ -113,10 +114,11 @@ class PointMoment:
             raise InputError(f"moment = {self.moment} at {self.at} is along the normal of the surface, about which it has "
                              "no stiffness; give a couple of forces instead")  # fmt: skip
         at = geometry.within(np.asarray(self.at, float)[:, None])
+        singular = [Singularity("moment", at, "a PointMoment", moment)]
         if geometry.theory.directors:
             tables = geometry.theory.position_table(points[0])[1].T
-            return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, at)
-        return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, at)
+            return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, singular)
+        return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, singular)
 
 
 def _on_nodes(
@@ -149,13 +151,13 @@ class MomentOnDirectors(Acting):
 
     def __init__(
         self, assembly: Assembly, elements: np.ndarray, tables: np.ndarray, moments: np.ndarray, history: History | None,
-        at: np.ndarray = NOWHERE,
+        singular: list[Singularity],
     ):  # fmt: skip
         self.geometry, self.elements, self.tables = assembly.geometry, elements, tables
-        self.moments, self.history, self.at = moments, history, at
+        self.moments, self.history, self.singular = moments, history, singular
 
-    def places(self, case: Case) -> np.ndarray:
-        return self.at
+    def singularities(self, case: Case) -> list[Singularity]:
+        return self.singular
 
     def _directors(self, q: np.ndarray) -> np.ndarray:
         return np.einsum("ma,mai->mi", self.tables, self.geometry.local(q, self.elements))
@@ -191,16 +193,16 @@ class MomentOnNormals(Acting):
 
     def __init__(
         self, assembly: Assembly, elements: np.ndarray, points: np.ndarray, moments: np.ndarray, history: History | None,
-        at: np.ndarray = NOWHERE,
+        singular: list[Singularity],
     ):  # fmt: skip
-        self.at = at
+        self.singular = singular
         self.geometry, self.elements, self.moments, self.history = assembly.geometry, elements, moments, history
         # (m, 2, 16, n): r_1 and r_2 of the local functions at each facet's points.
         self.slopes = np.stack([self.geometry.theory.slope_table(p) for p in points])
         self._seen: tuple[Case, np.ndarray, tuple[np.ndarray, ...]] | None = None
 
-    def places(self, case: Case) -> np.ndarray:
-        return self.at
+    def singularities(self, case: Case) -> list[Singularity]:
+        return self.singular
 
     def _surface(self, q: np.ndarray, case: Case) -> tuple[np.ndarray, ...]:
         """Normals, dual vectors, moments and c; of the last state they are kept, since force and stiffness ask in turn."""
@@ -238,3 +240,19 @@ class MomentOnNormals(Acting):
         one, two = (np.einsum("man,imn->mian", self.slopes[:, g], n).reshape(len(self.slopes), LOCAL, -1) for g in (0, 1))
         half = (normal_part[:, None] * one) @ two.swapaxes(1, 2)
         blocks.add(self.elements, half - half.swapaxes(1, 2))
+
+
+class EdgeMomentOnNormals(MomentOnNormals):
+    """An :class:`EdgeMoment` on normals, which says what it applies along any edge."""
+
+    def __init__(
+        self, assembly: Assembly, elements: np.ndarray, points: np.ndarray, moments: np.ndarray, load: EdgeMoment,
+        singular: list[Singularity],
+    ):  # fmt: skip
+        super().__init__(assembly, elements, points, moments, load.history, singular)
+        self.load = load
+
+    def edge_moments(self, facets: np.ndarray, at: np.ndarray, case: Case) -> np.ndarray:
+        here, out = np.isin(facets, self.geometry.points_and_facets(self.load.where)[1]), np.zeros((3, *at.shape[1:]))
+        out[:, here] = case.amplitude(self.history) * values_at("moment", self.load.moment, at[:, here], 3)
+        return out

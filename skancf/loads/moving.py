@@ -11,8 +11,9 @@ from skancf.errors import InputError, shown, vector
 from skancf.functions import called, is_function
 from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity
 from skancf.loads.acting import Acting, Spread, check_distributed
-from skancf.loads.edge import on_line
+from skancf.loads.edge import along_line, on_line
 from skancf.terms.protocols import Assembly
 
 Place = Callable[[float], Any]
@@ -75,7 +76,10 @@ class MovingForce:
             forces[:, 0, :, 0] = force
             return at[:, inside], Spread(elements, local[:, :, None], forces)
 
-        return Moving(geometry, find, self.history, [self.path])
+        def singular(time: float) -> list[Singularity]:
+            return [Singularity("force", find(time)[0], "a MovingForce", force, moves=True)]
+
+        return Moving(geometry, find, singular, self.history, [self.path])
 
 
 @dataclass(frozen=True)
@@ -117,12 +121,17 @@ class MovingLine:
     def on(self, assembly: Assembly) -> "Moving":
         geometry = assembly.geometry
 
+        def ends(time: float) -> tuple[np.ndarray, np.ndarray]:
+            return _point("start", self.start, time), _point("end", self.end, time)
+
         def find(time: float) -> Found:
-            start, end = _point("start", self.start, time), _point("end", self.end, time)
-            at, spread = on_line(geometry, start, end, self.force, leave=True)
+            at, spread = on_line(geometry, *ends(time), self.force, leave=True)
             return at.reshape(2, -1), spread
 
-        return Moving(geometry, find, self.history, [self.start, self.end])
+        def singular(time: float) -> list[Singularity]:
+            return [along_line(geometry, *ends(time), "a MovingLine", moves=True)]
+
+        return Moving(geometry, find, singular, self.history, [self.start, self.end])
 
 
 def _point(name: str, place: Any, time: float) -> np.ndarray:
@@ -132,8 +141,11 @@ def _point(name: str, place: Any, time: float) -> np.ndarray:
 class Moving(Acting):
     """A load whose forces are found anew at each time; those of the last one are kept, for the iterations of a step."""
 
-    def __init__(self, geometry: Geometry, find: Callable[[float], Found], history: History | None, paths: list[Any]):
-        self.geometry, self.find, self.history, self.paths = geometry, find, history, paths
+    def __init__(
+        self, geometry: Geometry, find: Callable[[float], Found], singular: Callable[[float], list[Singularity]],
+        history: History | None, paths: list[Any],
+    ):  # fmt: skip
+        self.geometry, self.find, self.singular, self.history, self.paths = geometry, find, singular, history, paths
         self._last: tuple[Case, np.ndarray] | None = None
 
     def histories(self) -> list[Any]:
@@ -147,6 +159,9 @@ class Moving(Acting):
             nodal.flags.writeable = False  # it is given away more than once
             self._last = case, nodal
         return self._last[1]
+
+    def singularities(self, case: Case) -> list[Singularity]:
+        return self.singular(case.time or 0.0)
 
     def places(self, case: Case) -> np.ndarray:
         return self.find(case.time or 0.0)[0]

@@ -9,6 +9,7 @@ from skancf.arguments import plain
 from skancf.errors import InputError, positive, vector
 from skancf.history import History, check_history
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity
 from skancf.loads.acting import DeadLoad, point_forces
 from skancf.loads.pole import covered_pole
 from skancf.terms.protocols import Assembly
@@ -38,7 +39,8 @@ class PointForce:
         geometry = assembly.geometry
         element, local = geometry.locate(self.at)
         nodal = point_forces(geometry, [element], local[None], np.array([self.force]))
-        return DeadLoad(nodal, self.history, geometry.within(np.asarray(self.at, float)[:, None]))
+        at = geometry.within(np.asarray(self.at, float)[:, None])
+        return DeadLoad(nodal, self.history, singular=[Singularity("force", at, "a PointForce", self.force)])
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,7 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) ->
     cut, geometry = grid(subdivisions), solution.system.geometry
     z = depth_of(solution.system.problem.section, z)
     first = np.arange(geometry.n_elements)[:, None] * cut.points.shape[1]
-    theory, local, side = geometry.theory, geometry.local(solution.q.reshape(-1, 4, 3)), geometry.side
+    theory, local, side = geometry.theory, geometry.local(solution.system.shell.nodal(solution.q)), geometry.side
     inside, table = geometry.inside(cut.points), geometry.theory.position_table(cut.points)[0]
 
     def at_depth(vectors: np.ndarray, normals: np.ndarray | float) -> np.ndarray:
@@ -112,12 +112,12 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) ->
     before, velocity = geometry.undeformed_local, None
     places = at_depth(before, theory.normals(before, inside, side) if z else 0.0)
     if solution.linear:
-        change = geometry.local(solution.change.reshape(-1, 4, 3))
+        change = geometry.local(solution.system.shell.nodal(solution.change))
         displacement = at_depth(change, theory.normal_rates(before, change, inside, side) if z else 0.0)
     else:
         displacement = at_depth(local, theory.normals(local, inside, side) if z else 0.0) - places
     if solution.velocity is not None:
-        rates = geometry.local(solution.velocity.reshape(-1, 4, 3))
+        rates = geometry.local(solution.system.shell.nodal(solution.velocity))
         velocity = at_depth(rates, theory.normal_rates(local, rates, inside, side) if z else 0.0)
     return Surface(
         points=places + displacement,

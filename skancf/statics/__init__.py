@@ -7,7 +7,7 @@ from skancf.statics.controls import ArcLength, DisplacementControl, Displacement
 from skancf.statics.equilibrium import solve, solve_linear
 from skancf.statics.events import Event
 from skancf.statics.modes import Modes, modes
-from skancf.statics.newton import NewtonResult, Status, newton
+from skancf.statics.newton import NewtonResult, newton
 from skancf.statics.path import PathResult, trace
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 
@@ -24,7 +24,6 @@ __all__ = [
     "OutOfDepth",
     "PathResult",
     "StaticResult",
-    "Status",
     "StepLength",
     "buckling",
     "modes",

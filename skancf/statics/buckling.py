@@ -38,6 +38,7 @@ from skancf.statics.modes import (
 )
 from skancf.statics.tangents import geometric_stiffness, warn_if_skew
 from skancf.system.system import System
+from skancf.system.unstressed import unstressed
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
@@ -75,6 +76,11 @@ class BucklingResult:
     message: str = ""
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    @property
+    def ok(self) -> bool:
+        """Whether what was asked for was found, and every check passed."""
+        return all(check.passed for check in self.checks)
 
     @cached_property
     def theory_errors(self) -> np.ndarray:
@@ -161,10 +167,9 @@ def buckling(
 
 def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
     """That the mesh is too coarse for some shapes: assumed membrane strains and those as they are do not agree in them."""
-    hook = getattr(system, "plain_stiffness", None)
-    if hook is None:
+    if not hasattr(system, "shell"):
         return ""
-    plain = hook()
+    plain = unstressed(system, plain=True)
     ratios = np.array([plain.energy(x) / stiffness.energy(x) for x in shapes])
     if ratios.max() < 1 + COARSE:
         return ""

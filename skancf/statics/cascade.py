@@ -13,8 +13,9 @@ from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.solving import FOUND, End, Status, kept
 from skancf.statics.causes import cause
-from skancf.statics.newton import NewtonResult, Status, newton
+from skancf.statics.newton import NewtonResult, newton
 from skancf.statics.path import limit_ahead
 from skancf.statics.relax import Relaxation
 from skancf.statics.static_result import HalveAndGrow, StaticResult
@@ -48,7 +49,6 @@ LOST = (
     "rounding of the nodal coordinates leaves up to {:.1e} of the loads or of the energy norm open: the body is so thin, or "
     "so lightly loaded, that its coordinates hardly hold the answer. Of small deflections solve_linear has more digits"
 )
-REACHED = (Status.CONVERGED, Status.ROUNDING)
 SHORTEST = 1 / 16
 """Load steps are halved so far, as a part of the whole load, before the structure is relaxed."""
 FARTHEST = 10.0
@@ -81,11 +81,14 @@ class Cascade:
         self.checks: tuple[Check, ...] = ()
         self.second_best: tuple[NewtonResult, tuple[Check, ...]] | None = None
 
-    def result(self, status: Status, message: str = "") -> StaticResult:
-        return StaticResult(self.path[-1], status, tuple(self.path), tuple(self.attempts), message, self.checks)
-
     def go(self, control: HalveAndGrow) -> StaticResult:
         """Long load steps, relaxation, short load steps, relaxation; then why it stopped."""
+        status, message = kept(
+            lambda: self._go(control), lambda: f" at load factor {self.path[-1].load_factor:.6g}", lambda error: None
+        )
+        return StaticResult(self.path[-1], status, tuple(self.path), tuple(self.attempts), message, self.checks)
+
+    def _go(self, control: HalveAndGrow) -> End:
         self.step = min(1.0, control.first)
         tries = [(max(SHORTEST, control.smallest), FARTHEST), (control.smallest, np.inf)]
         for shortest, farthest in tries if self.relaxes else tries[1:]:
@@ -105,7 +108,7 @@ class Cascade:
             return limit_ahead(self.system, at, control.smallest * self.span)
 
         status, message = cause(self.system, self.solver, self.path, wanted, last, ahead)
-        return self.result(status, f"{message} {NOTHING}." if self.relaxes else message)
+        return status, f"{message} {NOTHING}." if self.relaxes else message
 
     def _load_steps(self, control: HalveAndGrow, shortest: float, farthest: float) -> tuple[float, NewtonResult]:
         """Steps until the whole load is on or they are shorter than ``shortest``; the last solve and its load factor."""
@@ -115,7 +118,7 @@ class Cascade:
             result = self._solve(self.path[-1].q, factor, farthest=farthest)
             if aim == 1.0:
                 result = self._verified(result)
-            reached = result.status in REACHED
+            reached = result.status in FOUND
             if reached:
                 self.done = aim
                 self._keep(result, factor)
@@ -143,7 +146,7 @@ class Cascade:
 
     def _verified(self, result: NewtonResult) -> NewtonResult:
         """A solve at the whole load after its checks, which may take its promise away; the last attempt."""
-        if result.status not in REACHED or not hasattr(self.system, "strain_energy"):
+        if result.status not in FOUND or not hasattr(self.system, "strain_energy"):
             return result
         rtol = self.settings.rtol
         found = verify(self.system, self.solver, result.q, self.load_factor, rtol=rtol, origin=self.path[0].q)
@@ -153,17 +156,17 @@ class Cascade:
             bound = max([result.bound, *(one.rounding for one in found.unmet)])
             status, message = Status.ROUNDING, LOST.format(bound)
             if failed := failures(self.checks):
-                status, message = Status.OUT_OF_BALANCE, failed
+                status, message = Status.UNBALANCED, failed
         result = replace(
             result, q=found.q, status=status, message=message, bound=bound, negative_pivots=found.negative_pivots
         )
         self.attempts[-1] = self.load_factor, result
         return result
 
-    def _arrived(self, last: NewtonResult) -> StaticResult:
+    def _arrived(self, last: NewtonResult) -> End:
         """The end of load steps that reached the whole load; from a state that is not stable to one that is."""
         if not last.negative_pivots:
-            return self.result(last.status, last.message)
+            return last.status, last.message
         if self.relaxes:
             checks = self.checks
             if self._downhill(lambda: self.relaxation.from_unstable(last, self.path[0].q)):
@@ -173,7 +176,7 @@ class Cascade:
             return self._ended(f"{self._unstable()}. {NOTHING}")
         return self._ended(self._unstable())
 
-    def _relaxed(self, last: NewtonResult) -> StaticResult | None:
+    def _relaxed(self, last: NewtonResult) -> End | None:
         """The end by relaxation from the last equilibrium, if it is a stable one."""
         at = self.path[-1]
         if not self._downhill(lambda: self.relaxation.from_state(at.q, self.path[0].q)):
@@ -183,10 +186,10 @@ class Cascade:
         too_far = last.status is Status.TOO_FAR
         return self._ended(SLACK.format(at.load_factor, last.message) if too_far else SNAPPED.format(at.load_factor))
 
-    def _ended(self, message: str) -> StaticResult:
-        """The result of the last attempt, with what it met on the way."""
+    def _ended(self, message: str) -> End:
+        """As the last attempt, with what it met on the way."""
         last = self.attempts[-1][1]
-        return self.result(last.status, f"{message}. {last.message}" if last.message else message)
+        return last.status, f"{message}. {last.message}" if last.message else message
 
     @cached_property
     def relaxation(self) -> Relaxation:
@@ -201,7 +204,7 @@ class Cascade:
             found = relaxed()
         except SingularMatrix:
             return False
-        if found is None or (found := self._verified(found)).status not in REACHED:
+        if found is None or (found := self._verified(found)).status not in FOUND:
             return False
         if found.negative_pivots:
             self.second_best = found, self.checks

@@ -14,7 +14,7 @@ from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
 from skancf.statics.depth import warn_if_loose, warn_if_thick, warn_without_time
-from skancf.statics.newton import OPEN, Status
+from skancf.statics.newton import OPEN
 from skancf.statics.path import traced
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 from skancf.statics.verify import Balance, unmet
@@ -102,12 +102,8 @@ def equilibrium(
         return _followed(begin, load_factor, rtol, mixed, backend, progress)
     solver = DirectSolver(system.pattern, system.constraints, backend)
     with Progress("statics", 1.0, shown=progress) as bar, solver:
-        run = Cascade(system, solver, begin, load_factor, Settings(rtol, int(max_iterations), mixed, relax), bar)
-        try:
-            return run.go(control or HalveAndGrow())
-        except KeyboardInterrupt:
-            at = run.path[-1]
-            return run.result(Status.INTERRUPTED, f"interrupted from the keyboard at load factor {at.load_factor:.6g}")
+        settings = Settings(rtol, int(max_iterations), mixed, relax)
+        return Cascade(system, solver, begin, load_factor, settings, bar).go(control or HalveAndGrow())
 
 
 def _followed(
@@ -124,7 +120,7 @@ def _followed(
     message = f"by arc length from {start.load_factor:.4g}: {passed or 'no limit point and no bifurcation'}"
     if found.negative_pivots[-1]:
         message += f"; the equilibrium is not stable, its tangent has {found.negative_pivots[-1]} negative eigenvalue(s)"
-    if found.status is not Status.CONVERGED:
+    if not found.ok:
         message = f"{message}; {found.message}"
     return StaticResult(found.solution, found.status, found.solutions, attempts, message, found.checks)
 

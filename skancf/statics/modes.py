@@ -70,6 +70,11 @@ class Modes:
     note: str = ""
     checks: tuple[Check, ...] = ()
 
+    @property
+    def ok(self) -> bool:
+        """Whether what was asked for was found, and every check passed."""
+        return all(check.passed for check in self.checks)
+
     @cached_property
     def theory_errors(self) -> np.ndarray:
         r"""By which part of itself transverse shear and the rotary inertia of the normals, which theory `kirchhoff` leaves
@@ -346,7 +351,7 @@ def free_directions(constraints: Constraints) -> np.ndarray:
 def _largest_inside(system: Any, mode: np.ndarray) -> float:
     """Largest movement at the integration points: of single elements only slopes and twists of nodes may move."""
     geometry = system.geometry
-    local = geometry.local(mode.reshape(-1, 4, 3))
+    local = geometry.local(system.shell.nodal(mode))
     inside = geometry.integration.gathered(
         lambda points, e: np.einsum("ap,eai->epi", geometry.theory.position_table(points)[0], local[e])
     )
@@ -358,7 +363,8 @@ MODE = "mode of arbitrary size"
 
 def moved_along(state: Solution, mode: np.ndarray, size: float | None) -> Solution:
     """A state moved along a mode until its nodes moved by ``size`` at most; by default a tenth of the structure's extent."""
-    r = state.system.undeformed.reshape(-1, 4, 3)[:, 0]
+    layout = state.system.layout
+    r = layout.positions(state.system.undeformed)
     size = 0.1 * float(np.linalg.norm(np.ptp(r, axis=0))) if size is None else positive("size", size, "m")
-    largest = float(np.linalg.norm(mode.reshape(-1, 4, 3)[:, 0], axis=1).max()) or _largest_inside(state.system, mode)
+    largest = float(np.linalg.norm(layout.positions(mode), axis=1).max()) or _largest_inside(state.system, mode)
     return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor, note=MODE)

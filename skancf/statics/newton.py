@@ -7,26 +7,24 @@ exact one (Magisano, Leonetti and Garcea, 2017). With a :class:`Constraint` the 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.errors import DidNotConverge, SingularMatrix
+from skancf.errors import DidNotConverge
 from skancf.history import FULL, Case
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
+from skancf.solving import End, Status, iterate
 from skancf.statics.stopping import Constraint, Pull, StopRule, moves, work
 
 
 class System(Protocol):
     """All that statics knows of a model.
 
-    A model may also have ``strain_energy(q, case)``, by which the end of a solve is judged; ``largest_turn(change)``, the
-    largest change of a slope; ``pretension``, the stiffness of a uniform dilation; ``skew(q, case)``, the
-    skew-symmetric part of its tangent as a sparse matrix or None; ``folded(q)``, the number and the place of an element that
-    folded or None; ``foundation``, its springs as a matrix or None; ``plain_stiffness()``, that of the undeformed state with
-    membrane strains as they are; and ``free_rigid_motions()``, those that nothing holds, in words.
+    A model may also have ``strain_energy(q, case)``, by which the end of a solve is judged; ``skew(q, case)``, the
+    skew-symmetric part of its tangent as a sparse matrix or None; ``others``, sums over terms beside a shell; a ``layout``,
+    by which it knows rigid motions; and a ``shell``, which knows how far slopes turn and which elements folded.
     """
 
     constraints: Constraints
@@ -42,28 +40,6 @@ class System(Protocol):
         self, q: np.ndarray, case: Case = FULL, stresses: np.ndarray | None = None
     ) -> BlockMatrix: ...
     def prescribed(self, case: Case = FULL) -> np.ndarray: ...
-
-
-class Status(Enum):
-    """How a solve ended."""
-
-    CONVERGED = "converged"
-    STEPS_SPENT = "iteration limit reached"
-    DIVERGED = "residual grew"
-    NOT_FINITE = "residual is not finite"
-    SINGULAR = "tangent is singular"
-    ROUNDING = "rounding leaves the answer open"
-    OUT_OF_BALANCE = "the answer failed its checks"
-    TOO_FAR = "the first correction goes too far"
-    STEP_TOO_SMALL = "load step became too small"
-    LIMIT_POINT = "limit point"
-    BIFURCATION = "bifurcation"
-    MECHANISM = "a mechanism is free"
-    FOLDED = "an element folded"
-    NOT_REACHED = "the asked end was not reached"
-    TURNED_BACK = "the path turned back"
-    INTERRUPTED = "interrupted"
-    FAILED = "an error"
 
 
 @dataclass(frozen=True)
@@ -85,8 +61,9 @@ class NewtonResult:
     bound: float = 0.0
 
     @property
-    def converged(self) -> bool:
-        return self.status is Status.CONVERGED
+    def ok(self) -> bool:
+        """Whether it is an equilibrium."""
+        return self.status.ok
 
     @property
     def iterations(self) -> int:
@@ -94,7 +71,7 @@ class NewtonResult:
 
     def unwrap(self) -> np.ndarray:
         """q, or :class:`~skancf.DidNotConverge`."""
-        if not self.converged:
+        if not self.ok:
             tail = ", ".join(f"{r:.1e}" for r in self.residual_norms[-3:])
             raise DidNotConverge(f"newton: {self.status.value}; residual ... {tail}. {self.message}", self.residual_norms)
         return self.q
@@ -103,9 +80,10 @@ class NewtonResult:
 # A mixed solve that converges loses energy from its third iteration on. One that gains so much in an iteration has left its
 # way: half of the load takes fewer iterations than waiting for it to return.
 GIVEN_UP = 10.0
+# The plain method may gain much more before it converges: this is over its first iteration.
+GROWN = 1e8
 # An answer that rounding leaves open by more than this part of its energy norm is not called converged.
 OPEN = 1e-2
-LOST = "rounding of the nodal coordinates leaves up to {:.1e} of the energy norm open"
 LOST = "rounding of the nodal coordinates leaves up to {:.1e} of the energy norm open"
 FAR = "the first correction turns a slope by {:.2g} of its length, more than the {:.2g} from which a solve is worth trying"
 
@@ -179,62 +157,98 @@ def newton(
     farthest : float
         Give up after a first correction that turns a slope by more than this, relative to its length.
     """
-    prescribed = system.prescribed()
-    begin = q if origin is None else origin
-    rule = StopRule(system, constraint.origin if constraint else begin, rtol, pull, constraint)
-    energies: list[float] = []
-    along: np.ndarray | None = None
+    tangents = _Tangents(system, solver, mixed, stresses, pull, constraint)
+    begin = constraint.origin if constraint else q if origin is None else origin
+    rule = _Rule(tangents, StopRule(system, begin, rtol, pull, constraint), farthest, watch)
+    found = iterate(np.append(q, load_factor), tangents, rule, max_steps)
+    energies = [energy for energy in found.energies if np.isfinite(energy)]
+    largest = max(energies, default=1.0) or 1.0
+    norms = tuple(float(np.sqrt(energy / largest)) for energy in energies)
+    lost = found.status is Status.NOT_FINITE and not found.message
+    message = _where(system, found.residual) if lost else found.message
+    pivots = solver.negative_pivots if energies and found.status is not Status.SINGULAR else 0
+    return NewtonResult(found.x[:-1], found.status, norms, pivots, message, float(found.x[-1]), tangents.along, rule.bound)
 
-    def result(status: Status, message: str = "", bound: float = 0.0) -> NewtonResult:
-        largest = max(energies, default=1.0) or 1.0
-        norms = tuple(float(np.sqrt(e / largest)) for e in energies)
-        pivots = solver.negative_pivots if energies and status is not Status.SINGULAR else 0
-        return NewtonResult(q, status, norms, pivots, message, load_factor, along, bound)
 
-    for step in range(max_steps):
-        force = load_factor * system.external_force(q)
-        residual = system.internal_force(q) - force
-        if pull:
-            residual = residual + pull.force(q)
-        if not np.isfinite(residual).all():
-            return result(Status.NOT_FINITE, _where(system, residual))
-        try:
-            tangent = factored(system, q, load_factor, solver, stresses, pull)
-            moved = system.constraints.fixed_part(system.undeformed + load_factor * prescribed - q)
-            rhs = -(residual + tangent.multiply(moved)) if moved.any() else -residual
-            free = tangent.solve(rhs)
-            along = along_load(system, q, tangent) if constraint else None
-        except SingularMatrix as singular:
-            return result(Status.SINGULAR, str(singular))
-        change, more = free + moved, 0.0
-        if constraint and along is not None:
-            more = constraint.correction(q + change, load_factor, along)
-            change = change + more * along if np.isfinite(more) else np.full_like(q, np.inf)
-        energies.append(work(change, tangent.multiply(change)) if constraint else work(free, rhs))
-        if watch:
-            watch(step, float(np.sqrt(energies[-1] / max(energies))) if energies[-1] else 0.0)
-        if not np.isfinite(energies[-1]):
-            energies.pop()
-            return result(Status.NOT_FINITE, _where(system, change))
-        if step == 0 and farthest < np.inf and not moved.any() and (turn := largest_turn(system, change)) > farthest:
-            return result(Status.TOO_FAR, FAR.format(turn, farthest))
-        verdict = rule.judge(tangent, energies, q, change, load_factor + more)
+class _Tangents:
+    """The tangent of every state: the mixed one, of stresses extrapolated along the last step, or the plain one.
+
+    The unknowns are q and the load factor, which only a constraint changes.
+    """
+
+    tangent: SkewSolver
+    force: np.ndarray
+    moved: np.ndarray
+
+    def __init__(
+        self, system: System, solver: DirectSolver, mixed: bool, stresses: np.ndarray | None, pull: Pull | None,
+        constraint: Constraint | None,
+    ) -> None:  # fmt: skip
+        self.system, self.solver, self.mixed, self.stresses = system, solver, mixed, stresses
+        self.pull, self.constraint, self.prescribed = pull, constraint, system.prescribed()
+        self.along: np.ndarray | None = None
+
+    def residual(self, x: np.ndarray) -> np.ndarray:
+        q, load_factor = x[:-1], float(x[-1])
+        self.force = load_factor * self.system.external_force(q)
+        residual = self.system.internal_force(q) - self.force
+        return residual + self.pull.force(q) if self.pull else residual
+
+    def correction(self, x: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
+        """By the work of the residual; with a constraint by that of the tangent on the correction."""
+        q, load_factor, system = x[:-1], float(x[-1]), self.system
+        self.tangent = tangent = factored(system, q, load_factor, self.solver, self.stresses, self.pull)
+        self.moved = moved = system.constraints.fixed_part(system.undeformed + load_factor * self.prescribed - q)
+        rhs = -(residual + tangent.multiply(moved)) if moved.any() else -residual
+        free = tangent.solve(rhs)
+        if self.constraint is None:
+            return np.append(free + moved, 0.0), work(free, rhs)
+        self.along = along = along_load(system, q, tangent)
+        change = free + moved
+        more = self.constraint.correction(q + change, load_factor, along)
+        change = change + more * along if np.isfinite(more) else np.full_like(q, np.inf)
+        return np.append(change, more), work(change, tangent.multiply(change))
+
+    def step(self, x: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
+        self.stresses = self.system.stresses(x[:-1], change[:-1]) if self.mixed else None
+        return x + change
+
+
+@dataclass
+class _Rule:
+    """When equilibrium is reached, and when an iteration is given up; ``bound`` is what rounding then leaves open."""
+
+    tangents: _Tangents
+    stop: StopRule
+    farthest: float
+    watch: Callable[[int, float], None] | None
+    bound: float = 0.0
+
+    def judge(self, x: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
+        """How it ends with a correction."""
+        tangents, energy, count = self.tangents, energies[-1], len(energies)
+        if self.watch:
+            self.watch(count - 1, float(np.sqrt(energy / max(energies))) if energy else 0.0)
+        if not np.isfinite(energy):
+            return Status.NOT_FINITE, _where(tangents.system, change[:-1])
+        if count == 1 and self.farthest < np.inf and not tangents.moved.any():
+            turn = largest_turn(tangents.system, change[:-1])
+            if turn > self.farthest:
+                return Status.TOO_FAR, FAR.format(turn, self.farthest)
+        verdict = self.stop.judge(tangents.tangent, energies, x[:-1], change[:-1], float(x[-1] + change[-1]))
         if verdict.last:
-            q, load_factor = q + change, load_factor + more
-            asked = moves(system.constraints, force) or (prescribed.any() and not verdict.rigid)
-            lost = verdict.bound if asked else 0.0
-            return result(Status.ROUNDING if lost > OPEN else Status.CONVERGED, LOST.format(lost) if lost else "", lost)
-        if step > 2 and energies[-1] > (GIVEN_UP if mixed else 1e8) * energies[-2 if mixed else 0] + verdict.floor:
-            return result(Status.DIVERGED)
-        stresses = system.stresses(q, change) if mixed else None
-        q, load_factor = q + change, load_factor + more
-    return result(Status.STEPS_SPENT)
+            moves_free = moves(tangents.system.constraints, tangents.force)
+            asked = moves_free or (tangents.prescribed.any() and not verdict.rigid)
+            self.bound = lost = verdict.bound if asked else 0.0
+            return Status.ROUNDING if lost > OPEN else Status.CONVERGED, LOST.format(lost) if lost else ""
+        grew = count > 3 and energy > (GIVEN_UP * energies[-2] if tangents.mixed else GROWN * energies[0]) + verdict.floor
+        return (Status.DIVERGED, "") if grew else None
 
 
 def largest_turn(system: Any, change: np.ndarray) -> float:
     """Largest change of a slope, relative to its undeformed length; zero for models without slopes."""
-    hook = getattr(system, "largest_turn", None)
-    return hook(change) if hook else 0.0
+    shell = getattr(system, "shell", None)
+    return shell.largest_turn(change) if shell else 0.0
 
 
 def _where(system: System, values: np.ndarray) -> str:

@@ -10,12 +10,13 @@ from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
+from skancf.solving import End, Status, kept
 from skancf.statics.asked import check_asked
 from skancf.statics.causes import NEAR, require_support
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.depth import warn_without_time
 from skancf.statics.events import LIMIT, Event, events_between
-from skancf.statics.newton import NewtonResult, Status, largest_turn
+from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
 from skancf.statics.stopping import ROUNDING
@@ -81,13 +82,18 @@ class PathResult:
         """Newton iterations of all attempts."""
         return sum(len(result.residual_norms) for result in self.attempts)
 
+    @property
+    def ok(self) -> bool:
+        """Whether the asked end was reached and passed its checks."""
+        return self.status.ok
+
     def displacement(self, at: tuple[float, float]) -> np.ndarray:
         """Displacement of a point of the parameter plane along the path, (n, 3)."""
         return np.array([solution.displacement(at) for solution in self.solutions])
 
     def unwrap(self) -> "PathResult":
         """This path, or :class:`~skancf.DidNotConverge`."""
-        if self.status is not Status.CONVERGED:
+        if not self.ok:
             raise DidNotConverge(self.message, self.attempts[-1].residual_norms if self.attempts else ())
         return self
 
@@ -156,7 +162,7 @@ def traced(
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
         follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)
-        return _Run(system, control, follower, until).go(at, int(steps), bar)
+        return _Run(system, control, follower, until, int(steps), bar).go(at)
 
 
 class _Run:
@@ -164,29 +170,22 @@ class _Run:
 
     def __init__(
         self, system: System, control: ArcLength | DisplacementControl, follower: Follower,
-        until: float | DisplacementReached | None,
-    ):  # fmt: skip
+        until: float | DisplacementReached | None, steps: int, bar: Progress,
+    ) -> None:  # fmt: skip
         self.system, self.control, self.follower = system, control, follower
         self.end = None if until is None else end_of_path(system, until, system.undeformed)
+        self.steps, self.bar = steps, bar
         self.points: list[Point] = []
         self.events: list[Event] = []
+        self.first, self.length = 0.0, 1.0
 
-    def go(self, start: Solution, steps: int, bar: Progress) -> PathResult:
-        try:
-            status, message = self._go(start, steps, bar)
-        except KeyboardInterrupt:
-            status, message = Status.INTERRUPTED, "interrupted from the keyboard"
-        except InputError:
-            raise
-        except Exception as error:  # whatever a load or the machine raises, what was computed is kept
-            if len(self.points) < 2:
-                raise
-            status, message = Status.FAILED, f"what was computed is kept: {error!r}"
+    def go(self, start: Solution) -> PathResult:
+        status, message = kept(lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed)
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
         checks = self._checks(points)
-        if status is Status.CONVERGED and (failed := failures(checks)):
-            status, message = Status.OUT_OF_BALANCE, failed
-        if status is not Status.CONVERGED:
+        if status.ok and (failed := failures(checks)):
+            status, message = Status.UNBALANCED, failed
+        if not status.ok:
             reached = f"load factor {points[-1].load_factor:.6g} after {len(points) - 1} steps"
             message = f"the path stopped at {reached}: {message}"
         return PathResult(
@@ -204,53 +203,63 @@ class _Run:
         balance = Balance.of_state(self.system, last.q, last.load_factor, points[0].q)
         return checks_of(balance.measured(sizes))
 
-    def _go(self, start: Solution, steps: int, bar: Progress) -> tuple[Status, str]:
-        follower, lengths = self.follower, self.control.steps
-        follower.measure = measure = self.control.on(self.system, start.q)
+    def _failed(self, error: Exception) -> str | None:
+        asked_wrongly = isinstance(error, InputError) or len(self.points) < 2
+        return None if asked_wrongly else f"what was computed is kept: {error!r}"
+
+    def _begin(self, start: Solution) -> End | None:
+        """The first point, and the length of the first step."""
+        self.follower.measure = measure = self.control.on(self.system, start.q)
         try:
-            point = follower.first_point(start.q, start.load_factor)
+            point = self.follower.first_point(start.q, start.load_factor)
         except SingularMatrix as singular:
             return Status.MECHANISM, f"the state at the start has no stiffness against some motion: {singular}"
         self.points.append(point)
-        first = self.control.first_length(measure, point.direction / (point.rate or 1.0), point.q)
-        if not (np.isfinite(first) and first):
-            return Status.NOT_FINITE, f"the load moves the structure by {first} at the start; look at its size"
+        along = point.direction / (point.rate or 1.0)
+        self.first = self.control.first_length(measure, along, point.q)
+        if not (np.isfinite(self.first) and self.first):
+            return Status.NOT_FINITE, f"the load moves the structure by {self.first} at the start; look at its size"
         if isinstance(self.control, ArcLength):
-            if not _moves(self.system, point.direction / (point.rate or 1.0)):
+            if not _moves(self.system, along):
                 return Status.STEP_TOO_SMALL, UNMOVED
             # A held film is a thousand times stiffer once it has moved a little than the tangent at the start says.
-            first /= max(1.0, largest_turn(self.system, first * point.direction) / FIRST_TURN)
-        step = 1.0
-        while len(self.points) <= steps:
-            length = min(step * first, measure.left(point.q))
-            result, following, sharp = follower.step(point, length)
-            if following is None:
-                step = length / first / lengths.cut
-                if step < lengths.smallest:
-                    return self._stuck(result, sharp, length)
-                continue
-            events: list[Event] = []
-            share = self._crossing(point, following)
-            if share is None:
-                events = events_between(follower, point, following, length)
-                share = self._crossing_before_limit(point, events, length)
-            if share is not None and self.end is not None:
-                found = follower.at_condition(point, following, self.end, share)
-                if found is None:
-                    step = length / first / lengths.cut
-                    if step < lengths.smallest:
-                        return Status.NOT_REACHED, CROSSED.format(point.load_factor, following.load_factor)
-                    continue
-                following, length = found
-                events = events_between(follower, point, following, length)
-            self.events += events
-            self.points.append(following)
-            point = following
-            bar.at(len(self.points) - 1, f"load factor {point.load_factor:.4g}, {len(result.residual_norms)} iterations")
-            if share is not None or measure.left(point.q) <= 1e-9 * first:
-                return Status.CONVERGED, ""
-            step = lengths.after(length / first if np.isinf(measure.left(point.q)) else step, len(result.residual_norms))
-        if self.end is not None or np.isfinite(measure.left(point.q)):
+            self.first /= max(1.0, largest_turn(self.system, self.first * point.direction) / FIRST_TURN)
+        return None
+
+    def _step(self) -> End | None:
+        """One step, or a shorter one to be tried next; ``length`` is that of the next, in units of the first."""
+        follower, lengths, point, first = self.follower, self.control.steps, self.points[-1], self.first
+        if len(self.points) > self.steps:
+            return self._out_of_steps(point)
+        length = min(self.length * first, follower.measure.left(point.q))
+        result, following, sharp = follower.step(point, length)
+        if following is None:
+            self.length = length / first / lengths.cut
+            return self._stuck(result, sharp, length) if self.length < lengths.smallest else None
+        events: list[Event] = []
+        share = self._crossing(point, following)
+        if share is None:
+            events = events_between(follower, point, following, length)
+            share = self._crossing_before_limit(point, events, length)
+        if share is not None and self.end is not None:
+            found = follower.at_condition(point, following, self.end, share)
+            if found is None:
+                self.length = length / first / lengths.cut
+                crossed = CROSSED.format(point.load_factor, following.load_factor)
+                return (Status.NOT_REACHED, crossed) if self.length < lengths.smallest else None
+            following, length = found
+            events = events_between(follower, point, following, length)
+        self.events += events
+        self.points.append(following)
+        left, iterations = follower.measure.left(following.q), len(result.residual_norms)
+        self.bar.at(len(self.points) - 1, f"load factor {following.load_factor:.4g}, {iterations} iterations")
+        if share is not None or left <= 1e-9 * first:
+            return Status.CONVERGED, ""
+        self.length = lengths.after(length / first if np.isinf(left) else self.length, iterations)
+        return None
+
+    def _out_of_steps(self, last: Point) -> End:
+        if self.end is not None or np.isfinite(self.follower.measure.left(last.q)):
             return Status.NOT_REACHED, "these were all the steps; ask for more, or go on from there with start=solution"
         return Status.CONVERGED, ""
 
@@ -277,7 +286,7 @@ class _Run:
         way = float(self.follower.measure.row(a.direction) @ (limit.solution.q - a.q))
         return way / length * (1 - np.sqrt(most / (most - before)))
 
-    def _stuck(self, result: NewtonResult, sharp: bool, length: float) -> tuple[Status, str]:
+    def _stuck(self, result: NewtonResult, sharp: bool, length: float) -> End:
         if isinstance(self.control, DisplacementControl) and (sharp or self._turning(length)):
             return Status.TURNED_BACK, (
                 "the controlled displacement has its turning point here; follow the path by ArcLength()"

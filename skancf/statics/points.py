@@ -54,7 +54,7 @@ class Follower:
         constraint = self._constraint(a, length)
         result = self._solve(a, a.q + length * a.direction, a.load_factor + length * a.rate, constraint)
         self.attempts.append(result)
-        if not result.converged:
+        if not result.ok:
             return result, None, False
         b = self._point(result, a)
         sharp = self._sharp(a, b)
@@ -64,7 +64,7 @@ class Follower:
         """The point of the path at a distance from ``a``, on the way to ``b`` at ``length``; None if it fails."""
         q, load_factor = interpolate(self, a, b, length, at)
         result = self._solve(a, q, load_factor, self._constraint(a, at))
-        if not result.converged or self.size(result.q - q) > STRAY * self.size(b.q - a.q):
+        if not result.ok or self.size(result.q - q) > STRAY * self.size(b.q - a.q):
             return None  # it may be on a branch that crosses
         return self._point(result, a)
 
@@ -74,7 +74,7 @@ class Follower:
         q, load_factor = interpolate(self, a, b, length, share * length)
         result = self._solve(a, q, load_factor, replace(end, origin=a.q))
         self.attempts.append(result)
-        if not result.converged:
+        if not result.ok:
             return None
         point = self._point(result, a)
         return None if self._sharp(a, point) else (point, self.distance(a, point))

@@ -21,6 +21,7 @@ from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motion
 from skancf.statics.newton import NewtonResult, System, factored, largest_turn
 from skancf.statics.stopping import Pull, work
 from skancf.statics.tangents import is_skew
+from skancf.system.dilation import pretension
 
 BUDGET = 600
 """Newton iterations in one relaxation; coarse meshes of pinched shells take 320."""
@@ -94,7 +95,7 @@ class Relaxation:
 
     def __init__(self, system: System, solver: DirectSolver, load_factor: float, solve: Callable[..., NewtonResult]) -> None:
         self.system, self.solver, self.load_factor, self.solve = system, solver, load_factor, solve
-        self.metric: BlockMatrix = system.pretension  # type: ignore[attr-defined]
+        self.metric: BlockMatrix = pretension(system)
         self._flow: _Flow | None = None
 
     def from_state(self, q: np.ndarray, origin: np.ndarray, budget: int = BUDGET) -> NewtonResult | None:
@@ -124,14 +125,14 @@ class Relaxation:
             used += held.iterations
             # Without a potential pivots do not tell, until they are what keeps the flow from an end.
             definite = not held.negative_pivots or not (flow.unstable or self.has_potential(held.q))
-            went = held.converged and (definite or self.rise(flow.q, held.q) < 0)
+            went = held.ok and (definite or self.rise(flow.q, held.q) < 0)
             flow.q = held.q if went else flow.q
             letting.after(held.iterations, went, definite)
             if letting.calm < flow.calm_enough:
                 continue
             free = self.solve(flow.q, self.load_factor, origin=origin)
             used, letting.calm = used + free.iterations, -1
-            if not free.converged:
+            if not free.ok:
                 continue
             if not free.negative_pivots:
                 return free
@@ -178,9 +179,10 @@ class Relaxation:
 
     def _far(self, change: np.ndarray) -> float:
         """Largest displacement in a change, over that of a push."""
-        positions = self.system.undeformed.reshape(-1, 4, 3)[:, 0]
+        layout: Any = self.system.layout  # type: ignore[attr-defined]
+        positions = layout.positions(self.system.undeformed)
         push = PUSH * float(np.linalg.norm(np.ptp(positions, axis=0)))
-        return float(np.abs(change.reshape(-1, 4, 3)[:, 0]).max()) / push
+        return float(np.abs(layout.positions(change)).max()) / push
 
 
 def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:

@@ -7,7 +7,8 @@ from skancf.arguments import plain, whole
 from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, positive
 from skancf.solution import Solution
-from skancf.statics.newton import OPEN, NewtonResult, Status
+from skancf.solving import Status
+from skancf.statics.newton import OPEN, NewtonResult
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class HalveAndGrow:
             raise InputError(f"growth = {self.growth}: an easy step must not become shorter, give at least one")
 
     def next_step(self, step: float, result: NewtonResult) -> float:
-        if not result.converged:
+        if not result.ok:
             return step / self.cut
         return step * self.growth if result.iterations <= self.easy else step
 
@@ -44,7 +45,7 @@ class StaticResult:
     Attributes
     ----------
     solution : Solution
-        The last equilibrium found; the asked one if ``status`` is converged.
+        The last equilibrium found; the asked one if ``ok``.
     status : Status
     path : tuple of Solution
         Every equilibrium on the way.
@@ -84,6 +85,11 @@ class StaticResult:
         limits of the checks."""
         return self.attempts[-1][1].bound if self.attempts else 0.0
 
+    @property
+    def ok(self) -> bool:
+        """Whether the asked equilibrium was found and passed its checks."""
+        return self.status.ok
+
     def unwrap(self) -> Solution:
         """The solution, or :class:`~skancf.DidNotConverge`.
 
@@ -91,6 +97,6 @@ class StaticResult:
         """
         if self.status is Status.ROUNDING and self.bound <= OPEN:
             warnings.warn(self.message, OutOfDepth, stacklevel=2)
-        elif self.status is not Status.CONVERGED:
+        elif not self.ok:
             raise DidNotConverge(self.message, self.attempts[-1][1].residual_norms if self.attempts else ())
         return self.solution

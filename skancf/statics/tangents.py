@@ -14,6 +14,8 @@ from skancf.system.system import System
 
 # A skew part so small against the stiffness is rounding, of edges that are held or lie in a plane of symmetry.
 ROUNDING = 1e-12
+STEP = 1e-5
+"""Of a difference, relative to the size of the body: its square, and rounding over it, are small."""
 SYMMETRIC_ONLY = (
     "Loads that follow a free edge have no potential, so that the tangent is not symmetric: only its symmetric part is "
     "counted, and flutter is not found; a run of simulate(system) shows it"
@@ -38,7 +40,21 @@ def geometric_stiffness(system: System, change: np.ndarray, load_factor: float =
     power = int(np.frexp(np.abs(start).max())[1] - np.frexp(size)[1]) if size else 0
     stresses = system.stresses(start, np.ldexp(change, power)) - system.stresses(start)
     scaled = system.tangent(start, Case(float(np.ldexp(load_factor, power))), stresses)
-    return BlockMatrix(scaled.pattern, np.ldexp(scaled.values - system.stiffness().values, -power))
+    values = scaled.values - system.stiffness().values
+    if others := _change_of_others(system, np.ldexp(change, power)):
+        values += others.values
+    return BlockMatrix(scaled.pattern, np.ldexp(values, -power))
+
+
+def _change_of_others(system: Any, change: np.ndarray) -> BlockMatrix | None:
+    """Derivative of the tangent of terms beside the shell along a change of the size of the body, by differences."""
+    start, others = system.undeformed, getattr(system, "others", None)
+    if not others:
+        return None
+    after, before = (others.tangent(start + sign * STEP * change) for sign in (1.0, -1.0))
+    if after is None or before is None:
+        return None
+    return BlockMatrix(after.pattern, (after.values - before.values) / (2 * STEP))
 
 
 def state_tangent(system: System, state: Solution | None) -> BlockMatrix:

@@ -114,6 +114,8 @@ class Balance:
         Twice the strain energies of the state and of the beginning of its way (J).
     pushed : bool
         Supports move.
+    others : (n_dofs,) array or None
+        Of the internal forces, those that the shell does not have.
     """
 
     system: Any
@@ -124,6 +126,7 @@ class Balance:
     loads: np.ndarray
     energy: float
     pushed: bool
+    others: np.ndarray | None
 
     @classmethod
     def of_state(cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> "Balance":
@@ -132,13 +135,17 @@ class Balance:
         if (origin != system.undeformed).any() or system.shell.held_back(FULL) is not None:
             energy += float(system.strain_energy(origin, Case(load_factor)))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())
-        return cls(system, q, q, q - origin, system.internal_force(q), loads, 2 * energy, pushed)
+        case = Case(load_factor)
+        others = system.others.force(q, None, case) if system.others else None
+        internal = system.internal_force(q, None, case)
+        return cls(system, q, q, q - origin, internal, loads, 2 * energy, pushed, others)
 
     @classmethod
     def of_small_change(cls, system: Any, change: np.ndarray, load_factor: float) -> "Balance":
         start, internal = system.undeformed, system.stiffness() @ change
         loads, pushed = load_factor * system.external_force(start), bool(system.prescribed().any())
-        return cls(system, start, change, change, internal, loads, float(internal @ change), pushed)
+        others = None if system.foundation is None else system.foundation @ change
+        return cls(system, start, change, change, internal, loads, float(internal @ change), pushed, others)
 
     @cached_property
     def free(self) -> np.ndarray:
@@ -179,11 +186,12 @@ class Balance:
 
         The sum of the magnitudes of nodal loads, moments over the extent; of the reactions where nothing but supports moves.
         """
-        nodal = self.place.reshape(-1, 4, 3)
-        lever = float((nodal[:, 0].max(axis=0) - nodal[:, 0].min(axis=0)).max())
+        layout = self.system.layout
+        nodal, positions = layout.nodal(self.place), layout.positions(self.place)
+        lever = float((positions.max(axis=0) - positions.min(axis=0)).max())
         forces = self.internal - self.loads - self.free if self.pushed else self.loads
-        sizes, arms = (np.sqrt(v * v @ np.ones(3)) for v in (forces.reshape(-1, 4, 3), nodal))
-        arms[:, 0] = lever
+        sizes, arms = (np.sqrt(v * v @ np.ones(3)) for v in (layout.nodal(forces), nodal))
+        arms[layout.moving, 0] = lever
         return float(np.vdot(sizes, arms)) / lever, lever
 
     def left(self) -> tuple[float, float]:
@@ -192,9 +200,9 @@ class Balance:
         Sums over the whole body, to which internal forces do not contribute.
         """
         # Loads and reactions are what internal forces leave of the residual on the free coordinates.
-        nodal, total = self.place.reshape(-1, 4, 3).copy(), self.internal - self.free
-        if (springs := self.system.foundation) is not None:
-            total = total - springs @ (self.moved if self.moved is self.way else self.place - self.system.undeformed)
-        nodal[:, 0] -= nodal[0, 0].copy()
-        force, moment = total.reshape(-1, 4, 3)[:, 0].sum(axis=0), sum_of_cross(nodal, total)
+        layout, total = self.system.layout, self.internal - self.free
+        if self.others is not None:
+            total = total - self.others
+        nodal = layout.arms(self.place, layout.nodal(self.place)[0, 0].copy())
+        force, moment = layout.positions(total).sum(axis=0), sum_of_cross(nodal, total)
         return float(np.sqrt(force @ force)), float(np.sqrt(moment @ moment))

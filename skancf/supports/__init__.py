@@ -1,5 +1,6 @@
 """Supports: which nodal coordinates are held, moved as prescribed, or held by springs and dashpots."""
 
+from skancf.layout.singularities import Singularity
 from skancf.supports.conditions import Support
 from skancf.supports.driven import DrivenClamp
 from skancf.supports.elastic import Dashpot, Foundation, Spring
@@ -10,5 +11,5 @@ ALL = [Clamp, Dashpot, DrivenClamp, Foundation, NoRotation, Pin, Prescribed, Rol
 
 __all__ = [
     "ALL", "Clamp", "Dashpot", "DrivenClamp", "Foundation", "NoRotation", "Pin", "Prescribed", "Roller", "SimpleSupport",
-    "Spring", "Support", "Symmetry",
+    "Singularity", "Spring", "Support", "Symmetry",
 ]  # fmt: skip

@@ -13,20 +13,30 @@ nodes inside as well, as one with a wide tolerance is, is warned of too, unless 
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from skancf.errors import InputError
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.terms.protocols import Assembly
 from skancf.theories.rows import Row, condition
 from skancf.vectors import cross
 
 
 class Support:
-    """What a problem knows of a support: conditions, springs or dashpots."""
+    """What a problem knows of a support: conditions, springs or dashpots.
+
+    Attributes
+    ----------
+    holds : tuple of str
+        What it holds where it has a place ``where``, the kinds of a :class:`~skancf.supports.Singularity`: positions in all
+        directions, in part, normals.
+    """
+
+    holds: ClassVar[tuple[str, ...]] = ("part",)
 
     @property
     def histories(self) -> tuple[Any, ...]:
@@ -44,6 +54,15 @@ class Support:
     def dashpots(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
         """The same of forces in proportion to velocities."""
         return []
+
+    def singularities(self, geometry: Geometry) -> list[Singularity]:
+        """What it does that is not smooth; by default what it ``holds`` at its place ``where``, if it has one, and with a
+        ``kind`` of ``"hard"`` the tilt along its edges."""
+        if not hasattr(self, "where"):
+            return []
+        kinds = self.holds + ("tilt",) * (getattr(self, "kind", None) == "hard")
+        name = type(self).__name__
+        return at_place(geometry, self.where, kinds, f"{'an' if name[0] in 'AEIOU' else 'a'} {name}")
 
 
 Edges = dict[int, list[np.ndarray]]

@@ -62,6 +62,7 @@ class DrivenClamp(Support):
     >>> hub = sk.DrivenClamp("left", axis=(0.0, 0.0, 1.0), angle=lambda t: 3.0 * t**2)
     """
 
+    holds = ("position", "normal")
     where: Any
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     through: tuple[float, float, float] = (0.0, 0.0, 0.0)

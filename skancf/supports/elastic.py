@@ -10,6 +10,7 @@ from skancf.errors import InputError, positive, unit_vector, vector
 from skancf.functions import is_function, values_at
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL, POINTS
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.supports.conditions import Support
 from skancf.terms.protocols import Assembly
 
@@ -116,6 +117,9 @@ class Dashpot(Support):
 
     def dashpots(self, assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:
         return on_place(assembly.geometry, self.where, "damping", self.damping)
+
+    def singularities(self, geometry: Geometry) -> list[Singularity]:
+        return at_place(geometry, self.where, self.holds, "a Dashpot", at_rest=False)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,7 @@ def checked_kind(kind: str) -> str:
 class Pin(Support):
     """Positions held, as by a hinge along an edge or a ball joint at a point; rotations are free."""
 
+    holds = ("position",)
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
@@ -39,6 +40,7 @@ class Clamp(Support):
     At single points the position, the normal and the rotation about it are held; the surface may stretch there.
     """
 
+    holds = ("position", "normal")
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
@@ -53,6 +55,7 @@ class NoRotation(Support):
     With :class:`Roller` a clamped edge that is free to slide in the surface.
     """
 
+    holds = ("normal",)
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:
@@ -75,6 +78,7 @@ class SimpleSupport(Support):
         hard supports. ``"soft"`` leaves it free.
     """
 
+    holds = ("position",)
     where: Any
     kind: str = "soft"
 
@@ -153,6 +157,7 @@ class Symmetry(Support):
         theory where lines of the parameters do not cross the edge at right angles.
     """
 
+    holds = ("mirror",)
     where: Any
 
     def rows(self, geometry: Geometry) -> list[Row]:

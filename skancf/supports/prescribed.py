@@ -13,6 +13,7 @@ from skancf.functions import is_function, values_at
 from skancf.history import History, check_history
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
+from skancf.layout.singularities import Singularity, at_place
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import Edges, SpotOfMesh, Support, single_points
 from skancf.surfaces import normal
@@ -91,6 +92,11 @@ class Prescribed(Support):
             if u is not None:
                 rows += fields.rows(place, axis, lambda at, u=u: values_at("displacement", u, at))
         return rows if self.rotation is None else rows + self._rotated(geometry, place, fields)
+
+    def singularities(self, geometry: Geometry) -> list[Singularity]:
+        given = [u is not None for u in self._components(geometry)]
+        kinds = ("position",) * all(given) or ("part",) * any(given)
+        return at_place(geometry, self.where, kinds + ("normal",) * (self.rotation is not None), "a Prescribed")
 
     def _components(self, geometry: Geometry) -> list[Any]:
         """A number or a function of (x, y) for each direction, None where it is free."""

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError, finite
+from skancf.kernels.constants import VECTORS
 from skancf.system.system import System
 
 
@@ -19,13 +20,14 @@ def places_of(at: Any) -> np.ndarray:
 
 
 def probe(system: System, at: Any) -> sp.csr_matrix:
-    """Weights (n, 4 n_nodes) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
+    """Weights (n, 4 n_blocks) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
     vectors."""
     geometry = system.geometry
     elements, local = geometry.locate_all(places_of(at).T)
     table = geometry.theory.position_table(local.T)[0]
     point, row, column, value = geometry.local_entries(elements)
-    shape = (len(elements), 4 * geometry.n_nodes)
+    column = column + VECTORS * system.layout.part(system.shell.name).start
+    shape = (len(elements), VECTORS * system.layout.n_blocks)
     return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)
 
 
@@ -43,6 +45,6 @@ def _at_places(system: System, at: Any, field: Callable[..., np.ndarray], *vecto
     geometry, out = system.geometry, []
     for place in places_of(at):
         element, point = geometry.locate(place)
-        local = [geometry.local(v.reshape(-1, 4, 3), np.array([element])) for v in vectors]
+        local = [geometry.local(system.shell.nodal(v), np.array([element])) for v in vectors]
         out.append(field(*local, geometry.inside(point[:, None]), geometry.side[[element]])[0, :, 0])
     return np.array(out)

@@ -14,8 +14,7 @@ ROUNDING = 1e-12
 def rigid_motions(layout: Layout, size: float) -> np.ndarray:
     """The six rigid motions of the undeformed state, translations by ``size`` and rotations about the centre by one, linear:
     (6, n_dofs)."""
-    centred = layout.undeformed.copy()
-    centred[layout.moving, 0] -= layout.positions(centred).mean(axis=0)
+    centred = layout.arms(layout.undeformed, layout.positions(layout.undeformed).mean(axis=0))
     modes = np.zeros((6, *centred.shape))
     for i, axis in enumerate(AXES):
         modes[i, layout.moving, 0] = size * axis

@@ -7,18 +7,20 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+import skfem
 
-from skancf.history import FULL, Case, check_cover
+from skancf.history import FULL, Case
+from skancf.kernels.constants import BLOCK
+from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
-from skancf.system import dilation, rigid
-from skancf.system.unstressed import ByStrains, derivative
+from skancf.system.inertia import Inertia
+from skancf.system.unstressed import ByStrains, derivative, unstressed
 from skancf.terms.blocks import Blocks, SkewBlocks
-from skancf.terms.load import Loads
 from skancf.terms.protocols import Assembly, Prescription
 from skancf.terms.shell import Shell, total
+from skancf.terms.sums import Loads, Terms
 from skancf.terms.term import Term
-from skancf.vectors import sum_of_cross
 
 
 class System:
@@ -40,10 +42,12 @@ class System:
     Attributes
     ----------
     undeformed : (n_dofs,) array
+    terms : Terms
+        All of them, the shell first.
     loads : Loads
-        The terms that act from outside.
-    others : tuple of Term
-        Those of the structure, but for the shell.
+        Those that act from outside.
+    others : Terms
+        Those of the structure, but for the shell: springs, foundations, the user's own.
     choice
         With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
     """
@@ -57,12 +61,12 @@ class System:
         self.layout, self.shell, self.problem = layout, shell, problem
         self.constraints, self.prescription = constraints, prescription
         self.undeformed = layout.undeformed.ravel()
-        self.terms = (shell, *terms)
-        self.loads = Loads([term for term in terms if term.load], layout.n_dofs)
-        self.others = tuple(term for term in terms if not term.load)
+        self.terms = Terms([shell, *terms], layout.n_dofs, self.blocks)
+        self.loads = Loads([term for term in terms if term.load], layout.n_dofs, self.blocks)
+        self.others = Terms([term for term in terms if not term.load], layout.n_dofs, self.blocks)
         cells = {id(each): each for each in (term.couples() for term in self.terms) if each.size}
-        graph = BlockPattern.from_cells
-        self.pattern = graph([each.T for each in cells.values()], layout.n_blocks, 12, layout.places.T)
+        graph = tuple(each.T for each in cells.values())
+        self.pattern = BlockPattern.from_cells(graph, layout.n_blocks, BLOCK, layout.places.T)
         self._known = {key: (each, self.pattern.slots(each.T)) for key, each in cells.items()}
         for term in self.terms:
             term.bind(self.blocks())
@@ -94,19 +98,7 @@ class System:
     def internal_force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """Force of the structure, (n_dofs,): the derivative of its energy without that of free strains."""
         force = self.shell.internal_force(q)
-        return force + self.others_force(q, v, case) if self.others else force
-
-    def others_force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
-        """The part of it that the shell does not have: springs, foundations, terms of the user's own."""
-        return sum((term.force(q, v, case) for term in self.others), np.zeros(self.n_dofs))
-
-    def others_between(self, q0: np.ndarray, q1: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
-        """The same between two states, so that it does the work of the energy where terms know how."""
-        out = np.zeros(self.n_dofs)
-        for term in self.others:
-            between = term.between(q0, q1, case)
-            out += term.force(0.5 * (q0 + q1), v, case) if between is None else between
-        return out
+        return force + self.others.force(q, v, case) if self.others else force
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
         """Stresses at the integration points with their weights, extrapolated linearly along ``change``.
@@ -150,36 +142,12 @@ class System:
 
     @cached_property
     def _stiffness(self) -> BlockMatrix:
-        return BlockMatrix(self.pattern, self._unstressed().values, ByStrains(self.shell, self.undeformed, self.foundation))
-
-    def plain_stiffness(self) -> BlockMatrix:
-        """The same with membrane strains as they are, not assumed ones: an upper bound that locks on coarse meshes."""
-        return self._unstressed(plain=True)
-
-    def _unstressed(self, plain: bool = False) -> BlockMatrix:
-        blocks = self.blocks()
-        self.shell.add_stiffness(blocks, plain)
-        return blocks.matrix() if self.foundation is None else blocks.matrix() + self.foundation
+        return BlockMatrix(self.pattern, unstressed(self).values, ByStrains(self.shell, self.undeformed, self.foundation))
 
     @cached_property
     def foundation(self) -> BlockMatrix | None:
-        """Tangent of the structure's terms but for the shell in the undeformed state, that of springs; None without any."""
-        if not self.others:
-            return None
-        blocks = self.blocks()
-        for term in self.others:
-            term.add_tangent(self.undeformed, None, FULL, blocks)
-        return None if blocks.is_zero else blocks.matrix()
-
-    @cached_property
-    def pretension(self) -> BlockMatrix:
-        r"""Geometric stiffness G of a uniform dilation by one, a pretension that nothing but motion feels.
-
-        Positive semidefinite, zero for translations; of a flat isotropic plate
-        :math:`x \cdot G x = E h / (1 - \nu) \int |\nabla x|^2`. With a strain as its factor it counts against any
-        membrane stiffness, whatever the unit, density and law.
-        """
-        return dilation.pretension(self)
+        """Tangent of :attr:`others` in the undeformed state, that of springs; None where it is zero."""
+        return self.others.tangent(self.undeformed)
 
     def external_force(self, q: np.ndarray, case: Case = FULL) -> np.ndarray:
         """Loads and the forces of held back free strains, (n_dofs,)."""
@@ -199,19 +167,17 @@ class System:
         every = chain(*[term.histories() for term in self.terms], self.prescription.histories())
         return list({id(history): history for history in every if history is not None}.values())
 
-    def check_histories(self, begin: float, end: float) -> None:
-        """InputError where a load or a prescribed motion has a table that does not cover the times of a run (s)."""
-        for history in self.histories():
-            check_cover(history, begin, end)
-
     def strain_energy(self, q: np.ndarray, case: Case = FULL) -> float:
         """Energy of the structure (J): of the shell, see :meth:`~skancf.terms.shell.Shell.energy`, springs and foundations,
         and of other terms that have one."""
-        return self.shell.energy(q, case) + sum((term.energy(q, case) or 0.0 for term in self.others), 0.0)
+        return self.shell.energy(q, case) + self.others.energy(q, case)
 
     def linear_energy(self, change: np.ndarray, case: Case = FULL) -> float:
         """:meth:`strain_energy` of a small change of the undeformed state, quadratic in it."""
-        force, energy = self.shell.held_back_force(self.undeformed, case), self.stiffness().energy(change)
+        start = self.undeformed
+        force, energy = self.shell.held_back_force(start, case), self.stiffness().energy(change)
+        energy += self.others.energy(start, case)
+        energy += float(self.others.force(start, None, case) @ change)
         return energy if force is None else energy + self.shell.thermal_energy(case) - float(force @ change)
 
     def linearised(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
@@ -229,7 +195,7 @@ class System:
         with DirectSolver(self.pattern, self.constraints, backend) as solver:
             solver.factor(matrix)
             moved = self.prescribed()
-            answer = solver.solve(self.external_force(start) - matrix @ moved) + moved
+            answer = solver.solve(self.external_force(start) - self.others.force(start) - matrix @ moved) + moved
             solver.warn_if_lost()
             return answer
 
@@ -242,10 +208,15 @@ class System:
         return blocks.matrix()
 
     @cached_property
+    def inertia(self) -> Inertia:
+        """Sums with it: momenta, and the mass of everything."""
+        return Inertia(self.mass, self.layout)
+
+    @cached_property
     def viscous(self) -> BlockMatrix | None:
         r"""Forces in proportion to velocities, :math:`\alpha M` and the dashpots (N s/m); None without any.
 
-        The force on the body is -(viscous @ v); damping of the material is :attr:`retardation`.
+        The force on the body is -(viscous @ v); damping of the material is :attr:`Shell.retardation`.
         """
         damping = self.problem.damping
         of_mass = None if damping is None or not damping.mass else float(damping.mass) * self.mass
@@ -254,55 +225,26 @@ class System:
             term.add_viscous(blocks)
         return total([None if blocks.is_zero else blocks.matrix(), of_mass])
 
-    @property
-    def retardation(self) -> float:
-        r"""Factor :math:`\beta` of the strain rate in the stress, :math:`C (\varepsilon + \beta \dot\varepsilon)` (s)."""
-        return self.shell.retardation
-
-    def net_force(self, q: np.ndarray, v: np.ndarray, case: Case) -> np.ndarray:
-        """External less internal force and damping, (n_dofs,): what is left for inertia and supports."""
-        force = self.external_force(q, case) - self.internal_force(q, v, case) - self.shell.retarding_force(q, v)
-        return force if self.viscous is None else force - self.viscous @ v
-
-    @cached_property
-    def shares(self) -> np.ndarray:
-        """What the mass makes of a unit translation at the vectors of the blocks, (n_blocks, 4) (kg); at positions their sum
-        is the mass of everything."""
-        ones = np.zeros_like(self.layout.undeformed)
-        ones[self.layout.moving, 0, 0] = 1.0
-        return np.asarray(self.layout.nodal(self.mass @ ones.ravel())[:, :, 0])
-
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""
         return 0.5 * float(v @ (self.mass @ v))
 
     def momenta(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        r"""Linear momentum (N s) and angular momentum about the origin (N m s), (2, 3).
+        """Linear and angular momentum, (2, 3), see :meth:`skancf.system.inertia.Inertia.momenta`."""
+        return self.inertia.momenta(q, v)
 
-        What M v does on a translation and on a spin of everything: with the vectors :math:`q_i, (M v)_i` of all blocks,
-        :math:`\sum_i (M v)_i` over positions, and :math:`\sum_i q_i \times (M v)_i` over all.
+    def basis(self, intorder: int = 7, *, facets: Any = None, thickness: float | None = None) -> skfem.AbstractBasis:
+        """A basis of scikit-fem on the mesh with this theory's element: see :func:`skancf.layout.skfem_bridge.basis_on`.
+
+        ``system.basis().interpolate(system.to_mesh @ q)`` is the deformed surface in the state q.
         """
-        flow, nodal = self.layout.nodal(self.mass @ v), self.layout.nodal(q)
-        return np.stack([self.layout.positions(flow).sum(axis=0), sum_of_cross(nodal, flow)])
+        return skfem_bridge.basis_on(self.geometry, intorder, facets, thickness)
 
-    def state(self) -> dict[str, Any]:
-        """What terms remember between steps, by their number and name."""
-        return {f"{k}.{name}": value for k, term in enumerate(self.terms) for name, value in term.state().items()}
+    @cached_property
+    def to_mesh(self) -> sp.csr_matrix:
+        r"""T, from the nodal coordinates to the degrees of freedom of :meth:`basis`, (12 n_mesh_nodes, n_dofs).
 
-    def restore(self, state: dict[str, Any]) -> None:
-        """Go back to what :meth:`state` gave."""
-        for k, term in enumerate(self.terms):
-            own = {name.partition(".")[2]: value for name, value in state.items() if name.partition(".")[0] == str(k)}
-            term.restore(own)
-
-    def free_rigid_motions(self) -> list[str]:
-        """Rigid motions that no support and no spring holds, in words."""
-        return rigid.free_rigid_motions(self)
-
-    def largest_turn(self, change: np.ndarray) -> float:
-        """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""
-        return dilation.largest_turn(self.geometry, self.shell.nodal(change))
-
-    def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
-        """The first element that folded, and its undeformed place; None without one: see :mod:`skancf.layout.folds`."""
-        return dilation.first_fold(self.geometry, self.shell.nodal(q))
+        The identity on open meshes without hanging nodes. A form's force f and stiffness K on the basis are
+        :math:`T^T f` and :math:`T^T K T` here.
+        """
+        return skfem_bridge.unknowns_to_mesh(self.geometry, self.layout, self.shell.name)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.terms.protocols import Assembly
+from skancf.linear import BlockMatrix
 from skancf.terms.shell import Shell
 
 LARGE = 100
@@ -63,6 +63,16 @@ class ByStrains:
         return self._assembly.stresses(self._undeformed, None, keep_strains=True)[0]
 
 
+def unstressed(system: Any, plain: bool = False) -> BlockMatrix:
+    """Tangent of the undeformed state without stresses of the shell.
+
+    ``plain``: with membrane strains as they are, not assumed ones, an upper bound that locks on coarse meshes.
+    """
+    blocks = system.blocks()
+    system.shell.add_stiffness(blocks, plain)
+    return blocks.matrix() if system.foundation is None else blocks.matrix() + system.foundation
+
+
 def enlarged(vector: np.ndarray) -> tuple[np.ndarray, int]:
     """A vector times a power of two, and the power."""
     size = float(np.abs(vector).max(initial=0.0))
@@ -70,10 +80,10 @@ def enlarged(vector: np.ndarray) -> tuple[np.ndarray, int]:
     return np.ldexp(vector, power), power
 
 
-def of_change(assembly: Assembly, at: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Strains and stresses of a small change of nodal coordinates (n_nodes, 4, 3), to first order."""
-    large, power = enlarged(change.reshape(at.shape))
-    rest, moved = (assembly.stresses(at, step, keep_strains=True) for step in (None, large))
+def of_change(shell: Shell, at: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Strains and stresses of a small change of unknowns (n_dofs,), to first order."""
+    large, power = enlarged(shell.nodal(change))
+    rest, moved = (shell.assembly.stresses(shell.nodal(at), step, keep_strains=True) for step in (None, large))
     strains, stresses = (np.ldexp(b - a, -power) for a, b in zip(rest, moved, strict=True))
     return strains, stresses
 

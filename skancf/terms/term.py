@@ -12,6 +12,7 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.layout.layout import Layout
+from skancf.layout.singularities import Singularity, places_of
 from skancf.terms.blocks import Blocks
 
 
@@ -71,16 +72,25 @@ class Term:
         """Its functions of time, among them None for one that is constant."""
         return [getattr(self, "history", None)]
 
+    def singularities(self, case: Case) -> list[Singularity]:
+        """What it does that is not smooth: see :class:`~skancf.layout.singularities.Singularity`. Default: nothing."""
+        return []
+
     def places(self, case: Case) -> np.ndarray:
-        """Points (2, n) of the parameter plane at which it acts, if it is at some only; else (2, 0)."""
-        return np.empty((2, 0))
+        """Points (2, n) of the parameter plane at which it acts, if it is at some only; else (2, 0). Default: the single
+        points of its singularities."""
+        return places_of(self.singularities(case))
 
     def impulse(self) -> tuple[float, np.ndarray] | None:
         """A time (s) and the impulse (n_dofs,) that acts then; None of what acts all the time."""
         return None
 
+    def reached(self, q: np.ndarray, v: np.ndarray, case: Case) -> None:
+        """Called at the end of every accepted step of a motion: what a term remembers changes here alone, since steps are
+        tried, and forces asked for, more often. Default: nothing."""
+
     def state(self) -> dict[str, Any]:
-        """What it remembers between steps, arrays and numbers by name. Default: nothing."""
+        """What it remembers between steps, see :class:`~skancf.dynamics.HasState`. Default: nothing."""
         return {}
 
     def restore(self, state: dict[str, Any]) -> None:

@@ -6,6 +6,7 @@ from skancf.elements.nodal import nodal_jacobian
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.history import FULL, Case
 from skancf.layout.geometry import Geometry
+from skancf.layout.layout import nodal
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
 from skancf.terms.shell import total
@@ -72,7 +73,7 @@ def coupled(
     """Shear forces (m, 2, n) that balance forces per area times their height above the surface, (3,)."""
     elements = np.arange(geometry.n_elements) if elements is None else elements
     along = _frame(geometry, points, elements)[1]
-    now = geometry.theory.jets(geometry.local(q.reshape(-1, 4, 3), elements), points)[:2]
+    now = geometry.theory.jets(geometry.local(nodal(q)[: geometry.n_nodes], elements), points)[:2]
     return np.asarray(np.einsum("fgep,gkep,k->efp", along, now, couple))
 
 

@@ -22,10 +22,10 @@ from functools import cached_property
 
 import numpy as np
 
-from skancf.functions import values_at
 from skancf.history import FULL, Case
-from skancf.loads import EdgeMoment
+from skancf.system.regularity import singularities
 from skancf.system.system import System
+from skancf.terms.load import LoadTerm
 from skancf.theories.kirchhoff.theory import local_frame
 from skancf.thinness.forces import BILINEAR, balancing, couple_of, coupled
 from skancf.thinness.moments import Moments, moments_of, moments_of_small
@@ -54,8 +54,8 @@ class ShearForm:
 
     def __init__(self, system: System, case: Case = FULL):
         self.system, self.geometry, self.case = system, system.geometry, case
-        rim = rim_of(system)
-        self._facets, self._strong = rim.tilting, rim.strong(case)
+        rim, found = rim_of(system), singularities(system, case)
+        self._facets, self._strong = rim.tilting, rim.strong(found)
         section = system.problem.section
         self._compliance = np.linalg.inv(section.shear_stiffness())
         points, weights = BILINEAR
@@ -148,11 +148,11 @@ class ShearForm:
         """Twisting moments that loads apply along the edges, (n_facets, n): t . (m x e3) of a moment m."""
         out, (t, _, e) = np.zeros(self._lengths.shape), self._frame
         along = np.einsum("amn,aimn->imn", t, e[:2])
-        for load in (load for load in self.system.problem.loads if isinstance(load, EdgeMoment)):
-            here = np.isin(self._facets, self.geometry.points_and_facets(load.where)[1])
-            at = self.geometry.parameters(self._points[here], self._elements[here])
-            m = self.case.amplitude(load.history) * values_at("moment", load.moment, at, 3)
-            out[here] += (along[:, here] * cross(m, e[2][:, here])).sum(axis=0)
+        at = self.geometry.parameters(self._points, self._elements)
+        acting = (load.acting for load in self.system.loads if isinstance(load, LoadTerm))
+        for m in (load.edge_moments(self._facets, at, self.case) for load in acting):
+            if m is not None:
+                out += (along * cross(m, e[2])).sum(axis=0)
         return out
 
     def product(self, one: Fields, two: Fields) -> float:

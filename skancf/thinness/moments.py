@@ -48,7 +48,7 @@ def moment_rates(system: System, q: np.ndarray, change: np.ndarray) -> Moments:
     geometry, theory = system.geometry, system.geometry.theory
 
     def local(v: np.ndarray, elements: np.ndarray) -> np.ndarray:
-        return geometry.local(v.reshape(-1, 4, 3), elements)
+        return geometry.local(system.shell.nodal(v), elements)
 
     def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
         pick = np.arange(geometry.n_elements) if elements is None else elements

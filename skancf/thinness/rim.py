@@ -1,17 +1,14 @@
 """Where on its rim a plate lets its directors tilt, and near which points the thin theory means nothing."""
 
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError
-from skancf.history import Case
 from skancf.kernels.constants import R_X, R_Y, R
-from skancf.supports import Dashpot
+from skancf.layout.singularities import Singularity, beside_each_other, nodes_at
 from skancf.surfaces import normal
+from skancf.system.regularity import facets_of, of_supports
 from skancf.system.system import System
 
 FREE, MIRROR, SUPPORTED, CLAMPED = range(4)
@@ -48,32 +45,20 @@ class Rim:
     def tilting(self) -> np.ndarray:
         """Facets along which directors tilt freely: free and elastic edges, and soft supports, (k,).
 
-        The thin nodes do not know it of a support; one with the attribute ``kind`` of value ``"hard"`` keeps the tilt.
+        The thin nodes do not know it of a support, which says that it holds the tilt.
         """
-        out = (self.kinds == FREE) | (self.kinds == SUPPORTED)
-        for support, _, facets in self._placed:
-            if getattr(support, "kind", None) == "hard":
-                out &= ~np.isin(self.facets, facets)
-        return np.asarray(self.facets[out])
+        held = facets_of(of_supports(self.system), "tilt")
+        return np.asarray(self.facets[((self.kinds == FREE) | (self.kinds == SUPPORTED)) & ~np.isin(self.facets, held)])
 
-    @cached_property
-    def _placed(self) -> list[tuple[Any, np.ndarray, np.ndarray]]:
-        """Supports with a place, its nodes and facets; not those of the user's own whose ``where`` means something else."""
-        out = []
-        for support in self.system.problem.supports:
-            with suppress(InputError):
-                if hasattr(support, "where"):
-                    out.append((support, *self.system.geometry.points_and_facets(support.where)))
-        return out
-
-    def strong(self, case: Case) -> np.ndarray:
+    def strong(self, found: list[Singularity]) -> np.ndarray:
         """Positions (3, k) of points about which the energy of the thin theory's shear forces has no limit.
 
         Those are corners, and forces, moments and supports at single points.
         """
         geometry = self.system.geometry
-        loads = [at for at in (load.places(case) for load in self.system.loads) if at.shape[1] == 1]
-        return np.asarray(geometry.surface.position(*np.hstack([geometry.points[:, self._corners | self._single], *loads])))
+        loads = [each.alone for each in found if each.pushes("force") or each.pushes("moment")]
+        nodes = geometry.points[:, self._corners | self._single(found)]
+        return np.asarray(geometry.surface.position(*np.hstack([nodes, *loads])))
 
     @cached_property
     def _angles(self) -> np.ndarray:
@@ -116,19 +101,15 @@ class Rim:
         D = self.system.problem.section.abd()[3:, 3:]
         return bool((D[:2, 2] ** 2 > COUPLED**2 * D[2, 2] * D.diagonal()[:2]).any())
 
-    @property
-    def _single(self) -> np.ndarray:
+    def _single(self, found: list[Singularity]) -> np.ndarray:
         """Nodes held or sprung on their own, (n_nodes,), but not the free corners of up to 90 degrees that only rest: there
         the thin theory carries the force by its twisting moment."""
         geometry = self.system.geometry
-        out, (one, two) = np.zeros(geometry.n_nodes, dtype=bool), geometry.ends(np.arange(geometry.mesh.facets.shape[1]))
-        for support, nodes, facets in self._placed:
-            if isinstance(support, Dashpot):
-                continue
-            alone = np.isin(np.arange(geometry.n_nodes), np.setdiff1d(nodes, geometry.ends(facets)))
-            pairs = alone[one] & alone[two] & (one != two)
-            alone[np.concatenate([one[pairs], two[pairs]])] = False
-            out |= alone
+        out = np.zeros(geometry.n_nodes, dtype=bool)
+        for each in found:
+            if each.holds and each.at_rest:
+                nodes = nodes_at(geometry, each.alone)
+                out[nodes[~beside_each_other(geometry, nodes)]] = True
         on_edges = np.isin(np.arange(geometry.n_nodes), geometry.ends(self.facets[self.kinds >= SUPPORTED]))
         resting = ~self.held[:, R_X] & (self._angles < np.pi / 2 + MORE)
         return out & ~on_edges & ~resting
@@ -139,7 +120,7 @@ def rim_of(system: System) -> Rim:
     geometry, facets = system.geometry, system.geometry.boundary
     with np.errstate(invalid="ignore", divide="ignore"):
         n = np.nan_to_num(normal(geometry.surface, *geometry.points).T)  # none at a pole
-    held = np.einsum("na,nkab,nb->nk", n, system.constraints.of_vectors(), n) > HELD
+    held = np.einsum("na,nkab,nb->nk", n, system.constraints.of_vectors()[: len(n)], n) > HELD
     ends, (x, y) = geometry.ends(facets), np.abs(geometry.facet_directions(facets))
     across = np.where(y > x, R_X, R_Y)
     deflection, rotation = ((held[ends, kind] & (ends >= 0)).all(axis=0) for kind in (R, across))

@@ -10,6 +10,7 @@ import numpy as np
 
 from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver, factor_shifted, soft_motions
+from skancf.system.rigid import free_rigid_motions
 from skancf.system.system import System
 from skancf.thinness.form import ShearForm
 from skancf.thinness.moments import moment_rates
@@ -24,7 +25,7 @@ def product_of(form: ShearForm, q: np.ndarray, shape: np.ndarray) -> float:
 def rotary_inertia(system: System, q: np.ndarray, shape: np.ndarray) -> float:
     r""":math:`\int \rho z^2 dz \int |\delta n|^2 dA`, which a small motion adds to :math:`\phi \cdot M \phi`."""
     geometry, section = system.geometry, system.problem.section
-    local, rates = (geometry.local(v.reshape(-1, 4, 3)) for v in (q, shape))
+    local, rates = (geometry.local(system.shell.nodal(v)) for v in (q, shape))
     turned = geometry.integration.gathered(
         lambda points, e: geometry.theory.normal_rates(local[e], rates[e], points, geometry.side[e])
     )
@@ -47,7 +48,7 @@ def first_share(system: System) -> float:
         Where some motion has neither stiffness nor mass.
     """
     stiffness: Any = system.stiffness()
-    rigid = len(system.free_rigid_motions())
+    rigid = len(free_rigid_motions(system))
     with DirectSolver(system.pattern, system.constraints) as solver:
         try:
             factor_shifted(solver, stiffness, system.mass)

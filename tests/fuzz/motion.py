@@ -26,10 +26,10 @@ def run(moving: Moving, system: Any, options: dict[str, Any], **more: Any) -> sk
         warnings.simplefilter("ignore", sk.OutOfDepth)
         motion = sk.simulate(system, options.pop("t_end"), **options)
     assert np.isfinite(motion.q).all(), "a state that is not finite"
-    if not motion.finished:
+    if not motion.ok:
         assert motion.message, f"{motion.status} without a word"
         seen[f"motion: {motion.status.value}"] += 1
-    assume(motion.finished)
+    assume(motion.ok)
     return motion
 
 
@@ -55,7 +55,7 @@ def energy(moving: Moving) -> None:
         have, given = getattr(ledger, name), getattr(ledger, f"{name}_impulse")
         left = np.linalg.norm(have - given - (have - given)[0], axis=1).max()
         arm = float(np.abs(nodal(system.undeformed)[:, 0]).max()) if name == "angular" else 1.0
-        largest = arm * np.sqrt(2 * size * float(np.abs(system.shares[:, 0]).sum()))
+        largest = arm * np.sqrt(2 * size * float(np.abs(system.inertia.shares[:, 0]).sum()))
         known = max(float(np.linalg.norm(part, axis=1).max()) for part in (have, given))
         allowed = 3e-6 * moving.steps * max(known, largest) + arm * np.sqrt(noise)
         bounded(f"{name} momentum without a source", float(left), allowed)
@@ -113,9 +113,9 @@ def restart(moving: Moving) -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         whole = part(f"{folder}/whole")
-        assume(whole.finished)
+        assume(whole.ok)
         stops["yet"] = True
-        assert not part(f"{folder}/parts").finished, "it did not stop"
+        assert not part(f"{folder}/parts").ok, "it did not stop"
         stops["yet"] = False
         differ = same(arrays(whole), arrays(part(f"{folder}/parts")))
     assert not differ, f"a restart changes {differ}"
@@ -127,7 +127,7 @@ def asked(moving: Moving) -> None:
     rtol = 3e-2
     one = run(moving, system, options, dt=None, rtol=rtol, outputs=11)
     two = run(moving, system, options, dt=options["t_end"] / FINE, outputs=11)
-    weights = np.abs(system.shares[:, 0])
+    weights = np.abs(system.inertia.shares[:, 0])
 
     def rms(u: np.ndarray) -> float:
         return float(np.sqrt((weights @ (u**2).sum(axis=2).T / weights.sum()).max()))

@@ -9,7 +9,8 @@ import skancf as sk
 from fuzz.case import Case
 from fuzz.judge import EPS, bounded, nodal, nothing, rounding, seen, sizes, stated, stored
 from skancf.linear import DirectSolver
-from skancf.statics import StaticResult, Status
+from skancf.solving import Status
+from skancf.statics import StaticResult
 from skancf.statics.newton import factored
 
 BALANCED = 1e-6

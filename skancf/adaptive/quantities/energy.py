@@ -40,4 +40,4 @@ class StrainEnergy:
             force, held = system.stiffness() @ state.change, system.shell.held_back_force(start, state.case)
         else:
             force, held = system.internal_force(state.q), system.shell.held_back_force(state.q, state.case)
-        return np.asarray(force if held is None else force - state.load_factor * held)
+        return np.asarray(force if held is None else force - held)

@@ -62,7 +62,8 @@ class Reaction:
             skew = system.skew(state.q, state.case)
             if skew is not None:
                 out = out - skew @ held
-        return np.asarray(out if system.foundation is None else out - system.foundation @ motion)
+        others = system.others.tangent(system.undeformed if state.linear else state.q, state.case)
+        return np.asarray(out if others is None else out - others @ motion)
 
     def lift(self, state: Solution) -> np.ndarray:
         """The motion P c of the support, (n_dofs,): with it the dual weight z - P c is smooth, the answer to a support that
@@ -71,7 +72,7 @@ class Reaction:
 
     def _motion(self, system: System) -> np.ndarray:
         """The nodes of the place moved by one, (n_dofs,)."""
-        out = np.zeros((system.geometry.n_nodes, 4, 3))
+        out = np.zeros_like(system.geometry.undeformed)
         nodes = slice(None) if self.where is None else system.geometry.nodes_on(self.where)
         out[nodes, 0] = unit_vector("direction", self.direction)
-        return out.ravel()
+        return system.shell.flat(out)

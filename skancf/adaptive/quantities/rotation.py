@@ -61,19 +61,19 @@ class Rotation(Smooth):
     def _value(self, state: Solution, q: np.ndarray) -> float:
         geometry = state.system.geometry
         place = self._place(geometry)
-        n = _normal(geometry, q, place.element, place.point)
+        n = _normal(geometry, state.system.shell.nodal(q), place.element, place.point)
         return float(np.arctan2(n @ place.t, n @ place.n0))
 
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
-        geometry = state.system.geometry
+        shell, geometry = state.system.shell, state.system.geometry
         element, point, n0, t = self._place(geometry)
-        n = _normal(geometry, q, element, point)
+        n = _normal(geometry, shell.nodal(q), element, point)
         by_normal = ((n @ n0) * t - (n @ t) * n0) / ((n @ n0) ** 2 + (n @ t) ** 2)
         # The rate of the normal is linear in that of the local vectors: one column for each of their components.
         each = np.eye(LOCAL).reshape(LOCAL, FUNCTIONS, AXES)
-        rates = geometry.theory.normal_rates(geometry.local(q.reshape(-1, 4, 3), element), each, point,
+        rates = geometry.theory.normal_rates(geometry.local(shell.nodal(q), element), each, point,
                                              geometry.side[element])[:, :, 0]  # fmt: skip
-        return geometry.nodal((rates @ by_normal).reshape(1, 16, 3), element).ravel()
+        return shell.flat(geometry.nodal((rates @ by_normal).reshape(1, FUNCTIONS, AXES), element))
 
     def _place(self, geometry: Geometry) -> Place:
         number, at = geometry.locate(self.at)
@@ -90,6 +90,6 @@ class Rotation(Smooth):
         return Place(element, point, n0, across / length)
 
 
-def _normal(geometry: Geometry, q: np.ndarray, element: np.ndarray, point: np.ndarray) -> np.ndarray:
-    local = geometry.local(q.reshape(-1, 4, 3), element)
+def _normal(geometry: Geometry, nodal: np.ndarray, element: np.ndarray, point: np.ndarray) -> np.ndarray:
+    local = geometry.local(nodal, element)
     return np.asarray(geometry.theory.normals(local, point, geometry.side[element])[0, :, 0])

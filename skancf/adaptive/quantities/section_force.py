@@ -85,11 +85,11 @@ class SectionForce(Smooth):
         if self.at is not None:
             elements, points, _ = self.weights(state.system)
             return gradient(state.system, q, int(elements[0]), points, np.eye(len(COMPONENTS))[self._row])
-        out = np.zeros(q.shape)
+        out, shell = np.zeros(q.shape), state.system.shell
         for elements, points, weights in self._of_kinds(state.system):
             of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
             of_all[:, self._row] = weights
-            out += state.system.assembly.section_force_gradient(q.reshape(-1, 4, 3), elements, points, of_all).ravel()
+            out += shell.flat(shell.assembly.section_force_gradient(shell.nodal(q), elements, points, of_all))
         return out
 
     def scale(self, state: Solution) -> float:

@@ -72,8 +72,8 @@ def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSecti
     turn, area = covariant_to_local(jets, tangents, geometry.side[representative])
     areas = area * integration.weights[kinds]
     turns, curvature = turn.transpose(2, 3, 0, 1), local_curvature(jets, turn)
-    local = section.section.abd() if section.centred else section.law(curvature)
-    law = (turns.swapaxes(2, 3) @ local @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
+    in_frame = section.section.abd() if section.centred else section.law(curvature)
+    law = (turns.swapaxes(2, 3) @ in_frame @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
     scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
     k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > 1e-13 * np.outer(scale, scale)))
     whole = jets if integration.shared else theory.jets(vectors, theory.quadrature[0])

@@ -1,0 +1,56 @@
+"""What loads and supports say they do to the regularity of a solution, all of them together."""
+
+from collections.abc import Iterable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from skancf.errors import InputError, shown
+from skancf.functions import Noted, is_ours
+from skancf.history import FULL, Case
+from skancf.layout.singularities import Singularity
+from skancf.supports import Support
+from skancf.system.system import System
+
+
+def singularities(system: System, case: Case = FULL) -> list[Singularity]:
+    """Those of all supports, loads and other terms.
+
+    Raises
+    ------
+    InputError
+        Where a load, support or term of the user's own says something else.
+    """
+    out = of_supports(system)
+    for term in system.terms:
+        out += _checked("load" if term.load else "term", getattr(term, "acting", term), term.singularities, case)
+    return out
+
+
+def of_supports(system: System) -> list[Singularity]:
+    """Those of supports alone."""
+    out: list[Singularity] = []
+    for support in system.problem.supports:
+        # A class that is not derived from Support need not know of them.
+        said = getattr(support, "singularities", None) or partial(Support.singularities, support)
+        out += _checked("support", support, said, system.geometry)
+    return out
+
+
+def _checked(name: str, owner: Any, said: Any, argument: Any) -> Sequence[Singularity]:
+    if is_ours(owner):
+        found: Sequence[Singularity] = said(argument)
+        return found
+    with Noted(f"{name}.singularities"):
+        found = said(argument)
+    if not isinstance(found, list | tuple) or not all(isinstance(each, Singularity) for each in found):
+        raise InputError(f"{name}.singularities of {shown(owner)} = {shown(found)}: give a list of objects of "
+                         "skancf.supports.Singularity, an empty one if there are none")  # fmt: skip
+    return found
+
+
+def facets_of(found: Iterable[Singularity], *kinds: str) -> np.ndarray:
+    """Boundary facets along which all of these kinds act at once, (m,)."""
+    parts = [each.facets for each in found if set(kinds) <= set(each.kinds)]
+    return np.unique(np.concatenate([np.empty(0, dtype=int), *parts]))

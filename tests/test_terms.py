@@ -1,0 +1,238 @@
+"""Terms and unknowns of the user's own, in every solver: a body on a spring, and a second block at each node."""
+
+import numpy as np
+import pytest
+
+import skancf as sk
+from skancf.layout.layout import Layout, Part
+from skancf.terms import Addition, Term
+
+PLATE = sk.Rectangle(1.0, 1.0)
+MATERIAL = sk.Isotropic(1e7, 0.3, 1e3)
+STIFFNESS, MASS, TIP = 40.0, 3.0, (1.0, 1.0)
+theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
+
+
+class Quadratic(Term):
+    """The energy of springs between blocks, with a constant matrix, and masses of blocks."""
+
+    def __init__(self, layout, cells, matrix, mass=0.0, masses=(), weights=None):
+        self.layout, self.cells, self.matrix = layout, cells, matrix
+        self.weights = np.ones(len(cells)) if weights is None else weights
+        self.mass, self.masses = mass, np.asarray(masses, int)
+        self.undeformed = layout.undeformed.ravel()
+
+    def couples(self):
+        return self.cells
+
+    def _blocks(self, q):
+        return self.layout.blocks(q - self.undeformed)[self.cells].reshape(len(self.cells), -1)
+
+    def force(self, q, v, case):
+        out = np.zeros((self.layout.n_blocks, 12))
+        np.add.at(out, self.cells, (self.weights[:, None] * self._blocks(q) @ self.matrix).reshape(*self.cells.shape, 12))
+        return out.ravel()
+
+    def energy(self, q, case):
+        u = self._blocks(q)
+        return 0.5 * float(np.vdot(u, self.weights[:, None] * u @ self.matrix))
+
+    def add_tangent(self, q, v, case, blocks):
+        if not blocks.skew:
+            blocks.add(self.cells, self.weights[:, None, None] * self.matrix)
+
+    def add_mass(self, blocks):
+        if self.mass:
+            blocks.add(self.masses[:, None], np.repeat(self.mass * np.eye(12)[None], len(self.masses), axis=0))
+
+
+def between(k):
+    """Matrix (24, 24) of a spring between the first vectors of two blocks."""
+    out = np.zeros((24, 24))
+    for i in range(3):
+        out[np.ix_([i, 12 + i], [i, 12 + i])] = k * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return out
+
+
+def area_of_nodes(geometry, areas):
+    return np.bincount(geometry.nodes.ravel(), np.repeat(areas.sum(axis=1) / 4, 4), minlength=geometry.n_nodes)
+
+
+class Body(Addition):
+    """A body that hangs on the corner of a plate by a spring; its directors keep to themselves, by springs of their own."""
+
+    def __init__(self, stiffness=STIFFNESS, mass=MASS, held=False, at=TIP):
+        self.stiffness, self.mass, self.held, self.at = stiffness, mass, held, at
+
+    def part(self, geometry):
+        r = geometry.surface.position(*np.array(self.at)[:, None]).T
+        vectors = np.concatenate([r, np.eye(3)])[None]
+        held = np.zeros((1, 12), bool)
+        held[0, 3:] = True
+        held[0, :3] = self.held
+        return Part("body", vectors, np.ones((1, 12)), r, held)
+
+    def on(self, shell, layout):
+        cells = np.array([[shell.geometry.node_at(self.at), layout.part("body").start]])
+        return Quadratic(layout, cells, between(self.stiffness), self.mass, cells[0, 1:])
+
+
+class Second(Addition):
+    """A second block at every node, between springs to the node and to the ground: together one spring to the ground."""
+
+    def __init__(self, one=30.0, other=60.0, mass=0.0):
+        self.one, self.other, self.mass = one, other, mass
+
+    def part(self, geometry):
+        held = np.ones((geometry.n_nodes, 12), bool)
+        held[:, :3] = False
+        scales = np.ones((geometry.n_nodes, 12))
+        return Part("second", np.zeros((geometry.n_nodes, 4, 3)), scales, geometry.undeformed[:, 0], held, False, True)
+
+    def on(self, shell, layout):
+        n = shell.geometry.n_nodes
+        cells = np.column_stack([np.arange(n), layout.part("second").start + np.arange(n)])
+        matrix = between(self.one)
+        matrix[12:15, 12:15] += self.other * np.eye(3)
+        weights = area_of_nodes(shell.geometry, shell.assembly.areas)
+        return Quadratic(layout, cells, matrix, self.mass, cells[:, 1], weights)
+
+
+def problem(terms=(), loads=None, supports=None, **more):
+    loads = [sk.PointForce(TIP, (0.0, 0.0, -2.0))] if loads is None else loads
+    supports = [sk.Clamp("left")] if supports is None else supports
+    return sk.Problem(PLATE, 0.02, MATERIAL, supports, loads, terms=list(terms), **more)
+
+
+def on(terms=(), n=4, theory="kirchhoff", **more):
+    return problem(terms, **more).on(sk.meshes.uniform(PLATE, n, n), theory)
+
+
+def spring_at_nodes(k):
+    """The same as :class:`Second`, without unknowns of its own."""
+
+    class Springs(Addition):
+        def on(self, shell, layout):
+            matrix = np.zeros((12, 12))
+            matrix[:3, :3] = k * np.eye(3)
+            weights = area_of_nodes(shell.geometry, shell.assembly.areas)
+            return Quadratic(layout, np.arange(shell.geometry.n_nodes)[:, None], matrix, weights=weights)
+
+    return Springs()
+
+
+HELD, GROUNDED = [Body(held=True)], [sk.Clamp("left"), sk.Spring(TIP, (STIFFNESS,) * 3)]
+SAME = [
+    pytest.param({"terms": HELD}, {"supports": GROUNDED}, id="held body"),
+    pytest.param({"terms": [Second(30.0, 60.0)]}, {"terms": [spring_at_nodes(20.0)]}, id="second block"),
+]
+"""Problems with unknowns of their own, and the same without: springs in a row are one."""
+
+
+@theories
+@pytest.mark.parametrize("own, same", SAME)
+def test_statics_of_springs_in_a_row(theory, own, same):
+    """Linear and large deflections, paths, and the reactions: equal to what the tolerance of Newton's method leaves."""
+    one, other = on(theory=theory, **own), on(theory=theory, **same)
+    assert one.n_dofs > other.n_dofs
+    for solve in (sk.solve_linear, lambda s: sk.solve(s, rtol=1e-12).unwrap(),
+                  lambda s: sk.trace(s, until=1.0, rtol=1e-12).unwrap().solution):  # fmt: skip
+        a, b = solve(one), solve(other)
+        assert np.allclose(a.displacement(TIP), b.displacement(TIP), rtol=1e-8, atol=1e-12)
+        assert np.isclose(a.strain_energy, b.strain_energy, rtol=1e-8)
+        assert abs(a.displacement(TIP)[2]) > 0.01, "the load does something"
+    assert np.allclose(sk.solve_linear(one).reactions(), [0, 0, 2.0], atol=1e-9)
+
+
+@theories
+@pytest.mark.parametrize("own, same", SAME)
+def test_modes_and_buckling_of_springs_in_a_row(theory, own, same):
+    one, other = on(theory=theory, **own), on(theory=theory, **same)
+    a, b = (sk.modes(s, 3).frequencies for s in (one, other))
+    assert np.allclose(a, b, rtol=1e-7)
+    load = {"loads": [sk.EdgeLoad("right", (-1.0, 0.0, 0.0))]}
+    a, b = (sk.buckling(on(theory=theory, **each, **load), 1).load_factors[0] for each in (own, same))
+    assert np.isclose(a, b, rtol=1e-6)
+    assert not np.isclose(a, sk.buckling(on(theory=theory, **load), 1).load_factors[0], rtol=1e-2), "the springs count"
+
+
+@theories
+@pytest.mark.parametrize("rule", [sk.EnergyMomentum(rho_inf=1.0), sk.GeneralizedAlpha(0.8)])
+def test_motions_of_springs_in_a_row(theory, rule):
+    """The second block has hardly any inertia, so that it follows, and the ledger has the same energies."""
+    one, other = (on([term], n=2, theory=theory) for term in (Second(mass=1e-6), spring_at_nodes(20.0)))
+    a, b = (sk.simulate(s, 0.2, dt=0.01, rule=rule, newton_rtol=1e-10, balance=None, progress=False) for s in (one, other))
+    assert a.ok and b.ok
+    assert np.allclose(a.displacement(TIP), b.displacement(TIP), rtol=0, atol=1e-5 * np.abs(b.displacement(TIP)).max())
+    for name in ("kinetic", "strain", "work"):
+        scale = b.ledger.strain.max()
+        assert np.allclose(getattr(a.ledger, name), getattr(b.ledger, name), atol=1e-4 * scale), name
+
+
+def test_unknowns_without_inertia_are_named_in_motion():
+    with pytest.raises(sk.InputError, match=r"part 'second' has unknowns without inertia.*add_mass"):
+        sk.simulate(on([Second()], n=1), 0.1, progress=False)
+
+
+def test_a_free_plate_and_a_body_keep_their_momenta_and_energy():
+    """Nothing acts from outside; the spring is quadratic, so that the force in the middle does its work exactly."""
+    system = on([Body(at=(1.0, 1.0))], n=2, supports=[], loads=[])
+    v = np.zeros_like(system.layout.undeformed)
+    v[-1, 0] = [0.3, -0.2, 1.0]
+    motion = sk.simulate(system, 0.3, dt=0.01, rule=sk.EnergyMomentum(rho_inf=1.0), velocity=v.ravel(), progress=False)
+    ledger = motion.ledger
+    assert motion.ok and ledger.kinetic[0] == pytest.approx(0.5 * MASS * (0.3**2 + 0.2**2 + 1.0))
+    assert ledger.linear[0] == pytest.approx(MASS * np.array([0.3, -0.2, 1.0]))
+    assert ledger.strain.max() > 0.1 * ledger.kinetic[0], "the spring takes part"
+    assert np.abs(ledger.energy - ledger.energy[0]).max() < 1e-6 * ledger.energy[0]
+    # The spring pulls on centres at a distance, so that it has no moment about the middle.
+    assert np.abs(ledger.linear - ledger.linear[0]).max() < 1e-9 * MASS
+    assert np.abs(ledger.angular - ledger.angular[0]).max() < 1e-9 * MASS
+    moved = list(motion.states)[-1].change.reshape(-1, 12)[-1, :3]
+    assert np.linalg.norm(moved) > 0.05, "the body moves"
+
+
+@pytest.mark.parametrize("own, same", SAME)
+def test_adapt_with_unknowns_of_its_own(own, same):
+    """Meshes change, the body stays: the same number with an error bar that holds it."""
+    results = [sk.adapt(problem(**each), sk.Displacement(TIP, (0, 0, 1)), rtol=1e-3, linear=True, progress=False)
+               for each in (own, same)]  # fmt: skip
+    (a, b) = results
+    assert a.ok and b.ok and len(a.levels) == len(b.levels)
+    assert np.isclose(a.value, b.value, rtol=1e-6) and np.isclose(a.error_bar, b.error_bar, rtol=1e-3)
+    mesh = sk.meshes.quadtree(sk.meshes.uniform(PLATE, 1, 1), PLATE)
+    a, b = (sk.adapt(problem(**each), sk.Displacement(TIP, (0, 0, 1)), rtol=2e-2, mesh=mesh, progress=False)
+            for each in (own, same))  # fmt: skip
+    assert len(a.levels) == len(b.levels) > 1 and a.status is b.status
+    assert np.isclose(a.value, b.value, rtol=1e-6) and np.isclose(a.error_bar, b.error_bar, rtol=1e-2)
+
+
+def test_what_layouts_refuse():
+    part = Second().part(on(n=1).geometry)
+    with pytest.raises(sk.InputError, match="two parts have the name 'second'"):
+        Layout([part, part])
+    with pytest.raises(sk.InputError, match="part 'arm': the layout has 'second'"):
+        Layout([part]).part("arm")
+    with pytest.raises(sk.InputError, match="a vector of 3 nodal coordinates; this system has 48"):
+        Layout([part]).nodal(np.zeros(3))
+    with pytest.raises(sk.InputError, match=r"scales of part 'a'.*greater than zero"):
+        Part("a", np.zeros((1, 4, 3)), np.zeros((1, 12)), np.zeros((1, 3)))
+    with pytest.raises(sk.InputError, match=r"undeformed of part 'a', of shape \(1, 3\)"):
+        Part("a", np.zeros((1, 3)), np.ones((1, 12)), np.zeros((1, 3)))
+
+
+class Wrong(Addition):
+    def __init__(self, cells, matrix):
+        self.cells, self.matrix = np.asarray(cells), matrix
+
+    def on(self, shell, layout):
+        return Quadratic(layout, self.cells, self.matrix)
+
+
+def test_what_couples_blocks_that_are_not_there_is_named():
+    with pytest.raises(sk.InputError, match="cells name the nodes 0 to 40, the mesh has 0 to 3"):
+        on([Wrong([[0, 40]], between(1.0))], n=1)
+    with pytest.raises(sk.InputError, match=r"matrices of shape \(1, 12, 12\) for cells of shape \(1, 2\): give"):
+        sk.solve_linear(on([Wrong([[0, 1]], np.eye(12))], n=1))
+    with pytest.raises(sk.InputError, match=r"terms: .* is none"):
+        problem([3.0])

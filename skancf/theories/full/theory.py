@@ -128,7 +128,6 @@ class Full(DirectorNodes):
     shear = True
     softest = 1e-5
     bytes_per_element, bytes_per_shape = 12_500, 330_000
-    twist = False
 
     def __post_init__(self) -> None:
         flag("assumed", self.assumed)

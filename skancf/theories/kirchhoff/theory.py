@@ -80,7 +80,6 @@ class Kirchhoff(HermiteNodes):
     shear = False
     softest = 1e-3
     bytes_per_element, bytes_per_shape = 9_200, 13_000
-    twist = True
 
     def __post_init__(self) -> None:
         flag("assumed", self.assumed)

@@ -10,7 +10,7 @@ import numpy as np
 from skancf.arguments import choice, function, having, mapping, whole
 from skancf.atomic import AnyPath
 from skancf.dynamics.asked import asked_of
-from skancf.dynamics.checkpoint import Checkpoint
+from skancf.dynamics.checkpoint import Checkpoint, Writer
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion
@@ -187,7 +187,7 @@ def _go(
             raise InputError("resume = True: from which folder? Give it, as in checkpoint='run'")
         return *run.go(bar), None
     checkpoint = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
-    writer = checkpoint.attach(run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
+    writer = Writer(checkpoint, run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
     try:
         if writer.finished:
             return Status.FINISHED, "", writer.seconds

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite, pi, sin
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -71,10 +72,13 @@ class Case:
     time: float | None = None
 
     def __post_init__(self) -> None:
-        for name, value in (("factor", self.factor), ("time", self.time)):
-            # Solvers make one for each evaluation, of numbers of their own.
-            if not (type(value) is float and isfinite(value)) and (value is not None or name == "factor"):
-                object.__setattr__(self, name, number(name, value))
+        # Solvers make one for each evaluation, of numbers of their own.
+        plain = type(self.factor) is float and type(self.time) in (float, NoneType)
+        if plain and isfinite(self.factor + (self.time or 0.0)):
+            return
+        object.__setattr__(self, "factor", number("factor", self.factor))
+        if self.time is not None:
+            object.__setattr__(self, "time", number("time", self.time))
 
     def amplitude(self, history: History | None) -> float:
         """What a load with this history is multiplied by: its value at the time, see :func:`amplitude`, and the factor."""

@@ -48,8 +48,8 @@ def geometric_stiffness(system: System, change: np.ndarray, load_factor: float =
 
 def _change_of_others(system: Any, change: np.ndarray) -> BlockMatrix | None:
     """Derivative of the tangent of terms beside the shell along a change of the size of the body, by differences."""
-    start, others = system.undeformed, getattr(system, "others", ())
-    if not len(others):
+    start, others = system.undeformed, getattr(system, "others", None)
+    if not others:
         return None
     after, before = (others.tangent(start + sign * STEP * change) for sign in (1.0, -1.0))
     if after is None or before is None:

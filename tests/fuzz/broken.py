@@ -14,6 +14,8 @@ from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
 from skancf.statics import cascade, equilibrium
 from skancf.system.system import System
+from skancf.terms.blocks import Blocks
+from skancf.terms.shell import Shell
 from skancf.thinness.form import ShearForm
 
 Patch = Any
@@ -105,15 +107,14 @@ def _a_linear_answer_too_large(patch: Patch) -> None:
 
 
 def _a_mass_by_the_order_of_nodes(patch: Patch) -> None:
-    keep = System.gathered_mass
+    keep = Shell.add_mass
 
-    def mass(self: System, *rest: Any) -> BlockMatrix:
-        values = keep(self, *rest).values.copy()
-        slots = self.pattern.diagonal_slots
-        values[slots] *= np.linspace(1.0, 1.1, len(slots))[:, None, None]
-        return BlockMatrix(self.pattern, values)
+    def add_mass(self: Shell, blocks: Blocks) -> None:
+        keep(self, blocks)
+        slots = blocks.pattern.diagonal_slots
+        blocks.values[slots] *= np.linspace(1.0, 1.1, len(slots))[:, None, None]
 
-    patch.setattr(System, "gathered_mass", mass)
+    patch.setattr(Shell, "add_mass", add_mass)
 
 
 def _loads_that_take_anything(patch: Patch) -> None:

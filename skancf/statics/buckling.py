@@ -36,7 +36,8 @@ from skancf.statics.modes import (
     moved_along,
     nth,
 )
-from skancf.statics.tangents import geometric_stiffness, warn_if_skew
+from skancf.statics.tangents import warn_if_skew
+from skancf.system.linearised import geometric_stiffness
 from skancf.system.system import System
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite, pi, sin
+from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -44,6 +45,12 @@ def amplitude(history: History | None, time: float | None) -> float:
                          "whole run") from wrong  # fmt: skip
 
 
+def check_covers(histories: Iterable[Any], begin: float, end: float) -> None:
+    """InputError where a function of time is a table that does not cover the times of a run (s)."""
+    for history in histories:
+        check_cover(history, begin, end)
+
+
 def knots_of(histories: Iterable[Any]) -> list[float]:
     """Times, ascending, at which functions of time begin, end or bend, by their attribute ``knots`` (s)."""
     return sorted({float(t) for history in histories for t in getattr(history, "knots", ())})
@@ -65,10 +72,13 @@ class Case:
     time: float | None = None
 
     def __post_init__(self) -> None:
-        for name, value in (("factor", self.factor), ("time", self.time)):
-            # Solvers make one for each evaluation, of numbers of their own.
-            if not (type(value) is float and isfinite(value)) and (value is not None or name == "factor"):
-                object.__setattr__(self, name, number(name, value))
+        # Solvers make one for each evaluation, of numbers of their own.
+        plain = type(self.factor) is float and type(self.time) in (float, NoneType)
+        if plain and isfinite(self.factor + (self.time or 0.0)):
+            return
+        object.__setattr__(self, "factor", number("factor", self.factor))
+        if self.time is not None:
+            object.__setattr__(self, "time", number("time", self.time))
 
     def amplitude(self, history: History | None) -> float:
         """What a load with this history is multiplied by: its value at the time, see :func:`amplitude`, and the factor."""

@@ -5,7 +5,10 @@ import numpy as np
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Vector product over the first axis; `numpy.cross` takes longer to see that it has three components."""
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    first = a[1] * b[2] - a[2] * b[1]
+    out = np.empty((3, *np.shape(first)), first.dtype)
+    out[0], out[1], out[2] = first, a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    return out
 
 
 def sum_of_cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -286,7 +286,7 @@ def flipped(file):
     ("state.npz", lambda file: file.write_bytes(b""), "is damaged"),
     ("state.npz", lambda file: np.savez(file, a=np.zeros(3)), "is no part of a run"),
     ("state.npz", lambda file: rewritten(file, format="skancf run 99"), "is skancf run 99; this version reads"),
-    ("state.npz", lambda file: rewritten(file, **{"counts.knots": 3}), "does not fit its pieces"),
+    ("state.npz", lambda file: rewritten(file, **{"run.counts.knots": 3}), "does not fit its pieces"),
     ("state.npz", lambda file: rewritten(file, **{"run.now.q": np.zeros(3)}), "is no state of a run"),
     ("state.npz", Path.unlink, "'state.npz' is missing"),
     ("piece_000001.npz", Path.unlink, "is missing"),

@@ -11,8 +11,12 @@ from test_hanging import tree
 from test_skfem_bridge import mixed
 
 import skancf as sk
+from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import InputError
+from skancf.layout.geometry import Geometry
+from skancf.system.build import assemble
 from skancf.terms.forms import points
+from skancf.terms.shell import Shell
 from skancf.testing import check_term
 
 # Sums of some hundred products; relative to the largest entry. Tangents of an energy alone are differences.
@@ -146,7 +150,7 @@ def tension_residual(v, w):
 @theories
 @pytest.mark.parametrize("name", ["flat", "disc"])
 def test_residuals_and_tangents_are_made_of_energies(name, theory, rng):
-    terms = {"energy": sk.FormTerm(energy=tension), "residual": sk.FormTerm(residual=tension_residual)}
+    terms = {"energy": sk.FormTerm(energy=skfem.Functional(tension)), "residual": sk.FormTerm(residual=tension_residual)}
     found = {}
     for kind, term in terms.items():
         system = on_mesh(name, [term], theory)
@@ -187,6 +191,27 @@ def test_every_field_of_an_edge_is_differentiated_exactly(theory):
     for where in ("inner", "start"):
         form = sk.FormTerm(energy=lambda w: w.stretch**2 + w.s[0] * w.nu[1] + dot(w.u, w.n), where=where)
         check_term(form, problem(surface), theory=theory)
+
+
+@theories
+def test_drag_is_damping(theory, rng):
+    """Piston theory: pressure against the velocity and the slope along a stream; its damping and skew tangent."""
+    piston = sk.FormTerm(residual=lambda v, w: 3.0 * (dot(w.v, w.n) - 40.0 * w.n[0]) * dot(w.n, v) * w.J, load=True)
+    report = check_term(piston, problem(sk.Rectangle(1.0, 1.0)), theory=theory)
+    assert "damping against force" in report.errors
+    drag = sk.FormTerm(residual=lambda v, w: 5.0 * dot(w.v, v))
+    system = on_mesh("tube", [drag], theory)
+    velocity, blocks = rng.normal(size=system.n_dofs), system.blocks()
+    force = system.others[0].force(system.undeformed, velocity, sk.Case())
+    system.others[0].add_damping(system.undeformed, velocity, sk.Case(), blocks)
+    assert close(blocks.matrix() @ velocity, force, SUMS)
+    assert not system.others[0].force(system.undeformed, None, sk.Case()).any()
+
+
+def test_what_does_not_depend_on_the_state_has_no_tangent():
+    surface = sk.Rectangle(1.0, 1.0)
+    for form in (sk.FormTerm(residual=lambda v, w: 2.0 * v[2], load=True), sk.FormTerm(energy=lambda w: 1.0)):
+        check_term(form, problem(surface))
 
 
 def test_variations_have_directors_and_second_derivatives():
@@ -231,6 +256,20 @@ def test_areas_and_lengths(theory):
 
 
 SIDES = {"left": (0, 0.0), "right": (0, 2.0), "top": (1, 0.5)}
+
+
+def test_elements_with_points_of_their_own_are_integrated_with_them():
+    """Half of one element, as an outline that cuts it would leave."""
+    surface = sk.Rectangle(1.0, 1.0)
+    mesh, (gauss, weights) = sk.meshes.uniform(surface, 2, 2), square_quadrature(4)
+    geometry = Geometry(mesh, surface, sk.Kirchhoff(), {1: (gauss * [[0.5], [1.0]], 0.5 * weights)})
+    system = problem(surface).on(mesh, "kirchhoff")
+    shell = Shell(assemble(geometry, system.problem.section), system.layout)
+    x = system.mesh.p[0, system.mesh.t[:, 1]]
+    for where, area in ((None, 0.875), (lambda x, y: x < 0.5, 0.375 if x.max() <= 0.5 else 0.5)):
+        term = sk.FormTerm(energy=lambda w: w.J, where=where).on(shell, system.layout)
+        assert np.isclose(term.energy(system.undeformed, sk.Case()), area, rtol=SUMS)
+    check_term(sk.FormTerm(energy=tension).on(shell, system.layout), system)
 
 
 @pytest.mark.parametrize("clockwise", [False, True])
@@ -295,6 +334,16 @@ def test_a_force_of_the_undeformed_state_moves_it_in_small_deflections_too():
     assert np.isclose(pulled.strain_energy(found.q), found.strain_energy, rtol=1e-12)
 
 
+def test_newton_turns_back_from_where_an_energy_ends():
+    """A barrier of a logarithm: a step through the wall is no number, and a shorter one follows."""
+    surface, k, deep = sk.Rectangle(1.0, 1.0), 1e-2, 0.02
+    wall = sk.FormTerm(energy=lambda w: -k * np.log(1 + w.u[2] / deep))
+    loads, mesh = [sk.SurfaceLoad((0.0, 0.0, -20.0))], sk.meshes.uniform(surface, 3, 3)
+    systems = [problem(surface, terms, [sk.Clamp("left")], loads, 0.02).on(mesh, "kirchhoff") for terms in ([wall], [])]
+    stopped, free = (sk.solve(system).unwrap().displacement((1.0, 1.0))[2] for system in systems)
+    assert -deep < stopped < -0.8 * deep and free < -10 * deep
+
+
 @theories
 def test_the_books_of_a_motion_balance(theory):
     """A plate thrown at a stiffening foundation, with a load of the user's own that has no potential."""
@@ -332,13 +381,14 @@ ON_MESH = {
     "shape": ({"energy": lambda w: w.u}, r"an array of shape \(3, 4, 16\); it must return one number for each"),
     "nothing": ({"energy": lambda w: None}, "returned None"),
     "another mesh": ({"energy": lambda w: np.ones((9, 16)) * w.J}, "fields of another basis or mesh do not fit"),
-    "not finite": ({"energy": lambda w: 1 / w.u[2]}, r"the form is inf at \(.*\), and not finite at 64 points of 64"),
+    "not finite": ({"energy": lambda w: 1 / w.u[2]}, r"the form is inf at \(.*\) .* not finite at 64 points of 64"),
     "complex": ({"energy": lambda w: 1j * w.J}, "complex numbers for real fields"),
     "abs": ({"energy": lambda w: np.abs(w.u[2]) ** 2}, "by complex steps, and its derivative by one is"),
     "norm": ({"energy": lambda w: np.linalg.norm(w.r_x, axis=0)}, "by complex steps"),
     "conj": ({"energy": lambda w: (w.u * np.conj(w.u)).sum(axis=0).real}, "by complex steps"),
     "no complex numbers": ({"energy": lambda w: np.floor(w.u[2])}, "takes no complex numbers"),
     "abs of residual": ({"residual": lambda v, w: np.abs(w.u[2]) * v[2]}, "residual: derivatives are taken by complex"),
+    "moving energy": ({"energy": lambda w: w.v[2]}, "it reads the velocity w.v"),
     "not linear": ({"residual": lambda v, w: v[2] ** 2}, "not linear in v"),
     "time": ({"energy": lambda w: w.J, "where": "lid"}, "no boundary 'lid'"),
     "nowhere": ({"energy": lambda w: w.J, "where": lambda x, y: x > 5}, "true at no integration point"),

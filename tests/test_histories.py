@@ -7,7 +7,7 @@ import pytest
 
 import skancf as sk
 from skancf.errors import InputError
-from skancf.history import check_cover
+from skancf.history import check_cover, check_covers
 
 UNIT = sk.Rectangle(1.0, 1.0)
 
@@ -105,9 +105,9 @@ def test_a_system_checks_loads_and_prescribed_motion():
         for theory in ("kirchhoff", "full"):
             problem = sk.Problem(UNIT, 0.1, material, supports, acting)
             system = problem.on(sk.meshes.uniform(UNIT, 2, 2), theory)
-            system.check_histories(0.0, 1.0)
+            check_covers(system.histories(), 0.0, 1.0)
             with pytest.raises(InputError, match="does not cover the run"):
-                system.check_histories(0.0, 1.1)
+                check_covers(system.histories(), 0.0, 1.1)
 
 
 @pytest.mark.parametrize("theory", ["kirchhoff", "full"])

@@ -8,6 +8,7 @@ import pytest
 import skancf as sk
 from skancf.adaptive.singular import singular_points
 from skancf.errors import InputError
+from skancf.history import check_covers
 from skancf.linear import DirectSolver
 
 theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
@@ -91,7 +92,7 @@ def test_it_comes_on_and_goes_off(theory):
     with pytest.raises(InputError, match=r"Path at t = 3\.5 s"):
         system.external_force(system.undeformed, at_time(3.5))
     with pytest.raises(InputError, match="Path from t = 0 to 3 s does not cover the run"):
-        system.check_histories(0.0, 4.0)
+        check_covers(system.histories(), 0.0, 4.0)
 
 
 @theories

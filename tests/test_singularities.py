@@ -16,6 +16,7 @@ from skancf.recovered import cuts
 from skancf.supports import Support
 from skancf.supports.conditions import Row
 from skancf.system.regularity import singularities
+from skancf.terms import Addition, Term
 
 PLATE, MIDDLE, DOWN = sk.Rectangle(1.0, 1.0), (0.5, 0.5), (0.0, 0.0, -1.0)
 THEORIES = ["kirchhoff", "full"]
@@ -306,6 +307,43 @@ def test_a_support_of_ones_own():
         mine = sk.adapt(own.problem, TIP, 0.2, linear=True, theory="full", mesh=mesh)
     assert mine.value == sk.adapt(ours.problem, TIP, 0.2, linear=True, theory="full", mesh=mesh).value
     assert drift(on("full", [CLAMPED, Foot(MIDDLE, says=False)], load)) is None
+
+
+class Pillar(Addition, Term):
+    """A spring at a node as an energy of one's own."""
+
+    def on(self, shell, layout):
+        self.node = int(shell.geometry.nodes_on(MIDDLE)[0])
+        self.at, self.n_dofs, self.start = 12 * self.node + 2, layout.n_dofs, layout.undeformed.ravel()
+        return self
+
+    def couples(self):
+        return np.array([[self.node]])
+
+    def force(self, q, v, case):
+        out = np.zeros(self.n_dofs)
+        out[self.at] = 5.0 * (q - self.start)[self.at]
+        return out
+
+    def add_tangent(self, q, v, case, blocks):
+        matrix = np.zeros((1, 12, 12))
+        matrix[0, 2, 2] = 5.0
+        blocks.add(self.couples(), matrix)
+
+    def energy(self, q, case):
+        return 2.5 * float((q - self.start)[self.at]) ** 2
+
+    def singularities(self, case):
+        return [Singularity("part", MIDDLE, "a Pillar")]
+
+
+def test_a_term_of_ones_own():
+    plate, load = on("full"), sk.SurfaceLoad((0, 0, -1e-3))
+    own = sk.Problem(PLATE, 0.1, sk.Isotropic(1.0, 0.3, 1.0), [CLAMPED], [load], terms=[Pillar()]).on(plate.mesh, "full")
+    ours = on("full", [CLAMPED, sk.Spring(MIDDLE, (0, 0, 5.0))], [load])
+    assert np.allclose(sk.solve_linear(own).q, sk.solve_linear(ours).q, rtol=0, atol=1e-9)
+    assert drift(own) == drift(ours) and np.array_equal(singular_points(own), singular_points(ours))
+    assert no_limit(AT_MIDDLE, own) == no_limit(AT_MIDDLE, ours).replace("Spring", "Pillar")
 
 
 @pytest.mark.parametrize("found", [None, [MIDDLE], "force"])

@@ -316,4 +316,4 @@ def _rate(system: System, time: float | None) -> np.ndarray:
 
 def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:
     """Mass times the place of its centre (3,), and the mass."""
-    return np.einsum("nk,nki->i", system.shares, system.layout.nodal(q)), system.total_mass
+    return system.inertia.centre(q), system.inertia.total

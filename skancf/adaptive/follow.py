@@ -105,7 +105,7 @@ class Follow:
         """InputError for a mesh that cannot be refined, and for terms that remember something."""
         if not isinstance(system.mesh, MeshQuadTree):
             raise InputError("follow: the mesh of the system must be a quadtree; make it by sk.meshes.quadtree(mesh)")
-        if names := flat(system.state()):
+        if names := flat(system.terms.state()):
             raise InputError(f"follow: a term remembers '{min(names)}', which does not go from mesh to mesh; let the motion "
                              "be on one mesh, without follow")  # fmt: skip
 

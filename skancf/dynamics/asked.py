@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.dynamics.named_state import flat, plain
+from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import Run, Settings
 from skancf.history import Case
 from skancf.system.system import System
@@ -32,7 +32,7 @@ def difference(asked: Asked, other: Asked) -> str | None:
     for name in sorted(asked, key=lambda name: asked[name].ndim):
         value, known, title = asked[name], other.get(name), name.replace("_", " ")
         if value.ndim < 2:
-            here, there = (None if array is None else _listed(array) for array in (value, known))
+            here, there = (None if array is None else array.tolist() for array in (value, known))
             if here != there:
                 return f"its run has {title} = {_short(there)}, this one {_short(here)}"
         elif known is None or known.shape != value.shape:
@@ -71,7 +71,7 @@ def asked_problem(system: System, begin: float, end: float) -> Asked:
     arrays = {
         "mesh": geometry.mesh.p, "elements": geometry.mesh.t, "surface": at, "supports": system.constraints.fixed,
         "support_motion": _at(system.prescribed, cases), "stiffness": system.internal_force(moved),
-        "terms": _at(lambda case: system.others_force(moved, moved, case), cases),
+        "terms": _at(lambda case: system.others.force(moved, moved, case), cases),
         "mass": system.mass @ moved, "viscous_damping": 0 * at if system.viscous is None else system.viscous @ moved,
         "loads": _at(lambda case: system.applied_force(moved, case, moved), cases),
         "temperature": _at(lambda case: _or_zero(system.shell.held_back_force(moved, case), at), cases),
@@ -109,17 +109,12 @@ def _said(value: Any) -> Any:
     """A number or a text as it is, anything else as a text without addresses."""
     if isinstance(value, np.generic):
         value = value.item()
-    if value is None or isinstance(value, (int, float, str)):
+    if isinstance(value, (int, float, str)):
         return value
     text = repr(value)
     if ADDRESS.search(text) and hasattr(value, "__dict__") and not callable(value):
         text = f"{type(value).__qualname__}({vars(value)})"  # an object without a repr of its own
     return ADDRESS.sub("", text)
-
-
-def _listed(array: np.ndarray) -> Any:
-    value = plain(array)
-    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def _short(value: Any) -> str:

@@ -75,7 +75,7 @@ class Between:
 
     def _split(self, vectors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Means of positions (n, 3), and nodal vectors (n, n_nodes, 4, 3) with positions less them."""
-        nodal = np.stack([self.layout.nodal(v) for v in vectors])
+        nodal = vectors.reshape(len(vectors), *self.layout.shape).copy()
         centres = nodal[:, self.places, 0].mean(axis=1)
         nodal[:, self.layout.moving, 0] -= centres[:, None]
         return centres, nodal

@@ -65,39 +65,33 @@ class Checkpoint:
         as_path("folder", self.folder)
         object.__setattr__(self, "every", whole("every", self.every))
 
-    def attach(self, run: Run, asked: Asked, resume: bool) -> "Writer":
-        """The writer of a run: at its start, or where the one in the folder is if ``resume``.
-
-        Raises
-        ------
-        InputError
-            For a folder that cannot be written, into which another process writes, or that holds a run that is not to go on
-            or that was asked for something else.
-        """
-        writer = Writer(RunFiles(check_folder(self.folder)), self.every)
-        try:
-            writer.attach(run, asked, resume)
-        except BaseException:
-            writer.close()
-            raise
-        return writer
-
 
 class Writer:
-    """Writes a run piece by piece, and keeps others from its folder.
+    """Writes a run piece by piece, from its start, or from where the one in the folder is if ``resume``; nobody else may.
 
     Attributes
     ----------
     finished : bool
         The run in the folder has reached its end.
+
+    Raises
+    ------
+    InputError
+        For a folder that cannot be written, into which another process writes, or that holds a run that is not to go on or
+        that was asked for something else.
     """
 
-    def __init__(self, files: RunFiles, every: int):
-        self.files, self.every, self.pieces, self.since = files, every, 0, 0
-        self.counts: dict[str, int] = {}
+    def __init__(self, checkpoint: Checkpoint, run: Run, asked: Asked, resume: bool):
+        self.files, self.every = RunFiles(check_folder(checkpoint.folder)), checkpoint.every
+        self.pieces, self.since, self.counts = 0, 0, dict.fromkeys(run.logs, 0)
         self.spent, self.began, self.time, self.finished = 0.0, clock.perf_counter(), 0.0, False
-        self.lock = RunLock(files.folder)
+        self.lock = RunLock(self.files.folder)
         self.lock.take()
+        try:
+            self._attach(run, asked, resume)
+        except BaseException:
+            self.close()
+            raise
 
     @property
     def seconds(self) -> float:
@@ -108,8 +102,7 @@ class Writer:
         """Let other processes write into the folder."""
         self.lock.release()
 
-    def attach(self, run: Run, asked: Asked, resume: bool) -> None:
-        """See :meth:`Checkpoint.attach`."""
+    def _attach(self, run: Run, asked: Asked, resume: bool) -> None:
         files, folder = self.files, self.files.folder
         begun = (folder / STATE).exists()
         if begun and not resume:
@@ -141,8 +134,11 @@ class Writer:
         except ValueError as error:
             raise files.refused(STATE, f"is no state of a run ({error})") from error
         run.mark_here(run.tries)
-        self.pieces, self.counts, self.spent, self.time = head["pieces"], run.counts, head["seconds"], run.now.time
-        self.finished = Status[head["status"]].ok
+        self.pieces, self.spent, self.finished = head["pieces"], head["seconds"], Status[head["status"]].ok
+        self._written(run)
+
+    def _written(self, run: Run) -> None:
+        self.since, self.time, self.counts = 0, run.now.time, {name: len(log) for name, log in run.logs.items()}
 
     def after_step(self, run: Run) -> None:
         """Write if it is time to: where a run need not go back any more."""
@@ -167,7 +163,8 @@ class Writer:
             self._write_state(STATE, run, self.pieces + 1, status)
         except OSError as error:
             raise self._failed(error) from error
-        self.pieces, self.counts, self.since, self.time = self.pieces + 1, run.counts, 0, run.now.time
+        self.pieces += 1
+        self._written(run)
 
     def stopped(self, run: Run, status: Status, message: str) -> None:
         """What a run that stopped before its end has computed since the last write, where the folder still takes it."""
@@ -180,11 +177,11 @@ class Writer:
         if not (self.files.folder / RUN).exists():  # else a mesh might make the folder anew, without what was in it
             raise FileNotFoundError(2, "it is gone, or what was in it")
         self.files.write_meshes(run.recorder.systems)
-        self.files.write(name, flat({log: rows.since(self.counts.get(log, 0)) for log, rows in run.logs.items()}))
+        self.files.write(name, flat({log: rows.since(self.counts[log]) for log, rows in run.logs.items()}))
 
     def _write_state(self, name: str, run: Run, pieces: int, status: Status, message: str = "") -> None:
         head = {"pieces": pieces, "status": status.name, "message": message, "seconds": self.seconds}
-        self.files.write_state(name, {**head, "counts": run.counts, "run": run.state()})
+        self.files.write_state(name, {**head, "run": run.state()})
 
     def _failed(self, error: OSError) -> SkancfError:
         way = f"it holds the run until t = {self.time:.6g} s. Make room, or bring it back, and go on by resume=True"
@@ -205,7 +202,7 @@ def _read(
             log.clear()
             for piece in pieces:
                 log.add(under(name, piece))
-        fits = {name: len(log) for name, log in logs.items()} == under("counts", arrays)
+        fits = {name: len(log) for name, log in logs.items()} == under("run.counts", arrays)
     except (KeyError, ValueError, TypeError, IndexError) as error:
         if isinstance(error, InputError):
             raise

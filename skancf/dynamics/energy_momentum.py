@@ -95,13 +95,13 @@ class EnergyMomentum(ImplicitMidpoint):
         r"""S with those of the material's damping, :math:`\beta\,(S_{n+1} - S_n) / \Delta t`."""
         before = _at_start(system, start)
         after = _at_end(system, u, start) if change is None else system.stresses(start.q + u, change)
-        more = system.retardation / dt + self.chi
+        more = system.shell.retardation / dt + self.chi
         stresses = (0.5 - more) * before + (0.5 + more) * after
         last = self._last_change(system, start, dt)
         return stresses if last is None else stresses - self.chi * last
 
     def viscous_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        return system.retardation / dt * (_at_end(system, u, start) - _at_start(system, start))
+        return system.shell.retardation / dt * (_at_end(system, u, start) - _at_start(system, start))
 
     def numerical_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray | None:
         if not self.chi:
@@ -124,7 +124,7 @@ class EnergyMomentum(ImplicitMidpoint):
 
     def others_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         case = Case(time=self.at_stage(u, start, dt)[1])
-        return system.others_between(start.q, start.q + u, self.rate(u, start, dt), case)
+        return system.others.between(start.q, start.q + u, self.rate(u, start, dt), case)
 
     def internal_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         stresses, held = self.stresses(system, u, start, dt), system.shell.held_back(Case(time=start.time))
@@ -136,7 +136,7 @@ class EnergyMomentum(ImplicitMidpoint):
     def stiffness(
         self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray
     ) -> BlockMatrix:
-        stiffer = 1 + 2 * (system.retardation / dt + self.chi)
+        stiffer = 1 + 2 * (system.shell.retardation / dt + self.chi)
         case = Case(time=start.time + 0.5 * dt)
         tangent = system.tangent(start.q + 0.5 * u, case, stresses, stiffer, self.rate(u, start, dt))
         tangent.values[:] *= 0.5

@@ -26,7 +26,7 @@ class Measure:
     """
 
     def __init__(self, system: System):
-        mass = np.abs(system.shares[system.layout.moving, 0])
+        mass = np.abs(system.inertia.shares[system.layout.moving, 0])
         self.system, self.mass = system, float(mass.sum())
         self.weights = mass / mass.sum()
         self.free = not system.constraints.fixed.any() and not system.others

@@ -20,8 +20,8 @@ def advanced(system: System, start: State, dt: float, easy: bool) -> tuple[np.nd
         Whether steps resolve the motion, so that the rest of the accelerations counts as well; that of what they do not
         resolve spoils a guess.
     """
-    layout, mass, total, moving = system.layout, system.mass, system.total_mass, system.layout.moving
-    centre = np.einsum("ng,ngi->i", system.shares, layout.nodal(start.q)) / total
+    layout, mass, total, moving = system.layout, system.mass, system.inertia.total, system.layout.moving
+    centre = system.inertia.centre(start.q) / total
     arms = layout.arms(start.q, centre)
     of_arms, of_v, of_a = (layout.nodal(mass @ x) for x in (arms.ravel(), start.v, start.a))
     second = np.einsum("ngi,ngj->ij", arms, of_arms)

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.dynamics.forces import net_force
 from skancf.dynamics.log import Log
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
@@ -230,7 +231,7 @@ class Book:
             springs = -rule.others_force(system, u, start, dt)
         if system.viscous is not None:
             viscous = -(system.viscous @ v)
-        if system.retardation:
+        if system.shell.retardation:
             stresses = rule.viscous_stresses(system, u, start, dt)
             material = -rule.force_of(system.shell, u, start, dt, stresses)
         loads, working = system.loads.applied(at, v, case, potential=False), _working(system, at, v, case)
@@ -283,12 +284,12 @@ def forces_at_rest(system: System, state: State) -> Forces:
     q, v, case = state.q, state.v, Case(time=state.time)
     loads, working = system.loads.applied(q, v, case, potential=False), _working(system, q, v, case)
     supports, viscous = np.zeros((2, q.size))
-    springs = -system.others_force(q, v, case) - working
+    springs = -system.others.force(q, v, case) - working
     if system.viscous is not None:
         viscous = -(system.viscous @ v)
     material = -system.shell.retarding_force(q, v)
     if system.constraints.fixed.any():
-        supports = system.constraints.fixed_part(system.mass @ state.a - system.net_force(q, v, case))
+        supports = system.constraints.fixed_part(system.mass @ state.a - net_force(system, q, v, case))
     return Forces(state.time, loads + working, supports, springs, viscous, material)
 
 

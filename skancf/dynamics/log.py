@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import SkancfError
+from skancf.dynamics.named_state import as_array
 
 SHAPES = "#shapes"
 """After the name of a column whose values have several."""
@@ -38,18 +38,12 @@ class Log(list[Any]):
 
 
 def _column(name: str, values: list[Any]) -> dict[str, np.ndarray]:
-    try:
-        arrays = [np.asarray(value) for value in values]
-        shapes = [array.shape for array in arrays]
-        one = len(set(shapes)) == 1
-        out = {name: np.array(values)} if one else {
-            name: np.concatenate([array.ravel() for array in arrays]), name + SHAPES: np.array(shapes)}  # fmt: skip
-    except ValueError:  # ragged
-        out = {name: np.empty(0, object)}
-    if out[name].dtype.hasobject:
-        raise SkancfError(f"{name} gives what cannot be written, for example a {type(values[0]).__name__}; let it give "
-                          "numbers, or arrays of one number of dimensions")  # fmt: skip
-    return out
+    column = as_array(values)
+    if not column.dtype.hasobject:
+        return {name: column}
+    arrays = [as_array(value) for value in values]
+    shapes = as_array([array.shape for array in arrays])
+    return {name: np.concatenate([array.ravel() for array in arrays]), name + SHAPES: shapes}
 
 
 def _values(column: np.ndarray, shapes: np.ndarray | None) -> list[Any]:

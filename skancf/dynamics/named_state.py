@@ -5,8 +5,6 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from skancf.errors import SkancfError, shown
-
 
 @runtime_checkable
 class HasState(Protocol):
@@ -35,19 +33,19 @@ def flat(state: Mapping[str, Any], above: str = "") -> dict[str, np.ndarray]:
     """Copies of all values of a state as arrays, their names joined by dots."""
     out: dict[str, np.ndarray] = {}
     for name, value in state.items():
-        out |= flat(value, f"{above}{name}.") if isinstance(value, Mapping) else {above + name: _array(above + name, value)}
+        if isinstance(value, Mapping):
+            out |= flat(value, f"{above}{name}.")
+        else:
+            out[above + name] = np.empty(0, NONE) if value is None else as_array(value)
     return out
 
 
-def _array(name: str, value: Any) -> np.ndarray:
+def as_array(value: Any) -> np.ndarray:
+    """A new array, one of objects where lists have several lengths."""
     try:
-        array = np.empty(0, NONE) if value is None else np.array(value)
-    except ValueError:  # ragged
-        array = np.empty(0, object)
-    if array.dtype.hasobject:
-        raise SkancfError(f"state '{name}' = {shown(value)} cannot be written; let state() give arrays, numbers, texts or "
-                          "None by name")  # fmt: skip
-    return array
+        return np.array(value)
+    except ValueError:
+        return np.array([value, None], dtype=object)[:1]
 
 
 def nested(arrays: Mapping[str, np.ndarray], like: Mapping[str, Any]) -> dict[str, Any]:
@@ -70,13 +68,12 @@ def nested(arrays: Mapping[str, np.ndarray], like: Mapping[str, Any]) -> dict[st
 
 def _nested(arrays: Mapping[str, np.ndarray], like: Mapping[str, Any], above: str) -> dict[str, Any]:
     return {
-        name: _nested(arrays, value, f"{above}{name}.") if isinstance(value, Mapping) else plain(arrays[above + name])
+        name: _nested(arrays, value, f"{above}{name}.") if isinstance(value, Mapping) else _value(arrays[above + name])
         for name, value in like.items()
     }
 
 
-def plain(array: np.ndarray) -> Any:
-    """The value of which :func:`flat` made an array: itself, a number, a text, or None."""
+def _value(array: np.ndarray) -> Any:
     if array.dtype == NONE:
         return None
     return array.copy() if array.ndim else array.item()

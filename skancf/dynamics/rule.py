@@ -77,9 +77,9 @@ class Rule(ABC):
         Extrapolated linearly along a ``change`` of u if one is given.
         """
         along = None if change is None else self.stage * change
-        if system.retardation:
+        if system.shell.retardation:
             rate = self.rate(u if change is None else u + change, start, dt)
-            along = system.retardation * rate if along is None else along + system.retardation * rate
+            along = system.shell.retardation * rate if along is None else along + system.shell.retardation * rate
         return system.stresses(self.at_stage(u, start, dt)[0], along)
 
     def viscous_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
@@ -97,12 +97,12 @@ class Rule(ABC):
     def others_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         """Force of the other terms of the structure."""
         at, time = self.at_stage(u, start, dt)
-        return system.others_force(at, self.rate(u, start, dt), Case(time=time))
+        return system.others.force(at, self.rate(u, start, dt), Case(time=time))
 
     def internal_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         """Internal force, less that of held back free strains."""
         at, time = self.at_stage(u, start, dt)
-        if system.retardation:
+        if system.shell.retardation:
             force = self.force_of(system.shell, u, start, dt, self.stresses(system, u, start, dt))
         else:
             force = system.shell.internal_force(at)
@@ -115,7 +115,7 @@ class Rule(ABC):
     ) -> BlockMatrix:
         """Derivative of the internal less the external force with respect to u, its symmetric part, with given stresses."""
         at, time = self.at_stage(u, start, dt)
-        stiffer = 1 + system.retardation * self.damping_factor(dt) / self.stage
+        stiffer = 1 + system.shell.retardation * self.damping_factor(dt) / self.stage
         tangent = system.tangent(at, Case(time=time), stresses, stiffer, self.rate(u, start, dt))
         tangent.values[:] *= self.stage
         return tangent

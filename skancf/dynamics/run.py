@@ -82,19 +82,8 @@ class Settings:
         return self.end - self.begin
 
 
-@dataclass(frozen=True)
-class Mark:
-    """Where a run can go back to, and how long its logs were there."""
-
-    now: State
-    kept: dict[str, np.ndarray]
-    counts: dict[str, int]
-
-
 OWN = ("dt", "shortest", "farthest", "hardest", "origin", "tries")
-"""Numbers that a run itself remembers."""
-STAY = ("solver", "follow")
-"""Parts that do not go back with a run: the solver is another on the next mesh, and the policy has just decided."""
+"""What a run remembers beside its parts."""
 
 
 class Run:
@@ -117,6 +106,7 @@ class Run:
         self.dt = positive("steps.first", called("steps.first", settings.control.first, settings.span / FIRST_STEP), "s")
         self.shortest = self.dt * positive("steps.smallest", settings.control.smallest)
         self.book = Book()
+        self.logs = logs_of(self.steps, recorder, self.book)
         self.book.begin(system, self.now)
         recorder.begin(system, self.now)
         recorder.keep(self.now)
@@ -137,33 +127,18 @@ class Run:
         settings = self.settings
         parts = {
             "solver": self.solver, "book": self.book, "recorder": self.recorder, "impulses": self.impulses,
-            "system": self.system, "rule": settings.rule, "steps": settings.control, "follow": settings.follow,
+            "terms": self.system.terms, "rule": settings.rule, "steps": settings.control, "follow": settings.follow,
         }  # fmt: skip
         return {name: part for name, part in parts.items() if isinstance(part, HasState)}
 
-    @property
-    def logs(self) -> dict[str, Log]:
-        return logs_of(self.steps, self.recorder, self.book)
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """How long the logs are."""
-        return {name: len(log) for name, log in self.logs.items()}
-
     def state(self) -> dict[str, Any]:
-        """All that the steps to come depend on, beside what was asked for."""
-        own = {name: getattr(self, name) for name in OWN}
-        parts = {name: part.state() for name, part in self.parts.items()}
-        return {**own, "strikes": np.array(self.strikes), "now": self.now.state(), **parts}
+        """All that the steps to come depend on, beside what was asked for, and how long the logs are."""
+        own = {name: getattr(self, name) for name in OWN} | {"strikes": np.array(self.strikes), "now": self.now.state()}
+        own["counts"] = {name: len(log) for name, log in self.logs.items()}
+        return own | {name: part.state() for name, part in self.parts.items()}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go to where :meth:`state` was given, on the mesh of the last stretch.
-
-        Raises
-        ------
-        ValueError
-            For vectors of another mesh.
-        """
+        """Go to where :meth:`state` was given, on the mesh of the last stretch; ValueError for vectors of another one."""
         if self.recorder.systems[-1] is not self.system:
             self.solver.close()
             self._on(self.recorder.systems[-1])
@@ -173,6 +148,8 @@ class Run:
         vectors = (self.origin, *(value for value in state["now"].values() if isinstance(value, np.ndarray)))
         if any(vector.size != self.system.n_dofs for vector in vectors):
             raise ValueError(f"vectors of other sizes than {self.system.n_dofs}, that of the mesh")
+        for name, log in self.logs.items():
+            del log[state["counts"][name] :]
         for name, part in self.parts.items():
             if name in state:
                 part.restore(state[name])
@@ -278,7 +255,7 @@ class Run:
             self.recorder.step(start, outcome.end)
             self.now, self.farthest, self.hardest = outcome.end, farthest, max(over, FADING * self.hardest)
             self.solver.reached(self.now)
-            self.system.reached(self.now.q, self.now.v, Case(time=self.now.time))
+            self.system.terms.reached(self.now.q, self.now.v, Case(time=self.now.time))
             self.impulses.add(missed)
             self.recorder.keep(self.now)
         return outcome, accepted
@@ -320,7 +297,7 @@ class Run:
         if self.looked < follow.every or self.now.time >= self.settings.end * (1 - 1e-12):
             return
         most, again, energy = self.book.most_strain, self.tries < TRIES, self.solver.energy
-        new = follow.change(self.system, self.mark.now, self.now, self.settings.end, most, again)
+        new = follow.change(self.system, self.mark, self.now, self.settings.end, most, again)
         tries = 0
         if new is not None:
             if new.event.again:
@@ -340,18 +317,15 @@ class Run:
     def mark_here(self, tries: int = 0) -> None:
         """Where the run may go back to, from the next look at the mesh; ``tries`` counts how often it did."""
         self.looked, self.tries = 0, tries
-        self.mark = Mark(self.now, flat(self._moving()), self.counts)
-
-    def _moving(self) -> dict[str, Any]:
-        return {name: value for name, value in self.state().items() if name not in STAY}
+        self.mark, self.kept = self.now, flat(self.state())
 
     def _rewind(self) -> None:
-        """Back to the last mark; the steps since then count as rejected."""
-        since = [replace(step, accepted=False) for step in self.steps[self.mark.counts["steps"] :]]
-        for name, log in self.logs.items():
-            del log[self.mark.counts[name] :]
+        """Back to the last mark, but for the policy, which has just decided it; the steps since then count as rejected."""
+        back = nested(self.kept, self.state())
+        back.pop("follow", None)
+        since = [replace(step, accepted=False) for step in self.steps[back["counts"]["steps"] :]]
+        self.restore(back)
         self.steps += since
-        self.restore(nested(self.mark.kept, self._moving()))
 
     def _news(self, outcome: StepOutcome, step: float) -> str:
         elements = f", {self.system.geometry.n_elements} elements" if self.settings.follow else ""

@@ -12,7 +12,7 @@ import numpy as np
 
 from skancf.atomic import reason, replacing
 from skancf.dynamics.named_state import flat
-from skancf.errors import InputError
+from skancf.errors import InputError, SkancfError
 from skancf.meshes import quadtree_file
 from skancf.system.system import System
 
@@ -36,7 +36,12 @@ class RunFiles:
     # --- writing ---------------------------------------------------------------------------------------------------------
 
     def write(self, name: str, arrays: Mapping[str, np.ndarray]) -> None:
-        """One file, on the disk when this returns."""
+        """One file, on the disk when this returns; SkancfError for what would be pickled."""
+        for title, array in arrays.items():
+            if array.dtype.hasobject:
+                kind = type(array.flat[0]).__name__
+                raise SkancfError(f"{title} gives what cannot be written, for example a {kind}; let it give numbers or "
+                                  "texts, or arrays of one number of dimensions")  # fmt: skip
         stream = io.BytesIO()
         np.savez(stream, format=np.array(FORMAT), **arrays)  # type: ignore[arg-type]
         data = stream.getvalue()

@@ -10,7 +10,7 @@ import numpy as np
 from skancf.arguments import choice, function, having, mapping, whole
 from skancf.atomic import AnyPath
 from skancf.dynamics.asked import asked_of
-from skancf.dynamics.checkpoint import Checkpoint
+from skancf.dynamics.checkpoint import Checkpoint, Writer
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion
@@ -22,7 +22,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, StepControl
 from skancf.errors import InputError, finite, positive, shown
-from skancf.history import Case
+from skancf.history import Case, check_covers
 from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -123,13 +123,13 @@ def simulate(
     warn_if_mass_is_off(system)
     _require_mass(system)
     begin = 0.0 if start is None or start.time is None else start.time
-    system.check_histories(begin, begin + t_end)
+    check_covers(system.histories(), begin, begin + t_end)
     times = output_times(outputs, begin, begin + t_end, system.n_dofs)
     _check_number_of_steps(control, t_end)
     q = system.undeformed.copy() if start is None else start.q.copy()
     v = _initial_velocity(system, velocity, start, begin, t_end)
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
-    began, remembered = clock.perf_counter(), flat(system.state())
+    began, remembered = clock.perf_counter(), flat(system.terms.state())
     # A state that has a time is the one after what happened then.
     struck = start is not None and start.time is not None
     with Progress("dynamics", t_end, shown=progress) as bar:
@@ -140,7 +140,7 @@ def simulate(
             run.close()
     motion = run.motion(status, message)
     if doubled is not None and motion.ok:
-        system.restore(nested(remembered, system.state()))
+        system.terms.restore(nested(remembered, system.terms.state()))
         with Progress("the same with steps twice as long", t_end, shown=progress) as bar:
             again = Run(system, replace(settings, control=doubled), Recorder(motion.times, {}), q, v, struck)
             try:
@@ -187,7 +187,7 @@ def _go(
             raise InputError("resume = True: from which folder? Give it, as in checkpoint='run'")
         return *run.go(bar), None
     checkpoint = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
-    writer = checkpoint.attach(run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
+    writer = Writer(checkpoint, run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
     try:
         if writer.finished:
             return Status.FINISHED, "", writer.seconds

@@ -64,6 +64,10 @@ class Equations:
         values += rule.mass_factor(dt) * system.mass.values
         if system.viscous is not None:
             values += rule.damping_factor(dt) * system.viscous.values
+        at, time = rule.at_stage(u, start, dt)
+        damping = system.terms.damping(at, rule.rate(u, start, dt), Case(time=time))
+        if damping is not None:
+            values += rule.damping_factor(dt) * damping.values
         return BlockMatrix(tangent.pattern, values)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.dynamics.first_guess import advanced
+from skancf.dynamics.forces import net_force
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.dynamics.step_newton import Effort, Equations, KeptFactors, StepRule, StepTangents
@@ -78,7 +79,7 @@ class StepSolver:
         self.linear.factor(self.system.mass)
         self.forget()
         self.energy = max(self.energy, self.system.kinetic_energy(v))
-        return driven + self.linear.solve(self.system.net_force(q, v, Case(time=time)) - self.system.mass @ driven)
+        return driven + self.linear.solve(net_force(self.system, q, v, Case(time=time)) - self.system.mass @ driven)
 
     def jump(self, impulse: np.ndarray) -> np.ndarray:
         """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""

@@ -16,6 +16,10 @@ TURNED = 2 * np.pi / 3
 """Growth of the angle between two normals of one element beyond which it is folded."""
 
 
+NO_SLOPE = 1e-9
+"""A slope so short, relative to the longest, has no direction."""
+
+
 def first_fold(geometry: Geometry, q: np.ndarray) -> tuple[int, np.ndarray] | None:
     """The first element that folded at nodal coordinates (n_nodes, 4, 3), and its undeformed place; None without one."""
     jets = [geometry.jets(geometry.local(nodal))[:2] for nodal in (q, geometry.undeformed)]
@@ -33,3 +37,12 @@ def _angles(normals: np.ndarray) -> np.ndarray:
     """Angles between the vectors of each element at its points: (3, m, n) -> (m, n, n)."""
     units = normals / np.linalg.norm(normals, axis=0)
     return np.asarray(np.arccos(np.clip(np.einsum("iep,ieq->epq", units, units), -1.0, 1.0)))
+
+
+def largest_turn(geometry: Geometry, change: np.ndarray) -> float:
+    """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length; change (n, 4, 3)."""
+    lengths = np.sqrt((geometry.undeformed[:, 1:3] ** 2).sum(axis=2))
+    with np.errstate(over="ignore"):
+        turns = np.sqrt((change[:, 1:3] ** 2).sum(axis=2))
+    held = lengths > NO_SLOPE * lengths.max()
+    return float((turns[held] / lengths[held]).max())

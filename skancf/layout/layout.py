@@ -6,7 +6,6 @@ directors). Blocks stand part by part, those of the plate first.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -78,7 +77,16 @@ class Layout:
     undeformed : (n_blocks, 4, 3) array
     scales : (n_blocks, 12) array
     places : (n_blocks, 3) array
+    n_blocks, n_dofs : int
+        Blocks, and unknowns, held ones included.
+    shape : tuple
+        Of all vectors, (n_blocks, 4, 3).
+    moves : (n_blocks,) bool array
+        Blocks whose first vector is a place in space, which a translation of everything moves; ``moving`` is the same as an
+        index.
     """
+
+    moving: Any
 
     def __init__(self, parts: Sequence[Part]) -> None:
         names = [part.name for part in parts]
@@ -88,20 +96,14 @@ class Layout:
         self.parts = tuple(parts)
         ends = np.cumsum([len(part) for part in parts]).tolist()
         starts = [0, *ends[:-1]]
+        self._whole = names[0] if len(names) == 1 else None
         self._slices = {name: slice(*ends) for name, *ends in zip(names, starts, ends, strict=True)}
-        self.undeformed = _joined([part.undeformed for part in parts])
-        self.scales = _joined([part.scales for part in parts])
-        self.places = _joined([part.places for part in parts])
-        self.held = _joined([part.held for part in parts])
-
-    @property
-    def n_blocks(self) -> int:
-        return len(self.undeformed)
-
-    @property
-    def n_dofs(self) -> int:
-        """Unknowns, held ones included."""
-        return self.undeformed.size
+        self.undeformed, self.scales, self.places, self.held = (
+            _joined([getattr(part, name) for part in parts]) for name in ("undeformed", "scales", "places", "held")
+        )
+        self.n_blocks, self.n_dofs, self.shape = ends[-1], BLOCK * ends[-1], self.undeformed.shape
+        moves = np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
+        self.moves, self.moving = moves, slice(None) if all(part.moves for part in parts) else moves
 
     def part(self, name: str) -> slice:
         """The blocks of a part.
@@ -127,42 +129,33 @@ class Layout:
         InputError
             For another number of unknowns.
         """
-        if np.size(q) != self.n_dofs:
-            raise InputError(f"a vector of {np.size(q)} nodal coordinates; this system has {self.n_dofs}, 12 per node")
-        q = np.ascontiguousarray(q, dtype=complex if np.iscomplexobj(q) else float)
-        blocks = q.reshape(self.undeformed.shape)
-        return blocks if name is None else blocks[self.part(name)]
+        if type(q) is not np.ndarray or q.dtype.char not in "dD" or not q.flags.c_contiguous:
+            q = np.ascontiguousarray(q, dtype=complex if np.iscomplexobj(q) else float)
+        if q.size != self.n_dofs:
+            raise InputError(f"a vector of {q.size} nodal coordinates; this system has {self.n_dofs}, 12 per node")
+        blocks = q.reshape(self.shape)
+        return blocks if name is None or name == self._whole else blocks[self.part(name)]
 
     def flat(self, nodal: np.ndarray, name: str | None = None) -> np.ndarray:
         """Unknowns (n_dofs,) of vectors (n, 4, 3) of all blocks, or of those of one part and zero elsewhere."""
-        if name is None or len(nodal) == self.n_blocks:
+        if name is None or name == self._whole:
             return nodal.ravel()
-        out = np.zeros(self.undeformed.shape, nodal.dtype)
+        out = np.zeros(self.shape, nodal.dtype)
         out[self.part(name)] = nodal
         return out.ravel()
 
     def blocks(self, q: np.ndarray) -> np.ndarray:
         """Unknowns (n_dofs,) block by block, (n_blocks, 12)."""
-        return np.reshape(q, (-1, BLOCK))
+        return q.reshape(-1, BLOCK)
 
     def dofs(self, name: str) -> slice:
         """Numbers of the unknowns of a part."""
         blocks = self.part(name)
         return slice(BLOCK * blocks.start, BLOCK * blocks.stop)
 
-    @cached_property
-    def moves(self) -> np.ndarray:
-        """Blocks whose first vector is a place in space, which a translation of everything moves, (n_blocks,) bool."""
-        return np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
-
-    @cached_property
-    def moving(self) -> Any:
-        """The same as an index."""
-        return slice(None) if self.moves.all() else self.moves
-
     def positions(self, q: np.ndarray) -> np.ndarray:
         """Those vectors of unknowns (n_dofs,) that a translation moves, (n, 3)."""
-        return np.asarray(self.nodal(q)[self.moving, R])
+        return self.nodal(q)[self.moving, R]
 
     def arms(self, q: np.ndarray, about: np.ndarray) -> np.ndarray:
         """Vectors (n_blocks, 4, 3) of unknowns, a copy, positions from a point (3,)."""
@@ -177,9 +170,9 @@ def _joined(arrays: Sequence[np.ndarray | None]) -> np.ndarray:
 
 def vectors(q: np.ndarray) -> np.ndarray:
     """Vectors of unknowns one after another, (n, 3), a view."""
-    return np.reshape(q, (-1, AXES))
+    return q.reshape(-1, AXES)
 
 
 def nodal(q: np.ndarray) -> np.ndarray:
     """Vectors (n, 4, 3) of unknowns (12 n,) of blocks, a view."""
-    return np.reshape(q, (-1, VECTORS, AXES))
+    return q.reshape(-1, VECTORS, AXES)

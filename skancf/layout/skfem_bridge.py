@@ -23,7 +23,25 @@ DEPTHS = 3
 
 
 def basis_on(geometry: Geometry, intorder: int, facets: Any, thickness: float | None) -> skfem.AbstractBasis:
-    """The basis of a geometry's element: see :meth:`skancf.system.system.System.basis`."""
+    """A basis of scikit-fem on the mesh with the theory's element, for forms of one's own.
+
+    It has the position, its derivatives ``grad`` with respect to x and y, and in theory `kirchhoff` ``hess``.
+
+    Parameters
+    ----------
+    intorder : int
+        Order of the polynomials in x and in y that the quadrature integrates exactly; 7 is that of the library's own.
+    facets
+        A place on the boundary, such as ``"left"``: the basis is one of these edges.
+    thickness : float, optional
+        In theory `full`: the basis is one of the volume, of :math:`r + z d`, and ``grad`` has the derivative with respect
+        to z, too.
+
+    Raises
+    ------
+    InputError
+        For an order that is no whole number, a place without an edge, and a thickness where there is no depth.
+    """
     intorder = whole("intorder", intorder, most=127)
     directors, mesh = geometry.theory.directors, geometry.mesh
     element = skfem.ElementVector(ElementQuadANCF() if directors else ElementQuadHermite(), 3)

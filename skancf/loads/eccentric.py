@@ -1,10 +1,9 @@
 """Dead forces at a height above the reference surface of theory `kirchhoff`."""
 
-from functools import cached_property
-
 import numpy as np
 
 from skancf.history import Case, History
+from skancf.kernels.constants import LOCAL
 from skancf.loads.acting import DeadLoad
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
@@ -28,14 +27,9 @@ class DeadLoadOnNormals(DeadLoad):
         centre = sections.moments[sections.shape][:, 1] / assembly.section.first_moment  # areas, of the surface there
         self.areas = centre * self.geometry.side[:, None]
 
-    @cached_property
-    def slopes(self) -> np.ndarray:
-        """r_1 and r_2 of the local functions at the integration points, (2, 16, n_points)."""
-        return self.geometry.theory.slope_table(self.geometry.theory.quadrature[0])
-
     def _surface(self, q: np.ndarray, case: Case) -> tuple[np.ndarray, ...]:
         """n, a^1 and a^2; s at a time with the areas, and s . a^1 and s . a^2."""
-        jet = np.einsum("gap,eai->giep", self.slopes, self.geometry.local(q), optimize=True)
+        jet = self.geometry.jets(self.geometry.local(q))[:2]
         duals, s = dual(jet), np.multiply.outer(self.couple(case), self.areas)
         return unit_normal(jet), duals, s, np.stack([dot(s, a) for a in duals])
 
@@ -44,16 +38,27 @@ class DeadLoadOnNormals(DeadLoad):
 
     def force(self, q: np.ndarray, case: Case) -> np.ndarray:
         n, _, _, along = self._surface(q, case)
-        on_normals = -np.einsum("gap,gep,iep->eai", self.slopes, along, n, optimize=True)
-        return super().force(q, case) + self.geometry.nodal(on_normals, np.arange(self.geometry.n_elements))
+
+        def on_normals(points: np.ndarray, e: np.ndarray) -> np.ndarray:
+            slopes = self.geometry.theory.slope_table(points)
+            return -np.einsum("gap,gep,iep->eai", slopes, along[:, e], n[:, e], optimize=True)
+
+        found = self.geometry.integration.gathered(on_normals)
+        return super().force(q, case) + self.geometry.nodal(found, np.arange(self.geometry.n_elements))
 
     def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
         if blocks.skew:
             return
         n, duals, s, along = self._surface(q, case)
         metric = np.einsum("giep,liep->glep", duals, duals)
-        # Half of s . delta^2 n is the product of the normal parts with these.
-        others = np.einsum("lep,giep,lbp->geibp", along, duals, self.slopes, optimize=True)
-        others -= 0.5 * np.einsum("ep,glep,iep,lbp->geibp", dot(s, n), metric, n, self.slopes, optimize=True)
-        half = np.einsum("gap,iep,gejbp->eiajb", self.slopes, n, others, optimize=True).reshape(-1, 48, 48)
-        blocks.add(np.arange(self.geometry.n_elements), -(half + half.swapaxes(1, 2)))
+        parts = along, duals, dot(s, n), metric, n
+
+        def half(points: np.ndarray, e: np.ndarray) -> np.ndarray:
+            """Half of s . delta^2 n is the product of the normal parts with others."""
+            slopes, (l, a, sn, g, m) = self.geometry.theory.slope_table(points), (part[..., e, :] for part in parts)
+            others = np.einsum("lep,giep,lbp->geibp", l, a, slopes, optimize=True)
+            others -= 0.5 * np.einsum("ep,glep,iep,lbp->geibp", sn, g, m, slopes, optimize=True)
+            return np.einsum("gap,iep,gejbp->eiajb", slopes, m, others, optimize=True).reshape(-1, LOCAL, LOCAL)
+
+        found = self.geometry.integration.gathered(half)
+        blocks.add(np.arange(self.geometry.n_elements), -(found + found.swapaxes(1, 2)))

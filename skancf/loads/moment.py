@@ -9,6 +9,7 @@ from skancf.arguments import plain
 from skancf.errors import InputError, vector
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
+from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import Acting
@@ -175,7 +176,7 @@ class MomentOnDirectors(Acting):
 
     def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
         on_d = self._derivative(q, case)
-        blocks.add(self.elements, np.einsum("ma,mij,mb->miajb", self.tables, on_d, self.tables).reshape(-1, 48, 48))
+        blocks.add(self.elements, np.einsum("ma,mij,mb->miajb", self.tables, on_d, self.tables).reshape(-1, LOCAL, LOCAL))
 
 
 class MomentOnNormals(Acting):
@@ -222,9 +223,10 @@ class MomentOnNormals(Acting):
             return
         n, duals, _, c = self._surface(q, case)
         # Sums over points as products of matrices; a sum of so many factors takes longer to plan than to do.
-        left = np.einsum("mgan,gjmn->majn", self.slopes, duals).reshape(len(self.slopes), 48, -1)
-        right = np.einsum("mlbn,lmn,imn->mibn", self.slopes, c, n).reshape(len(self.slopes), 48, -1)
-        half = (left @ right.swapaxes(1, 2)).reshape(-1, 16, 3, 3, 16).transpose(0, 3, 1, 2, 4).reshape(-1, 48, 48)
+        left = np.einsum("mgan,gjmn->majn", self.slopes, duals).reshape(len(self.slopes), LOCAL, -1)
+        right = np.einsum("mlbn,lmn,imn->mibn", self.slopes, c, n).reshape(len(self.slopes), LOCAL, -1)
+        half = (left @ right.swapaxes(1, 2)).reshape(-1, FUNCTIONS, AXES, AXES, FUNCTIONS)
+        half = half.transpose(0, 3, 1, 2, 4).reshape(-1, LOCAL, LOCAL)
         blocks.add(self.elements, -(half + half.swapaxes(1, 2)))
 
     def _add_skew(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
@@ -235,7 +237,7 @@ class MomentOnNormals(Acting):
         if not (np.abs(normal_part) > ROUNDING * np.abs(m).max() * np.abs(spanned).max()).any():
             return
         # Along each normal, r_1 and r_2 of the functions: (m, 48, points), component by component.
-        one, two = (np.einsum("man,imn->mian", self.slopes[:, g], n).reshape(len(self.slopes), 48, -1) for g in (0, 1))
+        one, two = (np.einsum("man,imn->mian", self.slopes[:, g], n).reshape(len(self.slopes), LOCAL, -1) for g in (0, 1))
         half = (normal_part[:, None] * one) @ two.swapaxes(1, 2)
         blocks.add(self.elements, half - half.swapaxes(1, 2))
 

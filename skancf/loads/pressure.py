@@ -10,6 +10,8 @@ from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import number
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
+from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
+from skancf.layout.geometry import Geometry
 from skancf.loads.acting import Acting
 from skancf.loads.pressure_kernel import pressure_stiffness
 from skancf.terms.blocks import OnElements
@@ -59,7 +61,7 @@ class FollowerPressure:
         check_history(self.history)
 
     def on(self, assembly: Assembly) -> Acting:
-        if is_function(self.pressure):
+        if is_function(self.pressure) or not assembly.geometry.integration.shared:
             return VaryingPressure(assembly, self.pressure, self.history)
         return PressureOnSurface(assembly, self.pressure, self.history)
 
@@ -96,7 +98,7 @@ class PressureOnSurface(Acting):
     def _add_skew(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
         if not len(self.edges):
             return
-        geometry, matrices = self.geometry, np.zeros((len(self.edges), 3, 16, 3, 16))
+        geometry, matrices = self.geometry, np.zeros((len(self.edges), AXES, FUNCTIONS, AXES, FUNCTIONS))
         vectors, amount = geometry.local(q, self.edges), self._amount(case)[self.edges]
         for k, points in enumerate(self.edge_points):
             N = geometry.theory.position_table(points)[0]
@@ -105,38 +107,57 @@ class PressureOnSurface(Acting):
             # u . (v x dr) = -u . (dr x v); minus the derivative of the force has the opposite sign.
             cross = 0.5 * amount[k] * np.cross(np.eye(3)[:, :, None], dr[:, None], axis=0)  # (i, j, n) of e_j x dr
             matrices[k] = -np.einsum("an,ijn,bn->iajb", N, cross, N)
-        blocks.add(self.edges, matrices.reshape(-1, 48, 48))
+        blocks.add(self.edges, matrices.reshape(-1, LOCAL, LOCAL))
 
 
 class VaryingPressure(Acting):
     r"""A follower pressure on all elements, a function of place.
 
-    The force on a local function is :math:`\int p N (r_1 \times r_2)`, and minus its derivative is taken as it is.
+    The force on a local function is :math:`\int p N (r_1 \times r_2)`, and minus its derivative is taken as it is. Elements
+    with integration points of their own take those.
     """
 
     def __init__(self, assembly: Assembly, pressure: Any, history: History | None):
         self.geometry, self.history = assembly.geometry, history
-        theory, geometry = self.geometry.theory, self.geometry
-        points, weights = square_quadrature(EXACT)
-        self.values, self.slopes = theory.position_table(points)[0], theory.slope_table(points)
-        self.amounts = values_at("pressure", pressure, geometry.parameters(points)) * weights * geometry.side[:, None]
-
-    def _tangents(self, q: np.ndarray) -> np.ndarray:
-        """r_1 and r_2 at the points, (2, n_elements, n_points, 3)."""
-        return np.einsum("gap,eai->gepi", self.slopes, self.geometry.local(q), optimize=True)
+        integration = self.geometry.integration
+        rules = [square_quadrature(EXACT), *zip(integration.points[1:], integration.weights[1:], strict=True)]
+        groups = [np.flatnonzero(integration.kinds == kind) for kind in range(len(rules))]
+        self.parts = [_Part(self.geometry, e, *rule, pressure) for e, rule in zip(groups, rules, strict=True) if e.size]
 
     def force(self, q: np.ndarray, case: Case) -> np.ndarray:
-        along = np.cross(*self._tangents(q)) * (case.amplitude(self.history) * self.amounts)[:, :, None]
-        return self.geometry.nodal(np.einsum("ap,epi->eai", self.values, along), np.arange(self.geometry.n_elements))
+        amplitude, local = case.amplitude(self.history), self.geometry.local(q)
+        found = [part.forces(local[part.elements], amplitude) for part in self.parts]
+        return self.geometry.nodal(np.concatenate(found), np.concatenate([part.elements for part in self.parts]))
 
-    def _matrices(self, q: np.ndarray, case: Case) -> np.ndarray:
+    def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
+        amplitude, local = case.amplitude(self.history), self.geometry.local(q)
+        for part in self.parts:
+            blocks.add(part.elements, part.matrices(local[part.elements], amplitude))
+
+
+class _Part:
+    """A pressure on elements with the same points."""
+
+    def __init__(self, geometry: Geometry, elements: np.ndarray, points: np.ndarray, weights: np.ndarray, pressure: Any):
+        theory, self.elements = geometry.theory, elements
+        self.values, self.slopes = theory.position_table(points)[0], theory.slope_table(points)
+        along = weights * geometry.side[elements, None]
+        self.amounts = values_at("pressure", pressure, geometry.parameters(points, elements)) * along
+
+    def _tangents(self, local: np.ndarray) -> np.ndarray:
+        """r_1 and r_2 at the points, (2, n_elements, n_points, 3)."""
+        return np.einsum("gap,eai->gepi", self.slopes, local, optimize=True)
+
+    def forces(self, local: np.ndarray, amplitude: float) -> np.ndarray:
+        """On the local vectors (n_elements, 16, 3)."""
+        along = np.cross(*self._tangents(local)) * (amplitude * self.amounts)[:, :, None]
+        return np.einsum("ap,epi->eai", self.values, along)
+
+    def matrices(self, local: np.ndarray, amplitude: float) -> np.ndarray:
         """Minus the derivative of the force, (n_elements, 48, 48), component by component."""
-        one, two = self._tangents(q)
-        amounts, axes = case.amplitude(self.history) * self.amounts, np.eye(3)[:, None, None]
+        one, two = self._tangents(local)
+        amounts, axes = amplitude * self.amounts, np.eye(AXES)[:, None, None]
         # (j, e, p, i): r_1 x e_j with the slope along 2, and e_j x r_2 with that along 1.
         turned = np.stack([np.cross(axes, two), np.cross(one, axes)]) * amounts[:, :, None]
         full = -np.einsum("ap,gjepi,gbp->eiajb", self.values, turned, self.slopes, optimize=True)
-        return full.reshape(-1, 48, 48)
-
-    def add_stiffness(self, q: np.ndarray, case: Case, blocks: OnElements) -> None:
-        blocks.add(np.arange(self.geometry.n_elements), self._matrices(q, case))
+        return full.reshape(-1, LOCAL, LOCAL)

@@ -27,6 +27,7 @@ from skancf.statics.eigen_checks import (
     warn_of_failures,
 )
 from skancf.statics.left_out import buckling_changes, warn_of_changes
+from skancf.statics.linear import change_by
 from skancf.statics.modes import (
     ROUNDING,
     check_tolerance,
@@ -37,8 +38,9 @@ from skancf.statics.modes import (
     nth,
 )
 from skancf.statics.tangents import warn_if_skew
-from skancf.system.linearised import geometric_stiffness
+from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
+from skancf.system.unstressed import unstressed
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
@@ -139,15 +141,13 @@ def buckling(
     require_support(system)
     warn_without_time(system)
     start, constraints = system.undeformed, system.constraints
-    moved = system.prescribed()
-    if not (system.external_force(start).any() or moved.any()):
+    if not (system.external_force(start).any() or system.prescribed().any()):
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
     stiffness = system.stiffness()
     warn_if_skew(system, stiffness, start, 1.0)
     with DirectSolver(system.pattern, constraints, backend) as solver:
         solver.factor(stiffness)
-        answer = solver.solve(system.external_force(start) - stiffness @ moved) + moved
-        solver.warn_if_lost()
+        answer = change_by(system, solver)
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
         geometric = geometric_stiffness(system, answer)
@@ -159,7 +159,7 @@ def buckling(
         message = _coarse(system, stiffness, shapes[:n])
     note = group_note("load factor", 1.0 / np.abs(inverse), n, cut)
     warn_of_failures(checks)
-    linear = Solution(system, start + answer, linear=True, small=answer)
+    linear = Solution.of(Linearised(system), answer)
     result = BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
     warn_of_changes("buckling load", result.theory_errors)
     return result
@@ -167,10 +167,9 @@ def buckling(
 
 def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
     """That the mesh is too coarse for some shapes: assumed membrane strains and those as they are do not agree in them."""
-    hook = getattr(system, "plain_stiffness", None)
-    if hook is None:
+    if not hasattr(system, "shell"):
         return ""
-    plain = hook()
+    plain = unstressed(system, plain=True)
     ratios = np.array([plain.energy(x) / stiffness.energy(x) for x in shapes])
     if ratios.max() < 1 + COARSE:
         return ""

@@ -11,6 +11,7 @@ from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import NewtonResult, System, factored
 from skancf.statics.soft import Mode, softest_mode, turning_estimate
+from skancf.system.rigid import free_rigid_motions
 
 # Stiffness against the load relative to that at the start (Bergan's current stiffness parameter) that counts as soft.
 SOFT = 0.3
@@ -20,8 +21,7 @@ NEAR = 10.0
 
 def require_support(system: System) -> None:
     """InputError where a rigid motion is free, of a model that knows what a rigid motion is."""
-    hook: Any = getattr(system, "free_rigid_motions", None)
-    free = hook() if hook else []
+    free = free_rigid_motions(system) if hasattr(system, "layout") else []
     if free:
         raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
 
@@ -49,9 +49,9 @@ def cause(
 
 
 def _folded(system: System, q: np.ndarray) -> tuple[Status, str] | None:
-    hook: Any = getattr(system, "folded", None)
+    shell: Any = getattr(system, "shell", None)
     with np.errstate(over="ignore", invalid="ignore"):
-        found = hook(q) if hook and np.isfinite(q).all() else None
+        found = shell.folded(q) if shell and np.isfinite(q).all() else None
     if found is None:
         return None
     element, place = found

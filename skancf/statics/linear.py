@@ -63,10 +63,15 @@ def small_deflection(system: System, load_factor: float = 1.0, *, backend: str =
 
 def small_change(system: System, backend: str = "auto") -> np.ndarray:
     """The change of the undeformed state under the whole load, (n_dofs,)."""
-    model, rest = Linearised(system), np.zeros(system.n_dofs)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        solver.factor(model.tangent(rest))
-        moved = model.held(1.0)
-        change = solver.solve(model.external_force(rest) - model.internal_force(moved)) + moved
-        solver.warn_if_lost()
-        return change
+        solver.factor(system.stiffness())
+        return change_by(system, solver)
+
+
+def change_by(system: System, solver: DirectSolver) -> np.ndarray:
+    """The same by a solver that has the factors of the stiffness."""
+    model = Linearised(system)
+    moved = model.held(1.0)
+    change = solver.solve(model.external_force(moved) - model.internal_force(moved)) + moved
+    solver.warn_if_lost()
+    return change

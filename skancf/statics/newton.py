@@ -22,11 +22,9 @@ from skancf.statics.stopping import Constraint, Pull, StopRule, moves, work
 class System(Protocol):
     """All that statics knows of a model.
 
-    A model may also have ``strain_energy(q, case)``, by which the end of a solve is judged; ``largest_turn(change)``, the
-    largest change of a slope; ``pretension``, the stiffness of a uniform dilation; ``skew(q, case)``, the
-    skew-symmetric part of its tangent as a sparse matrix or None; ``folded(q)``, the number and the place of an element that
-    folded or None; ``foundation``, its springs as a matrix or None; ``plain_stiffness()``, that of the undeformed state with
-    membrane strains as they are; and ``free_rigid_motions()``, those that nothing holds, in words.
+    A model may also have ``strain_energy(q, case)``, by which the end of a solve is judged; ``skew(q, case)``, the
+    skew-symmetric part of its tangent as a sparse matrix or None; ``others``, sums over terms beside a shell; a ``layout``,
+    by which it knows rigid motions; and a ``shell``, which knows how far slopes turn and which elements folded.
     """
 
     constraints: Constraints
@@ -249,8 +247,8 @@ class _Rule:
 
 def largest_turn(system: Any, change: np.ndarray) -> float:
     """Largest change of a slope, relative to its undeformed length; zero for models without slopes."""
-    hook = getattr(system, "largest_turn", None)
-    return hook(change) if hook else 0.0
+    shell = getattr(system, "shell", None)
+    return shell.largest_turn(change) if shell else 0.0
 
 
 def _where(system: System, values: np.ndarray) -> str:

@@ -21,6 +21,7 @@ from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motion
 from skancf.statics.newton import NewtonResult, System, factored, largest_turn
 from skancf.statics.stopping import Pull, work
 from skancf.statics.tangents import is_skew
+from skancf.system.dilation import pretension
 
 BUDGET = 600
 """Newton iterations in one relaxation; coarse meshes of pinched shells take 320."""
@@ -94,7 +95,7 @@ class Relaxation:
 
     def __init__(self, system: System, solver: DirectSolver, load_factor: float, solve: Callable[..., NewtonResult]) -> None:
         self.system, self.solver, self.load_factor, self.solve = system, solver, load_factor, solve
-        self.metric: BlockMatrix = system.pretension  # type: ignore[attr-defined]
+        self.metric: BlockMatrix = pretension(system)
         self._flow: _Flow | None = None
 
     def from_state(self, q: np.ndarray, origin: np.ndarray, budget: int = BUDGET) -> NewtonResult | None:

@@ -12,6 +12,8 @@ from skancf.linear import BlockMatrix
 from skancf.system.system import System
 from skancf.system.unstressed import derivative, of_change
 
+STEP = 1e-5
+"""Of a difference, relative to the size of the body: its square, and rounding over it, are small."""
 Value = Callable[[np.ndarray], Any]
 """Of unknowns q."""
 Rate = Callable[[np.ndarray, np.ndarray], Any]
@@ -125,7 +127,7 @@ class Exact(Model):
         return self.system.external_force(x, case)
 
     def others_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
-        return self.system.others_force(x, v, case)
+        return self.system.others.force(x, v, case)
 
     def tangent(self, x: np.ndarray, case: Case = FULL) -> BlockMatrix:
         return self.system.tangent(x, case)
@@ -184,13 +186,15 @@ class Linearised(Model):
         return factor * self.system.prescribed()
 
     def internal_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
-        return self.system.stiffness() @ x
+        """With what terms beside the shell have in the undeformed state."""
+        force, others = self.system.stiffness() @ x, self.system.others
+        return force + others.force(self.system.undeformed, None, case) if others else force
 
     def external_force(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:
         return case.factor * self.system.external_force(self.system.undeformed)
 
     def others_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
-        force, springs = self.system.others_force(self.system.undeformed, None, case), self.system.foundation
+        force, springs = self.system.others.force(self.system.undeformed, None, case), self.system.foundation
         return force if springs is None else force + springs @ x
 
     def tangent(self, x: np.ndarray, case: Case = FULL) -> BlockMatrix:
@@ -206,8 +210,10 @@ class Linearised(Model):
         return self.system.stiffness() + geometric_stiffness(self.system, x, case.factor)
 
     def strain_energy(self, x: np.ndarray, case: Case = FULL) -> float:
-        shell, energy = self.system.shell, self.system.stiffness().energy(x)
-        force = shell.held_back_force(self.system.undeformed, case)
+        start, shell, others = self.system.undeformed, self.system.shell, self.system.others
+        force, energy = shell.held_back_force(start, case), self.system.stiffness().energy(x)
+        energy += others.energy(start, case)
+        energy += float(others.force(start, None, case) @ x)
         return energy if force is None else energy + shell.thermal_energy(case) - float(force @ x)
 
     def work(self, x: np.ndarray, case: Case = FULL) -> float:
@@ -240,4 +246,18 @@ def geometric_stiffness(system: System, change: np.ndarray, load_factor: float =
     power = int(np.frexp(np.abs(start).max())[1] - np.frexp(size)[1]) if size else 0
     stresses = system.stresses(start, np.ldexp(change, power)) - system.stresses(start)
     scaled = system.tangent(start, Case(float(np.ldexp(load_factor, power))), stresses)
-    return BlockMatrix(scaled.pattern, np.ldexp(scaled.values - system.stiffness().values, -power))
+    values = scaled.values - system.stiffness().values
+    if others := _change_of_others(system, np.ldexp(change, power)):
+        values += others.values
+    return BlockMatrix(scaled.pattern, np.ldexp(values, -power))
+
+
+def _change_of_others(system: Any, change: np.ndarray) -> BlockMatrix | None:
+    """Derivative of the tangent of terms beside the shell along a change of the size of the body, by differences."""
+    start, others = system.undeformed, getattr(system, "others", None)
+    if not others:
+        return None
+    after, before = (others.tangent(start + sign * STEP * change) for sign in (1.0, -1.0))
+    if after is None or before is None:
+        return None
+    return BlockMatrix(after.pattern, (after.values - before.values) / (2 * STEP))

@@ -9,19 +9,18 @@ import numpy as np
 import scipy.sparse as sp
 import skfem
 
-from skancf.history import FULL, Case, check_cover
+from skancf.history import FULL, Case
 from skancf.kernels.constants import BLOCK
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, BlockPattern, Constraints
-from skancf.system import dilation, rigid
-from skancf.system.unstressed import ByStrains
+from skancf.system.inertia import Inertia
+from skancf.system.unstressed import ByStrains, unstressed
 from skancf.terms.blocks import Blocks, SkewBlocks
-from skancf.terms.load import Loads
 from skancf.terms.protocols import Assembly, Prescription
 from skancf.terms.shell import Shell, total
+from skancf.terms.sums import Loads, Terms
 from skancf.terms.term import Term
-from skancf.vectors import sum_of_cross
 
 
 class System:
@@ -43,10 +42,12 @@ class System:
     Attributes
     ----------
     undeformed : (n_dofs,) array
+    terms : Terms
+        All of them, the shell first.
     loads : Loads
-        The terms that act from outside.
-    others : tuple of Term
-        Those of the structure, but for the shell.
+        Those that act from outside.
+    others : Terms
+        Those of the structure, but for the shell: springs, foundations, the user's own.
     choice
         With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
     """
@@ -60,9 +61,9 @@ class System:
         self.layout, self.shell, self.problem = layout, shell, problem
         self.constraints, self.prescription = constraints, prescription
         self.undeformed = layout.undeformed.ravel()
-        self.terms = (shell, *terms)
-        self.loads = Loads([term for term in terms if term.load], layout.n_dofs)
-        self.others = tuple(term for term in terms if not term.load)
+        self.terms = Terms([shell, *terms], layout.n_dofs, self.blocks)
+        self.loads = Loads([term for term in terms if term.load], layout.n_dofs, self.blocks)
+        self.others = Terms([term for term in terms if not term.load], layout.n_dofs, self.blocks)
         cells = {id(each): each for each in (term.couples() for term in self.terms) if each.size}
         graph = tuple(each.T for each in cells.values())
         self.pattern = BlockPattern.from_cells(graph, layout.n_blocks, BLOCK, layout.places.T)
@@ -97,19 +98,7 @@ class System:
     def internal_force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """Force of the structure, (n_dofs,): the derivative of its energy without that of free strains."""
         force = self.shell.internal_force(q)
-        return force + self.others_force(q, v, case) if self.others else force
-
-    def others_force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
-        """The part of it that the shell does not have: springs, foundations, terms of the user's own."""
-        return sum((term.force(q, v, case) for term in self.others), np.zeros(self.n_dofs))
-
-    def others_between(self, q0: np.ndarray, q1: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
-        """The same between two states, so that it does the work of the energy where terms know how."""
-        out = np.zeros(self.n_dofs)
-        for term in self.others:
-            between = term.between(q0, q1, case)
-            out += term.force(0.5 * (q0 + q1), v, case) if between is None else between
-        return out
+        return force + self.others.force(q, v, case) if self.others else force
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
         """Stresses at the integration points with their weights, extrapolated linearly along ``change``.
@@ -153,38 +142,12 @@ class System:
 
     @cached_property
     def _stiffness(self) -> BlockMatrix:
-        return BlockMatrix(self.pattern, self._unstressed().values, ByStrains(self.shell, self.undeformed, self.foundation))
-
-    def plain_stiffness(self) -> BlockMatrix:
-        """The same with membrane strains as they are, not assumed ones: an upper bound that locks on coarse meshes."""
-        return self._unstressed(plain=True)
-
-    def _unstressed(self, plain: bool = False) -> BlockMatrix:
-        blocks = self.blocks()
-        self.shell.add_stiffness(blocks, plain)
-        return blocks.matrix() if self.foundation is None else blocks.matrix() + self.foundation
+        return BlockMatrix(self.pattern, unstressed(self).values, ByStrains(self.shell, self.undeformed, self.foundation))
 
     @cached_property
     def foundation(self) -> BlockMatrix | None:
-        """Tangent of the structure's terms but for the shell in the undeformed state, that of springs; None without any."""
-        return self.others_tangent(self.undeformed)
-
-    def others_tangent(self, q: np.ndarray, case: Case = FULL) -> BlockMatrix | None:
-        """Derivative of :meth:`others_force`, its symmetric part; None where it is zero."""
-        blocks = self.blocks()
-        for term in self.others:
-            term.add_tangent(q, None, case, blocks)
-        return None if blocks.is_zero else blocks.matrix()
-
-    @cached_property
-    def pretension(self) -> BlockMatrix:
-        r"""Geometric stiffness G of a uniform dilation by one, a pretension that nothing but motion feels.
-
-        Positive semidefinite, zero for translations; of a flat isotropic plate
-        :math:`x \cdot G x = E h / (1 - \nu) \int |\nabla x|^2`. With a strain as its factor it counts against any
-        membrane stiffness, whatever the unit, density and law.
-        """
-        return dilation.pretension(self)
+        """Tangent of :attr:`others` in the undeformed state, that of springs; None where it is zero."""
+        return self.others.tangent(self.undeformed)
 
     def external_force(self, q: np.ndarray, case: Case = FULL) -> np.ndarray:
         """Loads and the forces of held back free strains, (n_dofs,)."""
@@ -204,15 +167,10 @@ class System:
         every = chain(*[term.histories() for term in self.terms], self.prescription.histories())
         return list({id(history): history for history in every if history is not None}.values())
 
-    def check_histories(self, begin: float, end: float) -> None:
-        """InputError where a load or a prescribed motion has a table that does not cover the times of a run (s)."""
-        for history in self.histories():
-            check_cover(history, begin, end)
-
     def strain_energy(self, q: np.ndarray, case: Case = FULL) -> float:
         """Energy of the structure (J): of the shell, see :meth:`~skancf.terms.shell.Shell.energy`, springs and foundations,
         and of other terms that have one."""
-        return self.shell.energy(q, case) + sum((term.energy(q, case) or 0.0 for term in self.others), 0.0)
+        return self.shell.energy(q, case) + self.others.energy(q, case)
 
     @cached_property
     def mass(self) -> BlockMatrix:
@@ -223,10 +181,15 @@ class System:
         return blocks.matrix()
 
     @cached_property
+    def inertia(self) -> Inertia:
+        """Sums with it: momenta, and the mass of everything."""
+        return Inertia(self.mass, self.layout)
+
+    @cached_property
     def viscous(self) -> BlockMatrix | None:
         r"""Forces in proportion to velocities, :math:`\alpha M` and the dashpots (N s/m); None without any.
 
-        The force on the body is -(viscous @ v); damping of the material is :attr:`retardation`.
+        The force on the body is -(viscous @ v); damping of the material is :attr:`Shell.retardation`.
         """
         damping = self.problem.damping
         of_mass = None if damping is None or not damping.mass else float(damping.mass) * self.mass
@@ -235,86 +198,18 @@ class System:
             term.add_viscous(blocks)
         return total([None if blocks.is_zero else blocks.matrix(), of_mass])
 
-    @property
-    def retardation(self) -> float:
-        r"""Factor :math:`\beta` of the strain rate in the stress, :math:`C (\varepsilon + \beta \dot\varepsilon)` (s)."""
-        return self.shell.retardation
-
-    def net_force(self, q: np.ndarray, v: np.ndarray, case: Case) -> np.ndarray:
-        """External less internal force and damping, (n_dofs,): what is left for inertia and supports."""
-        force = self.external_force(q, case) - self.internal_force(q, v, case) - self.shell.retarding_force(q, v)
-        return force if self.viscous is None else force - self.viscous @ v
-
-    @cached_property
-    def shares(self) -> np.ndarray:
-        """What the mass makes of a unit translation at the vectors of the blocks, (n_blocks, 4) (kg); at positions their sum
-        is the mass of everything."""
-        ones = np.zeros_like(self.layout.undeformed)
-        ones[self.layout.moving, 0, 0] = 1.0
-        return np.asarray(self.layout.nodal(self.mass @ ones.ravel())[:, :, 0])
-
-    @property
-    def total_mass(self) -> float:
-        """Mass of everything (kg)."""
-        return float(self.shares[self.layout.moving, 0].sum())
-
     def kinetic_energy(self, v: np.ndarray) -> float:
         """Half of v . M v (J)."""
         return 0.5 * float(v @ (self.mass @ v))
 
     def momenta(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        r"""Linear momentum (N s) and angular momentum about the origin (N m s), (2, 3).
-
-        What M v does on a translation and on a spin of everything: with the vectors :math:`q_i, (M v)_i` of all blocks,
-        :math:`\sum_i (M v)_i` over positions, and :math:`\sum_i q_i \times (M v)_i` over all.
-        """
-        flow, nodal = self.layout.nodal(self.mass @ v), self.layout.nodal(q)
-        return np.stack([self.layout.positions(flow).sum(axis=0), sum_of_cross(nodal, flow)])
-
-    def reached(self, q: np.ndarray, v: np.ndarray, case: Case) -> None:
-        """Tell terms that a step was accepted."""
-        for term in self.terms:
-            term.reached(q, v, case)
-
-    def state(self) -> dict[str, Any]:
-        """What terms remember between steps, by their numbers."""
-        return {str(k): term.state() for k, term in enumerate(self.terms)}
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Go back to what :meth:`state` gave."""
-        for k, term in enumerate(self.terms):
-            term.restore(state[str(k)])
-
-    def free_rigid_motions(self) -> list[str]:
-        """Rigid motions that no support and no spring holds, in words."""
-        return rigid.free_rigid_motions(self)
-
-    def largest_turn(self, change: np.ndarray) -> float:
-        """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""
-        return dilation.largest_turn(self.geometry, self.shell.nodal(change))
-
-    # --- scikit-fem -------------------------------------------------------------------------------------------------
+        """Linear and angular momentum, (2, 3), see :meth:`skancf.system.inertia.Inertia.momenta`."""
+        return self.inertia.momenta(q, v)
 
     def basis(self, intorder: int = 7, *, facets: Any = None, thickness: float | None = None) -> skfem.AbstractBasis:
-        """A basis of scikit-fem on the mesh with this theory's element, for forms of one's own.
+        """A basis of scikit-fem on the mesh with this theory's element: see :func:`skancf.layout.skfem_bridge.basis_on`.
 
-        ``system.basis().interpolate(system.to_mesh @ q)`` is the deformed surface in the state q: the position, its
-        derivatives ``grad`` with respect to x and y, and in theory `kirchhoff` ``hess``.
-
-        Parameters
-        ----------
-        intorder : int
-            Order of the polynomials in x and in y that the quadrature integrates exactly; 7 is that of the library's own.
-        facets
-            A place on the boundary, such as ``"left"``: the basis is one of these edges.
-        thickness : float, optional
-            In theory `full`: the basis is one of the volume, of :math:`r + z d`, and ``grad`` has the derivative with
-            respect to z, too.
-
-        Raises
-        ------
-        InputError
-            For an order that is no whole number, a place without an edge, and a thickness where there is no depth.
+        ``system.basis().interpolate(system.to_mesh @ q)`` is the deformed surface in the state q.
         """
         return skfem_bridge.basis_on(self.geometry, intorder, facets, thickness)
 
@@ -326,9 +221,3 @@ class System:
         :math:`T^T f` and :math:`T^T K T` here.
         """
         return skfem_bridge.unknowns_to_mesh(self.geometry, self.layout, self.shell.name)
-
-    # ----------------------------------------------------------------------------------------------------------------
-
-    def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
-        """The first element that folded, and its undeformed place; None without one: see :mod:`skancf.layout.folds`."""
-        return dilation.first_fold(self.geometry, self.shell.nodal(q))

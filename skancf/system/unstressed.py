@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.linear import BlockMatrix
 from skancf.terms.shell import Shell
 
 LARGE = 100
@@ -60,6 +61,16 @@ class ByStrains:
     @cached_property
     def _strains(self) -> np.ndarray:
         return self._assembly.stresses(self._undeformed, None, keep_strains=True)[0]
+
+
+def unstressed(system: Any, plain: bool = False) -> BlockMatrix:
+    """Tangent of the undeformed state without stresses of the shell.
+
+    ``plain``: with membrane strains as they are, not assumed ones, an upper bound that locks on coarse meshes.
+    """
+    blocks = system.blocks()
+    system.shell.add_stiffness(blocks, plain)
+    return blocks.matrix() if system.foundation is None else blocks.matrix() + system.foundation
 
 
 def enlarged(vector: np.ndarray) -> tuple[np.ndarray, int]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.history import FULL, Case
 from skancf.kernels import gather
+from skancf.layout.folds import first_fold, largest_turn
 from skancf.layout.layout import Layout
 from skancf.terms.blocks import Blocks, OnElements
 from skancf.terms.protocols import Assembly
@@ -137,6 +138,14 @@ class Shell(Term):
     def section_forces(self, q: np.ndarray, points: np.ndarray, case: Case = FULL) -> np.ndarray:
         """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n)."""
         return self.assembly.section_forces(self.nodal(q), points, self.temperature(points, case))
+
+    def largest_turn(self, change: np.ndarray) -> float:
+        """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""
+        return largest_turn(self.geometry, self.nodal(change))
+
+    def folded(self, q: np.ndarray) -> tuple[int, np.ndarray] | None:
+        """The first element that folded, and its undeformed place; None without one: see :mod:`skancf.layout.folds`."""
+        return first_fold(self.geometry, self.nodal(q))
 
     def retarding_force(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         r"""Internal force of the strain rate, of the stresses :math:`C \beta \dot\varepsilon`, (n_dofs,)."""

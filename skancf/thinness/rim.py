@@ -5,11 +5,10 @@ from functools import cached_property
 
 import numpy as np
 
-from skancf.history import Case
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.singularities import Singularity, beside_each_other, nodes_at
 from skancf.surfaces import normal
-from skancf.system.regularity import facets_of, singularities
+from skancf.system.regularity import facets_of, of_supports
 from skancf.system.system import System
 
 FREE, MIRROR, SUPPORTED, CLAMPED = range(4)
@@ -48,16 +47,15 @@ class Rim:
 
         The thin nodes do not know it of a support, which says that it holds the tilt.
         """
-        held = facets_of(singularities(self.system), "tilt")
+        held = facets_of(of_supports(self.system), "tilt")
         return np.asarray(self.facets[((self.kinds == FREE) | (self.kinds == SUPPORTED)) & ~np.isin(self.facets, held)])
 
-    def strong(self, case: Case) -> np.ndarray:
+    def strong(self, found: list[Singularity]) -> np.ndarray:
         """Positions (3, k) of points about which the energy of the thin theory's shear forces has no limit.
 
         Those are corners, and forces, moments and supports at single points.
         """
         geometry = self.system.geometry
-        found = singularities(self.system, case)
         loads = [each.alone for each in found if each.pushes("force") or each.pushes("moment")]
         nodes = geometry.points[:, self._corners | self._single(found)]
         return np.asarray(geometry.surface.position(*np.hstack([nodes, *loads])))

@@ -10,6 +10,7 @@ import numpy as np
 
 from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver, factor_shifted, soft_motions
+from skancf.system.rigid import free_rigid_motions
 from skancf.system.system import System
 from skancf.thinness.form import ShearForm
 from skancf.thinness.moments import moment_rates
@@ -47,7 +48,7 @@ def first_share(system: System) -> float:
         Where some motion has neither stiffness nor mass.
     """
     stiffness: Any = system.stiffness()
-    rigid = len(system.free_rigid_motions())
+    rigid = len(free_rigid_motions(system))
     with DirectSolver(system.pattern, system.constraints) as solver:
         try:
             factor_shifted(solver, stiffness, system.mass)

@@ -55,7 +55,7 @@ def energy(moving: Moving) -> None:
         have, given = getattr(ledger, name), getattr(ledger, f"{name}_impulse")
         left = np.linalg.norm(have - given - (have - given)[0], axis=1).max()
         arm = float(np.abs(nodal(system.undeformed)[:, 0]).max()) if name == "angular" else 1.0
-        largest = arm * np.sqrt(2 * size * float(np.abs(system.shares[:, 0]).sum()))
+        largest = arm * np.sqrt(2 * size * float(np.abs(system.inertia.shares[:, 0]).sum()))
         known = max(float(np.linalg.norm(part, axis=1).max()) for part in (have, given))
         allowed = 3e-6 * moving.steps * max(known, largest) + arm * np.sqrt(noise)
         bounded(f"{name} momentum without a source", float(left), allowed)
@@ -127,7 +127,7 @@ def asked(moving: Moving) -> None:
     rtol = 3e-2
     one = run(moving, system, options, dt=None, rtol=rtol, outputs=11)
     two = run(moving, system, options, dt=options["t_end"] / FINE, outputs=11)
-    weights = np.abs(system.shares[:, 0])
+    weights = np.abs(system.inertia.shares[:, 0])
 
     def rms(u: np.ndarray) -> float:
         return float(np.sqrt((weights @ (u**2).sum(axis=2).T / weights.sum()).max()))

@@ -59,7 +59,7 @@ class Reaction:
         out, skew = model.tangent(x, state.case) @ held, model.skew(x, state.case)
         if skew is not None:
             out = out - skew @ held
-        others = system.others_tangent(state.about, state.case)
+        others = system.others.tangent(state.about, state.case)
         return np.asarray(out if others is None else out - others @ motion)
 
     def lift(self, state: Solution) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import plain
 from skancf.errors import InputError, unit_vector, vector
+from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.solution import Solution
 
@@ -69,11 +70,10 @@ class Rotation(Smooth):
         n = _normal(geometry, shell.nodal(q), element, point)
         by_normal = ((n @ n0) * t - (n @ t) * n0) / ((n @ n0) ** 2 + (n @ t) ** 2)
         # The rate of the normal is linear in that of the local vectors: one column for each of their components.
-        one = geometry.undeformed_local[0]
-        each = np.eye(one.size).reshape(-1, *one.shape)
+        each = np.eye(LOCAL).reshape(LOCAL, FUNCTIONS, AXES)
         rates = geometry.theory.normal_rates(geometry.local(shell.nodal(q), element), each, point,
                                              geometry.side[element])[:, :, 0]  # fmt: skip
-        return shell.flat(geometry.nodal((rates @ by_normal).reshape(1, *one.shape), element))
+        return shell.flat(geometry.nodal((rates @ by_normal).reshape(1, FUNCTIONS, AXES), element))
 
     def _place(self, geometry: Geometry) -> Place:
         number, at = geometry.locate(self.at)

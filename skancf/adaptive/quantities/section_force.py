@@ -1,5 +1,6 @@
 """A membrane force or a moment, at a point or as a mean."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -74,25 +75,28 @@ class SectionForce(Smooth):
         return "N/m" if self.component.startswith("N") else "N"
 
     def _value(self, state: Solution, q: np.ndarray) -> float:
-        elements, points, weights = self.weights(state.system)
         of_state = state.system.shell.section_forces if self.at is None else partial(section_forces, state.system)
-        forces = of_state(q, points, state.case)
-        return float(np.vdot(forces[elements, self._row], weights))
+        return sum(
+            float(np.vdot(of_state(q, points, state.case)[elements, self._row], weights))
+            for elements, points, weights in self._of_kinds(state.system)
+        )
 
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
-        elements, points, weights = self.weights(state.system)
         if self.at is not None:
+            elements, points, _ = self.weights(state.system)
             return gradient(state.system, q, int(elements[0]), points, np.eye(len(COMPONENTS))[self._row])
-        of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
-        of_all[:, self._row] = weights
-        shell = state.system.shell
-        return shell.flat(shell.assembly.section_force_gradient(shell.nodal(q), elements, points, of_all))
+        out, shell = np.zeros(q.shape), state.system.shell
+        for elements, points, weights in self._of_kinds(state.system):
+            of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
+            of_all[:, self._row] = weights
+            out += shell.flat(shell.assembly.section_force_gradient(shell.nodal(q), elements, points, of_all))
+        return out
 
     def scale(self, state: Solution) -> float:
         """Mean size of the component over the surface: a value that is much smaller is zero at its place."""
         instance("state", state, Solution, STATE)
-        areas = state.system.assembly.areas
-        sizes = np.abs(state.section_forces(state.system.geometry.theory.quadrature[0])[:, self._row])
+        areas, integration = state.system.assembly.areas, state.system.geometry.integration
+        sizes = integration.gathered(lambda points, e: np.abs(state.section_forces(points)[e, self._row]))
         return float(np.vdot(sizes, areas) / areas.sum())
 
     @property
@@ -100,12 +104,12 @@ class SectionForce(Smooth):
         return COMPONENTS.index(self.component)
 
     def weights(self, system: System) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Elements (m,), local points (2, n) and weights (m, n) that sum to one."""
+        """Elements (m,), local points (2, n), or those of each, (m, 2, n), and weights (m, n) that sum to one."""
         geometry = system.geometry
         if self.at is not None:
             element, point = geometry.locate(self.at)
             return np.array([element]), geometry.inside(point[:, None]), np.ones((1, 1))
-        points, weights = geometry.theory.quadrature[0], system.assembly.areas
+        points, weights = geometry.integration.local, system.assembly.areas
         if self.within is not None:
             weights = weights * self._inside(geometry, geometry.parameters(points))
         elements = np.flatnonzero(weights.any(axis=1))
@@ -113,7 +117,17 @@ class SectionForce(Smooth):
             raise InputError(f"within = {self.within}: no integration point of the mesh lies there, which spans "
                              f"{geometry.mesh.p.min(axis=1).tolist()} to {geometry.mesh.p.max(axis=1).tolist()}; give a "
                              "rectangle of at least one element")  # fmt: skip
-        return elements, points, weights[elements] / weights.sum()
+        return elements, points if points.ndim == 2 else points[elements], weights[elements] / weights.sum()
+
+    def _of_kinds(self, system: System) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """:meth:`weights` of elements that have the same points."""
+        elements, points, weights = self.weights(system)
+        if points.ndim == 2:
+            yield elements, points, weights
+            return
+        kinds = system.geometry.integration.kinds[elements]
+        for kind in np.unique(kinds):
+            yield elements[kinds == kind], system.geometry.integration.points[kind], weights[kinds == kind]
 
     def _inside(self, geometry: Geometry, at: np.ndarray) -> np.ndarray:
         """Which parameters (2, ...) lie in the rectangle."""

@@ -17,6 +17,8 @@ from skancf.vectors import cross
 
 THIN = ("r", "r_x", "r_y", "r_xx", "r_xy", "r_yy")
 THICK = ("r", "r_x", "r_y", "d", "d_x", "d_y")
+VELOCITY = "v"
+"""Of the surface, beside the jet."""
 Jet = Mapping[str, np.ndarray]
 
 
@@ -171,6 +173,9 @@ class Fields(Mapping[str, Any]):
             return self.undeformed[UNDEFORMED[name]]
         if name == "x":
             return self.given["x"]
+        if name == VELOCITY:
+            self.used.add(name)
+            return self.jet.get(name, np.zeros_like(self.jet["r"]))
         if name == "factor":
             return self.case.factor
         if name == "time":
@@ -182,7 +187,7 @@ class Fields(Mapping[str, Any]):
         """All there are here."""
         thin = "r_xx" in self.jet
         of_edges = ON_EDGES if "along" in self.given else {}
-        known = {"x", "time", "factor", *self.jet, *FORMULAS, *UNDEFORMED, *of_edges}
+        known = {"x", "time", "factor", VELOCITY, *self.jet, *FORMULAS, *UNDEFORMED, *of_edges}
         missing = DIRECTORS if thin else CURVED | {name for name in known if name[2:] in ("xx", "xy", "yy")}
         return sorted(known - missing)
 

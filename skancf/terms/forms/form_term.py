@@ -16,6 +16,7 @@ from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
 from skancf.terms.forms import integrand
+from skancf.terms.forms.fields import VELOCITY
 from skancf.terms.forms.integrand import Integrand
 from skancf.terms.forms.points import Chunk, chunks_of
 from skancf.terms.term import Addition, Term
@@ -54,14 +55,14 @@ class FormTerm(Addition):
     history : callable, optional
         Factor as a function of time, of a load.
     points : int
-        Gauss points along each side of an element, or along an edge.
+        Gauss points along each side of an element, or along an edge. Elements with points of their own have these.
 
     Raises
     ------
     InputError
         For none of the three, a tangent without a residual, what is no form or the wrong kind of one, and a history of what
-        is no load; on a mesh, for names that w does not have, values of another shape or not finite, and functions that are
-        not analytic where a derivative has to be taken.
+        is no load; on a mesh, for names that w does not have, values of another shape or, undeformed, not finite, and
+        functions that are not analytic where a derivative has to be taken.
 
     Notes
     -----
@@ -79,7 +80,7 @@ class FormTerm(Addition):
     r, r_x, r_y                         (3, m, n)        deformed position; also as ``w.r.grad``, (3, 2, m, n)
     r_xx, r_xy, r_yy                    (3, m, n)        `kirchhoff`; also as ``w.r.hess``, (3, 2, 2, m, n)
     d, d_x, d_y                         (3, m, n)        director, in theory `full`
-    u                                   (3, m, n)        displacement r - X
+    u, v                                (3, m, n)        displacement r - X; velocity, of residuals
     n, da, J                            (3, m, n), ()    deformed unit normal, area per dx dy, and da / dA
     a, b                                (2, 2, m, n)     deformed metric, and curvature b_ab = r_ab . n (`kirchhoff`)
     H, K                                (m, n)           mean and Gaussian curvature of the deformed surface (`kirchhoff`)
@@ -174,7 +175,7 @@ class OnSurface(Term):
     ) -> None:
         self.shell, self.forms, self.chunks, self.load, self.history = shell, forms, chunks, load, history
         self.geometry: Geometry = shell.geometry
-        self._sizes = sizes_of(self.geometry)
+        self._sizes, self._of_velocity = sizes_of(self.geometry), False
         self._check()
 
     def _check(self) -> None:
@@ -182,18 +183,23 @@ class OnSurface(Term):
         case, rng = Case(time=0.0), np.random.default_rng(0)
         for chunk in self.chunks:
             for name, form in self.forms.items():
-                form(chunk, chunk.undeformed.jet, case, *[integrand._every(chunk)] * list(FORMS).index(name))
+                tests = [integrand.every(chunk)] * list(FORMS).index(name)
+                value, (*_, read) = form(chunk, chunk.undeformed.jet, case, *tests)
+                form.check_finite(value, chunk)
+                if VELOCITY in read and name == "energy":
+                    raise InputError("energy: it reads the velocity w.v; an energy is one of positions, give what depends "
+                                     "on the velocity as a residual")  # fmt: skip
+                self._of_velocity |= VELOCITY in read and name == "residual"
         chunk = self.chunks[0]
         if "residual" in self.forms:
             self._check_linear(chunk, case, rng)
-        differentiated = [("energy", "residual"), ("residual", "tangent")]
-        for name, derivative in differentiated:
-            if name in self.forms and derivative not in self.forms:
+        for name, derivative in (("energy", "residual"), ("residual", "tangent")):
+            if name in self.forms and (derivative not in self.forms or (self._of_velocity and name == "residual")):
                 self.forms[name].check_analytic(chunk, self._sizes, case, rng)
 
     def _check_linear(self, chunk: Chunk, case: Case, rng: np.random.Generator) -> None:
         form, jet = self.forms["residual"], chunk.undeformed.jet
-        one, two = (integrand._random(chunk, self._sizes, rng) for _ in range(2))
+        one, two = (integrand.random_jet(chunk, self._sizes, rng) for _ in range(2))
         both = {name: one[name] - 2.0 * two[name] for name in one}
         a, b, found = (form(chunk, jet, case, test)[0] for test in (one, two, both))
         if np.abs(found - a + 2.0 * b).max() > LINEAR * max(np.abs(a).max(), np.abs(b).max()):
@@ -205,10 +211,12 @@ class OnSurface(Term):
     def _amount(self, case: Case) -> float:
         return case.amplitude(self.history) if self.load else 1.0
 
-    def _states(self, q: np.ndarray) -> Iterable[tuple[Chunk, dict[str, np.ndarray]]]:
+    def _states(self, q: np.ndarray, v: np.ndarray | None = None) -> Iterable[tuple[Chunk, dict[str, np.ndarray]]]:
         nodal = self.shell.nodal(q)
+        rates = None if v is None or not self._of_velocity else self.shell.nodal(v)
         for chunk in self.chunks:
-            yield chunk, chunk.jet(self.geometry.local(nodal, chunk.elements))
+            local = self.geometry.local(nodal, chunk.elements)
+            yield chunk, chunk.jet(local, None if rates is None else self.geometry.local(rates, chunk.elements))
 
     def energy(self, q: np.ndarray, case: Case) -> float | None:
         """Of the energy's integral; None without one, and of a load that changes in time, whose work is booked."""
@@ -218,7 +226,7 @@ class OnSurface(Term):
         return self._amount(case) * sum(float((form(c, jet, case)[0] * c.weights).sum()) for c, jet in self._states(q))
 
     def force(self, q: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
-        return self._forces(((chunk, self._gradient(chunk, jet, case)) for chunk, jet in self._states(q)), case)
+        return self._forces(((chunk, self._gradient(chunk, jet, case)) for chunk, jet in self._states(q, v)), case)
 
     def _forces(self, gradients: Iterable[tuple[Chunk, dict[str, np.ndarray]]], case: Case) -> np.ndarray:
         out, amount = np.zeros_like(self.geometry.undeformed), self._amount(case)
@@ -227,8 +235,9 @@ class OnSurface(Term):
         return np.asarray(self.shell.flat(out))
 
     def between(self, q0: np.ndarray, q1: np.ndarray, case: Case) -> np.ndarray | None:
-        """The force in the middle, and at each point the part along the change that is missing from the energy's."""
-        if "energy" not in self.forms:
+        """The force in the middle, and at each point the part along the change that is missing from the energy's; None with
+        a velocity, and without an energy."""
+        if "energy" not in self.forms or self._of_velocity or self.history is not None:
             return None
         pairs = zip(self._states(q0), self._states(q1), strict=True)
         gradients = (
@@ -245,10 +254,19 @@ class OnSurface(Term):
     def add_tangent(self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Any) -> None:
         if blocks.skew and "residual" not in self.forms:
             return
+        self._add(((chunk, self._second(chunk, jet, case)) for chunk, jet in self._states(q, v)), case, blocks)
+
+    def add_damping(self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Any) -> None:
+        if self._of_velocity:
+            form = self.forms["residual"]
+            self._add(((chunk, integrand.damping_of_residual(form, chunk, jet, case, self._sizes))
+                       for chunk, jet in self._states(q, v)), case, blocks)  # fmt: skip
+
+    def _add(self, parts: Iterable[tuple[Chunk, integrand.Second]], case: Case, blocks: Any) -> None:
         on_elements, amount = self.shell.on_elements(blocks), self._amount(case)
-        for chunk, jet in self._states(q):
-            second, rows, columns = self._second(chunk, jet, case)
-            if not (blocks.skew and rows == columns and _is_symmetric(second)):
+        for chunk, (second, rows, columns) in parts:
+            wanted = second.size and not (blocks.skew and rows == columns and _is_symmetric(second))
+            if wanted:
                 on_elements.add(chunk.elements, chunk.matrices(amount * second, rows, columns))
 
     def _second(self, chunk: Chunk, jet: dict[str, np.ndarray], case: Case) -> integrand.Second:
@@ -269,4 +287,4 @@ def sizes_of(geometry: Geometry) -> dict[str, float]:
     extent = float(np.ptp(geometry.undeformed[:, 0], axis=0).max())
     one, two = np.sqrt((geometry.undeformed[:, 1:3] ** 2).sum(axis=2)).max(axis=0).tolist()
     return {"r": extent, "r_x": one, "r_y": two, "r_xx": one**2 / extent, "r_xy": one * two / extent,
-            "r_yy": two**2 / extent, "d": 1.0, "d_x": one / extent, "d_y": two / extent}  # fmt: skip
+            "r_yy": two**2 / extent, "d": 1.0, "d_x": one / extent, "d_y": two / extent, VELOCITY: extent}  # fmt: skip

@@ -21,7 +21,7 @@ import numpy as np
 from skancf.errors import InputError, shown
 from skancf.functions import Noted
 from skancf.history import Case
-from skancf.terms.forms.fields import Jet, Vector
+from skancf.terms.forms.fields import VELOCITY, Jet, Vector
 from skancf.terms.forms.points import Chunk
 
 SMALL = 2.0**-100
@@ -53,14 +53,14 @@ class Integrand:
     function: Callable[..., Any]
 
     def __call__(self, chunk: Chunk, jet: Jet, case: Case, *tests: Jet) -> tuple[np.ndarray, list[list[str]]]:
-        """Values (m, n), and the vectors of the jet that it read of each test function and of the state."""
+        """Values (m, n), and what it read of the jet of each test function and of the state."""
         read: list[set[str]] = [set() for _ in tests]
         vectors = [_recorded(test, names) for test, names in zip(tests, read, strict=True)]
         w = chunk.fields(jet, case)
         with Noted(self.name), np.errstate(all="ignore"):
             try:
                 found = self.function(*vectors, w)
-            except (TypeError, np.exceptions.ComplexWarning) as wrong:
+            except TypeError as wrong:
                 if any(np.iscomplexobj(each) for each in jet.values()):
                     raise self._not_analytic(f"it takes no complex numbers ({wrong})") from wrong
                 raise
@@ -73,8 +73,8 @@ class Integrand:
                     "w holds"
                 ) from wrong
         value = self._checked(found, chunk, any(np.iscomplexobj(each) for each in jet.values()))
-        used = [_ordered(chunk, names | ({"r"} if names is not w.used else set())) for names in (*read, w.used)]
-        return value, used
+        used = [_ordered(chunk, {"r", *names}) for names in read]
+        return value, [*used, _ordered(chunk, w.used)]
 
     def _checked(self, found: Any, chunk: Chunk, complex_in: bool) -> np.ndarray:
         shape = chunk.weights.shape
@@ -89,14 +89,16 @@ class Integrand:
                              f"shape {shape}, elements and points, as dot(a, b) does of vectors")  # fmt: skip
         if value.dtype.kind == "c" and not complex_in:
             raise InputError(f"{self.name}: the form returned complex numbers for real fields; it must return real ones")
-        value = np.broadcast_to(value, shape)
+        return np.broadcast_to(value, shape)
+
+    def check_finite(self, value: np.ndarray, chunk: Chunk) -> None:
+        """InputError for values (m, n) that are not finite; in other states they are what solvers turn back from."""
         wrong = ~np.isfinite(value) & (chunk.weights > 0)
         if wrong.any():
             element, point = np.argwhere(wrong)[0]
             place = ", ".join(f"{v:.6g}" for v in chunk.given["x"][:, element, point])
-            raise InputError(f"{self.name}: the form is {value[wrong][0]} at ({place}), and not finite at {wrong.sum()} "
-                             f"points of {wrong.size}; it must be finite wherever the surface may go")  # fmt: skip
-        return value
+            raise InputError(f"{self.name}: the form is {value[wrong][0]} at ({place}) of the undeformed surface, and not "
+                             f"finite at {wrong.sum()} points of {wrong.size}; it must be finite there")  # fmt: skip
 
     def _not_analytic(self, why: str) -> InputError:
         return InputError(
@@ -109,21 +111,21 @@ class Integrand:
         """Derivative (m, n) along a step of some vectors of the jet."""
         moved = {name: jet[name] + 1j * SMALL * each for name, each in step.items()}
         value, _ = self(chunk, {**jet, **moved}, case, *tests)
-        return np.imag(value) / SMALL
+        return np.asarray(np.imag(value) / SMALL)
 
     def check_analytic(self, chunk: Chunk, sizes: Mapping[str, float], case: Case, rng: np.random.Generator) -> None:
         """InputError where the complex step differs from a difference, near the undeformed state."""
-        tests = [] if self.name == "energy" else [_random(chunk, sizes, rng)]
-        away, way = (_random(chunk, sizes, rng) for _ in range(2))
-        jet = {name: each + AWAY * away[name] for name, each in chunk.undeformed.jet.items()}
-        try:
-            up, down = (
-                self(chunk, {name: each + sign * DIFFERENCE * way[name] for name, each in jet.items()}, case, *tests)[0]
-                for sign in (1, -1)
-            )
-        except InputError:
-            return  # not finite so near: left to the states to come
+        tests = [] if self.name == "energy" else [random_jet(chunk, sizes, rng)]
+        away, way = (random_jet(chunk, sizes, rng) for _ in range(2))
+        still = {**chunk.undeformed.jet, VELOCITY: np.zeros_like(away[VELOCITY])}
+        jet = {name: each + AWAY * away[name] for name, each in still.items()}
+        up, down = (
+            self(chunk, {name: each + sign * DIFFERENCE * way[name] for name, each in jet.items()}, case, *tests)[0]
+            for sign in (1, -1)
+        )
         difference, found = (up - down) / (2 * DIFFERENCE), self.imaginary(chunk, jet, case, way, *tests)
+        if not np.isfinite(difference).all():
+            return  # a singular place is so near that no difference can be taken
         slack = NOT_EQUAL * max(np.abs(difference).max(), np.abs(found).max()) + ROUNDING * np.abs(up).max() / DIFFERENCE
         if (np.abs(found - difference) > slack).mean() > SOME:
             worst = np.unravel_index(np.argmax(np.abs(found - difference)), found.shape)
@@ -143,12 +145,12 @@ def _recorded(test: Jet, names: set[str]) -> Vector:
 
 
 def _ordered(chunk: Chunk, names: set[str]) -> list[str]:
-    return [name for name in chunk.names if name in names]
+    return [name for name in (*chunk.names, VELOCITY) if name in names]
 
 
-def _random(chunk: Chunk, sizes: Mapping[str, float], rng: np.random.Generator) -> Jet:
+def random_jet(chunk: Chunk, sizes: Mapping[str, float], rng: np.random.Generator) -> Jet:
     shape = (3, *chunk.weights.shape)
-    return {name: sizes[name] * rng.uniform(-1, 1, shape) for name in chunk.names}
+    return {name: sizes[name] * rng.uniform(-1, 1, shape) for name in (*chunk.names, VELOCITY)}
 
 
 def _unit(chunk: Chunk, name: str, i: int, size: float = 1.0) -> Jet:
@@ -202,13 +204,14 @@ def discrete_gradient(
 
 def gradient_of_residual(residual: Integrand, chunk: Chunk, jet: Jet, case: Case) -> dict[str, np.ndarray]:
     """What the residual multiplies each vector of the variation's jet with, (3, m, n)."""
-    _, (used, _) = residual(chunk, jet, case, _every(chunk))
+    _, (used, _) = residual(chunk, jet, case, every(chunk))
     return {
         name: np.stack([residual(chunk, jet, case, _unit(chunk, name, i))[0] for i in range(3)]) for name in used
     }
 
 
-def _every(chunk: Chunk) -> Jet:
+def every(chunk: Chunk) -> Jet:
+    """A test function that has a part in all that is read of it."""
     return dict.fromkeys(chunk.names, np.ones((3, 1, 1)))
 
 
@@ -250,7 +253,8 @@ def second_of_residual(
     residual: Integrand, chunk: Chunk, jet: Jet, case: Case, sizes: Mapping[str, float]
 ) -> Second:
     """Complex steps of the residual, exact to rounding."""
-    _, (rows, columns) = residual(chunk, jet, case, _every(chunk))
+    _, (rows, read) = residual(chunk, jet, case, every(chunk))
+    columns = [name for name in read if name != VELOCITY]
     tests, pairs = [_unit(chunk, *pair) for pair in _pairs(rows)], _pairs(columns)
 
     def entry(a: int, b: int) -> np.ndarray:
@@ -260,8 +264,22 @@ def second_of_residual(
     return _filled(chunk, rows, columns, entry), rows, columns
 
 
+def damping_of_residual(
+    residual: Integrand, chunk: Chunk, jet: Jet, case: Case, sizes: Mapping[str, float]
+) -> Second:
+    """Derivatives with respect to the velocity, by complex steps."""
+    _, (rows, _) = residual(chunk, jet, case, every(chunk))
+    tests = [_unit(chunk, *pair) for pair in _pairs(rows)]
+
+    def entry(a: int, b: int) -> np.ndarray:
+        step = {VELOCITY: _unit(chunk, "r", b, sizes[VELOCITY])["r"]}
+        return residual.imaginary(chunk, jet, case, step, tests[a]) / sizes[VELOCITY]
+
+    return _filled(chunk, rows, [VELOCITY], entry), rows, [VELOCITY]
+
+
 def second_by_form(tangent: Integrand, chunk: Chunk, jet: Jet, case: Case) -> Second:
     """The user's own: u is the change, v the variation."""
-    _, (columns, rows, _) = tangent(chunk, jet, case, _every(chunk), _every(chunk))
+    _, (columns, rows, _) = tangent(chunk, jet, case, every(chunk), every(chunk))
     variations, changes = ([_unit(chunk, *pair) for pair in _pairs(names)] for names in (rows, columns))
     return _filled(chunk, rows, columns, lambda a, b: tangent(chunk, jet, case, changes[b], variations[a])[0]), rows, columns

@@ -14,12 +14,12 @@ from skancf.functions import is_function, true_at
 from skancf.history import Case
 from skancf.kernels.constants import AXES, FUNCTIONS
 from skancf.layout.geometry import Geometry
-from skancf.terms.forms.fields import THICK, THIN, Fields, Jet
+from skancf.terms.forms.fields import THICK, THIN, VELOCITY, Fields, Jet
 from skancf.theories.full.theory import D1, D2, R1, R2, D
 from skancf.theories.full.theory import jet_table as thick_table
 from skancf.theories.kirchhoff.theory import jet_table as thin_table
 
-AT_ONCE = 4096
+AT_ONCE = 8192
 """Points that a form is called with at a time: enough to forget the cost of a call, few enough for the cache."""
 
 
@@ -55,9 +55,10 @@ class Chunk:
         """The 16 local functions' part in each vector of the jet: (m, 16, n) each."""
         return _tables(self.geometry, self.elements, self.points)
 
-    def jet(self, local: np.ndarray) -> dict[str, np.ndarray]:
-        """The jet (3, m, n) each of local vectors (m, 16, 3)."""
-        return {name: np.moveaxis(local.swapaxes(1, 2) @ table, 1, 0) for name, table in self.tables.items()}
+    def jet(self, local: np.ndarray, rates: np.ndarray | None = None) -> dict[str, np.ndarray]:
+        """The jet (3, m, n) each of local vectors (m, 16, 3), and of their rates the velocity."""
+        out = {name: _of_local(local, self.tables[name]) for name in self.names}
+        return out if rates is None else {**out, VELOCITY: _of_local(rates, self.tables["r"])}
 
     @cached_property
     def undeformed(self) -> Fields:
@@ -78,12 +79,16 @@ class Chunk:
         n)."""
         m, n = self.weights.shape
         left = np.stack([self.tables[name] for name in rows], axis=2).reshape(m, FUNCTIONS, -1)
-        right = np.stack([self.tables[name] for name in columns], axis=2)
+        right = np.stack([self.tables["r" if name == VELOCITY else name] for name in columns], axis=2)
         # (m, row, point, i, j, column function): what is left is one product of matrices for each element.
         weighted = second * self.weights
         half = np.einsum("kiljep,eblp->ekpijb", weighted, right, optimize=True).reshape(m, len(rows) * n, -1)
         out = (left @ half).reshape(m, FUNCTIONS, AXES, AXES, FUNCTIONS)
         return np.asarray(out.transpose(0, 2, 1, 3, 4).reshape(m, AXES * FUNCTIONS, AXES * FUNCTIONS))
+
+
+def _of_local(local: np.ndarray, table: np.ndarray) -> np.ndarray:
+    return np.moveaxis(local.swapaxes(1, 2) @ table, 1, 0)
 
 
 def _tables(geometry: Geometry, elements: np.ndarray, points: np.ndarray) -> dict[str, np.ndarray]:
@@ -137,18 +142,38 @@ def chunks_of(geometry: Geometry, where: Any, n: int) -> list[Chunk]:
 
 
 def _on_surface(geometry: Geometry, where: Any, n: int) -> Iterator[Chunk]:
-    points, weights = square_quadrature(n)
-    elements, x = np.arange(geometry.n_elements), geometry.parameters(points)
-    inside = np.ones(x.shape[1:], bool)
-    if where is not None:
-        inside = true_at("where", where, x.reshape(2, -1)).reshape(inside.shape)
-        elements = elements[inside.any(axis=1)]
-        if not elements.size:
-            raise InputError("where: the function of (x, y) is true at no integration point of the surface; give one that "
-                             "is true on a part of it, or the name of an edge")  # fmt: skip
-    for some in _split(elements, points.shape[1]):
-        area = np.abs(np.linalg.det(np.moveaxis(jacobian(geometry, some, points), (0, 1), (-2, -1))))
-        yield _measured(geometry, some, points, weights * area * inside[some], {"x": x[:, some]})
+    found = [part for group in _rules(geometry, n) for part in _inside(geometry, where, *group)]
+    if not found:
+        raise InputError("where: the function of (x, y) is true at no integration point of the surface; give one that "
+                         "is true on a part of it, or the name of an edge")  # fmt: skip
+    yield from found
+
+
+def _rules(geometry: Geometry, n: int) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Elements that share n x n Gauss points, and those with points of their own: with points and weights."""
+    kinds, points, weights = geometry.integration.kinds, geometry.integration.points, geometry.integration.weights
+    shared, own = np.flatnonzero(kinds == 0), np.flatnonzero(kinds)
+    yield (shared, *square_quadrature(n))
+    yield own, points[kinds[own]], weights[kinds[own]]
+
+
+def _inside(
+    geometry: Geometry, where: Any, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
+) -> Iterator[Chunk]:
+    """Those of the elements in which the place is."""
+    of_each = points.ndim == 3
+    for some in _split(np.arange(len(elements)), points.shape[-1]) if elements.size else ():
+        its, at = elements[some], points[some] if of_each else points
+        x = geometry.parameters(at, its)
+        inside = np.ones(x.shape[1:], bool)
+        if where is not None:
+            inside = true_at("where", where, x.reshape(2, -1)).reshape(inside.shape)
+        keep = np.flatnonzero(inside.any(axis=1))
+        if keep.size:
+            its, at = its[keep], at[keep] if of_each else at
+            area = np.abs(np.linalg.det(np.moveaxis(jacobian(geometry, its, at), (0, 1), (-2, -1))))
+            share = weights[some][keep] if of_each else weights
+            yield _measured(geometry, its, at, share * area * inside[keep], {"x": x[:, keep]})
 
 
 def _on_edges(geometry: Geometry, facets: np.ndarray, n: int) -> Iterator[Chunk]:

@@ -66,17 +66,17 @@ def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSecti
     key, rounding = _shape_key(geometry)
     representative, shape = classes(np.hstack([key, plain[:, None], integration.kinds[:, None]]), rounding)
     require_shapes(len(representative), theory.bytes_per_shape, theory.name)
-    local, kinds = geometry.undeformed_local[representative], integration.kinds[representative]
-    jets = integration.gathered(lambda points, shapes: theory.jets(local[shapes], points), kinds, axis=2)
+    vectors, kinds = geometry.undeformed_local[representative], integration.kinds[representative]
+    jets = integration.gathered(lambda points, shapes: theory.jets(vectors[shapes], points), kinds, axis=2)
     tangents = geometry.tangents(integration.of(kinds), representative)
     turn, area = covariant_to_local(jets, tangents, geometry.side[representative])
     areas = area * integration.weights[kinds]
     turns, curvature = turn.transpose(2, 3, 0, 1), local_curvature(jets, turn)
-    local = section.section.abd() if section.centred else section.law(curvature)
-    law = (turns.swapaxes(2, 3) @ local @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
+    in_frame = section.section.abd() if section.centred else section.law(curvature)
+    law = (turns.swapaxes(2, 3) @ in_frame @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
     scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
     k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > 1e-13 * np.outer(scale, scale)))
-    whole = jets if integration.shared else theory.jets(local, theory.quadrature[0])
+    whole = jets if integration.shared else theory.jets(vectors, theory.quadrature[0])
     sampled = [] if integration.shared else [np.where(kinds[:, None] > 0, strain(whole)[:3], 0.0)]
     return ThinSections(
         shape=shape,

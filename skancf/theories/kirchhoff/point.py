@@ -35,13 +35,15 @@ DOUBLED = (1.0, 1.0, 2.0)
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Inner product over the first axis."""
-    return np.asarray((a * b).sum(axis=0))
+    product: np.ndarray = np.add.reduce(a * b, axis=0)
+    return product
 
 
 def unit_normal(jet: np.ndarray) -> np.ndarray:
     """n, shape (3, ...)."""
     n = cross(jet[R1], jet[R2])
-    return np.asarray(n / np.sqrt(dot(n, n)))
+    unit: np.ndarray = n / np.sqrt(dot(n, n))
+    return unit
 
 
 def dual(jet: np.ndarray) -> np.ndarray:
@@ -65,8 +67,10 @@ def strain(jet: np.ndarray) -> np.ndarray:
         :math:`-r_{,11} \cdot n, -r_{,22} \cdot n, -2 r_{,12} \cdot n`.
     """
     n = unit_normal(jet)
-    membrane = [0.5 * dot(jet[R1], jet[R1]), 0.5 * dot(jet[R2], jet[R2]), dot(jet[R1], jet[R2])]
-    return np.stack(membrane + [-c * dot(jet[k], n) for k, c in zip(SECOND, DOUBLED, strict=True)])
+    out = np.empty((N_STRAINS, *n.shape[1:]), n.dtype)
+    out[0], out[1], out[2] = 0.5 * dot(jet[R1], jet[R1]), 0.5 * dot(jet[R2], jet[R2]), dot(jet[R1], jet[R2])
+    out[3], out[4], out[5] = -dot(jet[R11], n), -dot(jet[R22], n), -2.0 * dot(jet[R12], n)
+    return out
 
 
 def gradient(jet: np.ndarray) -> np.ndarray:

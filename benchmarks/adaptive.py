@@ -21,6 +21,7 @@ from skancf.elements.nodal import nodal_jacobian
 from skancf.layout.geometry import Geometry
 from skancf.layout.maps import local_maps
 from skancf.linear import BlockPattern, DirectSolver
+from skancf.statics.linear import small_deflection
 from skancf.theories import Kirchhoff
 
 warnings.simplefilter("ignore", sk.OutOfDepth)
@@ -42,7 +43,7 @@ class Scene:
 
     def value(self, mesh: Any) -> tuple[int, float]:
         system = self.problem.on(mesh, "kirchhoff")
-        state = sk.Solution(system, system.undeformed + system.linear_change(), linear=True)
+        state = small_deflection(system)
         return system.n_dofs, self.quantity.value(state)
 
     def error(self, value: float) -> float:
@@ -116,7 +117,7 @@ def graded_mesh(scene: Scene) -> Callable[[int], Any]:
         regions: Any = [Region((0.0, 0.0), (0.1, 0.1), 400.0)]
     else:
         system = scene.problem.on(scene.uniform(12), "kirchhoff")
-        state = sk.Solution(system, system.undeformed + system.linear_change(), linear=True)
+        state = small_deflection(system)
         regions = sk.stress_regions(state, z=THICKNESS / 2)
     surface = scene.problem.surface
     return lambda n: sk.meshes.graded(surface, regions, shape=(n, n), finest=0.05, openings=scene.openings)

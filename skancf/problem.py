@@ -1,6 +1,6 @@
 """A problem: what the user asks, without a mesh."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -21,8 +21,11 @@ from skancf.surfaces.asked import require_surface, require_vectors
 from skancf.system.build import build
 from skancf.system.system import System
 from skancf.terms import Addition
-from skancf.theories import Full, Kirchhoff, Theory, theory_named
-from skancf.thinness import Choice, choose
+from skancf.theories import Theory, theory_named
+
+CHOICES: dict[str, Callable[[Callable[[Theory], System], float], System]] = {}
+"""How theories are chosen, by name: from what a theory makes of a problem on a mesh, and a tolerance. Whoever can judge a
+theory, by solving, puts its name here."""
 
 
 @dataclass(frozen=True)
@@ -116,8 +119,8 @@ class Problem:
         if hasattr(self.surface, "bounds"):
             mesh = onto_bounds(mesh, self.surface.bounds)
             self._tell_of_sides(mesh)
-        if isinstance(theory, str) and theory == "auto":
-            return self._on_chosen(mesh, tolerance)
+        if isinstance(theory, str) and theory in CHOICES:
+            return CHOICES[theory](lambda chosen: self._on(mesh, chosen), tolerance)
         return self._on(mesh, theory_named(theory))
 
     def _tell_of_sides(self, mesh: skfem.MeshQuad) -> None:
@@ -126,17 +129,6 @@ class Problem:
             for hint in (misnamed(mesh, self.surface), unjoined(mesh, self.surface, wheres)):
                 if hint:
                     warn(hint)
-
-    def _on_chosen(self, mesh: skfem.MeshQuad, tolerance: float) -> System:
-        try:
-            thin = self._on(mesh, Kirchhoff())
-        except InputError as unfit:
-            choice = Choice("full", float("nan"), f"theory 'full': {unfit}")
-        else:
-            choice = choose(thin, tolerance)
-        system = thin if choice.share <= tolerance else self._on(mesh, Full())
-        system.choice = choice
-        return system
 
     def _on(self, mesh: skfem.MeshQuad, theory: Theory) -> System:
         require_mesh(mesh.nelements, theory.bytes_per_element)

@@ -15,6 +15,7 @@ from skancf.layout.layout import vectors
 from skancf.layout.patches import averaging_nodes
 from skancf.materials import Section
 from skancf.recovered import section_forces, strain_excess
+from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
 from skancf.thinness import BILINEAR, FREE, Fields, ShearForm, share_of, shear_forces
@@ -87,6 +88,27 @@ class Solution:
         """The load factor and the time."""
         return Case(self.load_factor, self.time)
 
+    @classmethod
+    def of(cls, model: Model, x: np.ndarray, load_factor: float = 1.0) -> "Solution":
+        """A state of rest of a model at its unknowns x."""
+        return cls(model.system, model.q(x), load_factor=load_factor, linear=model.linear, small=x if model.linear else None)
+
+    @property
+    def model(self) -> Model:
+        """The system, to first order for a small-deflection answer: what forces, energies and fields are asked of, at
+        :attr:`unknowns`."""
+        return Linearised(self.system) if self.linear else Exact(self.system)
+
+    @property
+    def unknowns(self) -> np.ndarray:
+        """What its model is asked at, (n_dofs,): q, or of a small-deflection answer the change."""
+        return self.change if self.linear else self.q
+
+    @property
+    def about(self) -> np.ndarray:
+        """Unknowns about which further changes are small, (n_dofs,): q, or of a small-deflection answer the undeformed."""
+        return self.model.about(self.q)
+
     @property
     def change(self) -> np.ndarray:
         """Nodal coordinates less the undeformed ones, (n_dofs,): of a small-deflection answer with all digits it has."""
@@ -114,20 +136,18 @@ class Solution:
 
     def rotation(self, at: Any) -> np.ndarray:
         """Angle between the normal (director) and the undeformed one at points (2,) or (n, 2): () or (n,) (rad)."""
-        before = normals(self.system, at, self.system.undeformed)
-        if self.linear:
-            angle = np.linalg.norm(np.cross(before, self._tilts(at)), axis=1)
-        else:
-            n = normals(self.system, at, self.q)
-            angle = np.arctan2(np.linalg.norm(np.cross(before, n), axis=1), (before * n).sum(axis=1))
+        value, rate = self._normals(at)
+        angle = self.model.turn(value, self.unknowns, rate)
         return angle[0] if np.ndim(at) == 1 else angle
 
     def _tilts(self, at: Any) -> np.ndarray:
         """Changes of directors or unit normals (n, 3), of a small-deflection answer to first order."""
-        start = self.system.undeformed
-        if self.linear:
-            return normal_rates(self.system, at, start, self.change)
-        return normals(self.system, at, self.q) - normals(self.system, at, start)
+        value, rate = self._normals(at)
+        return np.asarray(self.model.rise(value, self.unknowns, rate))
+
+    def _normals(self, at: Any) -> tuple[Value, Rate]:
+        """Directors or unit normals, and their derivatives."""
+        return lambda q: normals(self.system, at, q), lambda q, change: normal_rates(self.system, at, q, change)
 
     def strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Green-Lagrange strain in the local frame at points (2, n) of every element and depth z: (n_elements, n, 6).
@@ -234,9 +254,7 @@ class Solution:
 
     def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
-        if not self.linear:
-            return quantity(self.q)
-        return self.system.linearised(quantity, self.change)
+        return np.asarray(self.model.value(quantity, self.unknowns))
 
     def shear_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         """Transverse shear forces Q1, Q2 per length that balance the moments, theory `kirchhoff`: (n_elements, 2, n) (N/m).
@@ -276,7 +294,7 @@ class Solution:
     def shear_fields(self) -> tuple[ShearForm, Fields]:
         """The form that says what leaving shear out changes, and this state's fields in it; for theory `kirchhoff`."""
         form = ShearForm(self.system, self.case)
-        return form, form.of_state(self.q, self.change if self.linear else None)
+        return form, form.of_state(self.model, self.unknowns)
 
     @property
     def rest_share(self) -> float:
@@ -328,9 +346,7 @@ class Solution:
     @property
     def strain_energy(self) -> float:
         """Strain energy (J), that of the stress: free expansion has none."""
-        if self.linear:
-            return self.system.linear_energy(self.change, self.case)
-        return self.system.strain_energy(self.q, self.case)
+        return self.model.strain_energy(self.unknowns, self.case)
 
     @property
     def work(self) -> float:
@@ -338,10 +354,7 @@ class Solution:
 
         A temperature change is no load from outside, and does none.
         """
-        system, change = self.system, self.change
-        if self.linear:
-            return 0.5 * self.load_factor * float(system.applied_force(system.undeformed) @ change)
-        return float(system.applied_force(self.q, self.case) @ change)
+        return self.model.work(self.unknowns, self.case)
 
     @property
     def kinetic_energy(self) -> float:
@@ -365,26 +378,14 @@ class Solution:
         """
         if self.velocity is not None and np.any(self.velocity):
             raise InputError("reactions: this state moves, and its supports also carry inertia; reactions are for statics")
-        system = self.system
-        if self.linear:
-            start = system.undeformed
-            residual = system.stiffness() @ self.change - self.load_factor * system.external_force(start)
-        else:
-            residual = system.internal_force(self.q) - system.external_force(self.q, self.case)
+        system, model, x = self.system, self.model, self.unknowns
+        residual = model.internal_force(x) - model.external_force(x, self.case)
         support = system.constraints.fixed_part(residual)
         if system.others:
-            support = support - self._others_force()
+            support = support - model.others_force(x, None, self.case)
         if where is None:
             return np.asarray(system.layout.positions(support).sum(axis=0))
         return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
-
-    def _others_force(self) -> np.ndarray:
-        """Forces of the structure's terms but for the shell; to first order in a linear answer."""
-        system = self.system
-        if not self.linear:
-            return system.others.force(self.q, None, self.case)
-        force = system.others.force(system.undeformed, None, self.case)
-        return force if system.foundation is None else force + system.foundation @ self.change
 
     def _depth(self, z: Depth) -> float:
         return depth_of(self.system.problem.section, z)

@@ -157,9 +157,9 @@ def test_a_mesh_without_a_tree_is_refused():
 
 
 def test_the_mass_is_assembled_once_for_each_mesh(monkeypatch):
-    from skancf.system.system import System
+    from skancf.terms.shell import Shell
 
-    count, gathered = [], System.gathered_mass
-    monkeypatch.setattr(System, "gathered_mass", lambda self, *a: count.append(id(self)) or gathered(self, *a))
+    count, gathered = [], Shell.add_gathered
+    monkeypatch.setattr(Shell, "add_gathered", lambda self, *a: count.append(id(self)) or gathered(self, *a))
     motion = followed(PLATE, 0.3)
     assert len(set(count)) == len(count) == 1 + len(motion.ledger.events) > 1

@@ -8,7 +8,7 @@ import skfem
 from problems import SURFACES
 from skfem.helpers import ddot, dot, grad
 from test_hanging import tree
-from test_skfem_bridge import mixed
+from test_thin_kernel import mixed
 
 import skancf as sk
 from skancf.elements.quad_ancf import square_quadrature
@@ -350,7 +350,9 @@ def test_the_books_of_a_motion_balance(theory):
     surface = sk.Rectangle(1.0, 0.5)
     ground = sk.FormTerm(energy=lambda w: 2e4 * w.u[2] ** 4)
     wind = sk.FormTerm(residual=lambda v, w: -90.0 * w.J * dot(w.n, v), load=True, history=sk.Ramp(0.1))
-    system = problem(surface, [ground, wind]).on(sk.meshes.uniform(surface, 2, 1), theory)
+    tide = sk.FormTerm(energy=lambda w: 300.0 * w.u[2] ** 2 + w.u[0] ** 4, load=True)
+    drag = sk.FormTerm(residual=lambda v, w: 10.0 * dot(w.v, v))
+    system = problem(surface, [ground, wind, tide, drag]).on(sk.meshes.uniform(surface, 2, 1), theory)
     thrown = sk.RigidVelocity((0.0, 0.0, 3.0))
     motion = sk.simulate(system, 0.1, dt=0.005, rule=sk.EnergyMomentum(), velocity=thrown, newton_rtol=1e-11, outputs=2,
                          balance=None, progress=False)  # fmt: skip

@@ -11,6 +11,7 @@ from problems import SURFACES
 from reference import quads
 from skfem.helpers import dot
 from test_hanging import tree
+from test_thin_kernel import mixed
 
 import skancf as sk
 from skancf.errors import InputError
@@ -23,12 +24,6 @@ theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 
 def system_on(surface, mesh, theory):
     return sk.Problem(surface, 0.05, MATERIAL).on(mesh, theory)
-
-
-def mixed(mesh):
-    """Every second element numbered clockwise, and started at another corner."""
-    t = np.stack([np.roll(c[::-1] if e % 2 else c, e) for e, c in enumerate(mesh.t.T)], axis=1)
-    return skfem.MeshQuad(mesh.p, t, sort_t=False)
 
 
 def some_mesh(name):

@@ -12,7 +12,8 @@ from skancf.adaptive.transfer import transfer
 from skancf.checks import Check
 from skancf.solution import Solution
 from skancf.solving import FOUND, Status
-from skancf.statics.equilibrium import equilibrium, small_deflection
+from skancf.statics.equilibrium import equilibrium
+from skancf.statics.linear import small_deflection
 from skancf.system.system import System
 
 

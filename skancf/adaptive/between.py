@@ -12,6 +12,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Part, nodal
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
+from skancf.solution import Solution
 from skancf.system.system import System
 
 # Places of nodes in the elements of another mesh of the same tree are multiples of this.
@@ -82,6 +83,10 @@ class Interpolation:
         if nodes.size:
             out[nodes] += gap @ (_frames(out[nodes])[0] @ frames.swapaxes(1, 2)).swapaxes(1, 2)
         return out.ravel()
+
+    def unknowns(self, state: Solution) -> np.ndarray:
+        """Those of the model of a state: its positions, or the field of a small change."""
+        return self.field(state.change) if state.linear else self.positions(state.q)
 
     def rates(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Those of its rate v, (n_new_dofs,)."""

@@ -20,11 +20,11 @@ from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import prescribed_rate
 from skancf.errors import SingularMatrix, vector
-from skancf.history import Case
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
 from skancf.statics.stopping import work
+from skancf.system.linearised import Exact
 from skancf.system.system import System
 
 STEPS, ENOUGH = 3, 1e-2
@@ -282,7 +282,7 @@ class _Settling:
         new = self.passage.new
         if not residual.any():
             return residual, 0.0
-        elastic = new.tangent(q, Case(0.0), np.zeros_like(new.stresses(q)))
+        elastic = Exact(new).elastic(q)
         mass = new.mass.diagonal()  # a pole has a vector without any
         direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
         squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))

@@ -17,10 +17,7 @@ def small(system: System, change: np.ndarray, q: np.ndarray | None = None) -> St
 
 def of_state(state: Solution) -> Strained:
     """Of a state, those of a free strain not subtracted."""
-    if state.linear:
-        return small(state.system, state.change)
-    strains, stresses = state.system.assembly.stresses(state.system.shell.nodal(state.q), None, keep_strains=True)
-    return strains, stresses
+    return state.model.strained(state.unknowns)
 
 
 def virtual_work(one: Strained, other: Strained) -> np.ndarray:

@@ -153,8 +153,10 @@ class Enriched(Refined):
     ----------
     state : Solution
         On the coarse mesh.
+    model : Model
+        Of the refined system, as that of the state.
     start : (n_fine,) array
-        The state's nodal coordinates there.
+        The state's unknowns there.
     residual : (n_fine,) array
     stiffness : BlockMatrix
         Tangent of the refined system there; where Newton's method had to go far, at its solution.
@@ -166,16 +168,10 @@ class Enriched(Refined):
         _require_at_rest(state)
         super().__init__(state.system, mesh, quantity, SMALLEST if state.linear else SMALLEST_LARGE)
         self.state, self._backend = state, backend
-        fine, factor = self.system, state.load_factor
-        if state.linear:
-            self._linear, self.stiffness = self.up(state.change), fine.stiffness()
-            self.start, gap = fine.undeformed + self._linear, factor * fine.prescribed() - self._linear
-            self.residual = self.stiffness @ self._linear - factor * fine.external_force(fine.undeformed)
-        else:
-            self.start = self._up.positions(state.q)
-            gap = fine.undeformed + factor * fine.prescribed() - self.start
-            self.residual, self.stiffness = self.residual_of(self.start), fine.tangent(self.start, Case(factor))
-        self._moved = fine.constraints.fixed_part(gap)
+        self.model = type(state.model)(self.system)
+        self.start = self._up.unknowns(state)
+        self.residual, self.stiffness = self.residual_of(self.start), self.model.tangent(self.start, Case(state.load_factor))
+        self._moved = self.system.constraints.fixed_part(self.model.held(state.load_factor) - self.start)
 
     @cached_property
     def _solver(self) -> DirectSolver:
@@ -187,22 +183,23 @@ class Enriched(Refined):
         fast; leaves the factors of a tangent there in the solver."""
         moved = self._moved
         self._solver.factor(self.stiffness)
-        if self.state.linear:
-            return self._solver.solve(-(self.residual + self.stiffness @ moved)) + moved
-        tangent = SkewSolver(self.stiffness, skew_part(self.system, self.start, self.state.load_factor), self._solver)
+        tangent = SkewSolver(self.stiffness, skew_part(self.model, self.start, self.state.load_factor), self._solver)
         first = tangent.solve(-(self.residual + tangent.multiply(moved))) + moved
+        if self.model.linear:
+            return first
         chord = iterate(first, _Chord(self, tangent), _Shrinking(work(first, tangent.multiply(first))), CHORDS)
         return chord.x if chord.ok else self._newton() - self.start
 
     @property
     def unresolved(self) -> np.ndarray:
         """What is left of the residual after the step, (n_fine,): rounding, and what Newton's method left."""
-        if self.state.linear:
+        if self.model.linear:  # with the digits of the step alone
             return self.residual + self.stiffness @ self._step
-        return self.residual_of(self.start + self._step)
+        return self.residual_of(self._end)
 
-    def residual_of(self, q: np.ndarray) -> np.ndarray:
-        return self.system.internal_force(q) - self.state.load_factor * self.system.external_force(q)
+    def residual_of(self, x: np.ndarray) -> np.ndarray:
+        """At unknowns of the model, (n_fine,)."""
+        return self.model.internal_force(x) - self.state.load_factor * self.model.external_force(x)
 
     def _newton(self) -> np.ndarray:
         """Coordinates of the refined equilibrium by Newton's method, relaxed from the coarse one where that fails."""
@@ -241,8 +238,7 @@ class Enriched(Refined):
             noise = 2 * ROUNDING * np.sqrt(abs(stiffness.energy(change) * stiffness.energy(weight)))
         else:
             noise = ROUNDING * np.abs(weight) @ self.system.constraints.free_part(stiffness.sizes() @ np.abs(change))
-        stored = change if self.state.linear else self.start + self._step
-        return abs(float(weight @ left)) + float(noise + ROUNDING * np.abs(gradient) @ np.abs(stored))
+        return abs(float(weight @ left)) + float(noise + ROUNDING * np.abs(gradient) @ np.abs(self._end))
 
     def scale(self, smooth: np.ndarray, weight: Strained, answer: Strained) -> float:
         r"""Sum of the sizes of what makes a quantity, the work of the answer's stresses on the strains of the dual weight in
@@ -255,7 +251,7 @@ class Enriched(Refined):
         rounding is judged by that.
         """
         system, factor = self.system, abs(self.state.load_factor)
-        force = system.external_force(system.undeformed if self.state.linear else self.corrected.q)
+        force = self.model.external_force(self._end)
         sizes = [np.linalg.norm(system.layout.nodal(v), axis=2) for v in (smooth, force)]
         most = [2 * np.sqrt(energies(answer).sum() * energies(weight).sum()), factor * (sizes[0] * sizes[1]).sum()]
         return max(float(np.abs(virtual_work(answer, weight)).sum()), NOTHING * float(max(most)))
@@ -263,16 +259,17 @@ class Enriched(Refined):
     @property
     def corrected(self) -> Solution:
         """The state after that step."""
-        fine, factor = self.system, self.state.load_factor
-        if self.state.linear:
-            change = self._change
-            return Solution(fine, fine.undeformed + change, load_factor=factor, linear=True, small=change)
-        return Solution(fine, self.start + self._step, load_factor=factor)
+        return Solution.of(self.model, self._end, self.state.load_factor)
+
+    @property
+    def _end(self) -> np.ndarray:
+        """The unknowns after the step."""
+        return self.start + self._step
 
     @property
     def _change(self) -> np.ndarray:
         """From the undeformed state to that after the step."""
-        return (self._linear if self.state.linear else self.start - self.system.undeformed) + self._step
+        return self.model.change(self.start) + self._step
 
     def free_diagonal(self) -> np.ndarray:
         """The diagonal blocks of the tangent in nodal coordinates, one where they are held, (n_fine_nodes, 12, 12)."""

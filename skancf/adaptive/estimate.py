@@ -139,7 +139,7 @@ def goal_estimate(
         weight = enriched.solve(gradient)
         smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
-        answer, dual = of_state(better), small(enriched.system, smooth, None if better.linear else better.q)
+        answer, dual = of_state(better), small(enriched.system, smooth, better.about)
         halved = enriched.halvings((energies(answer), energies(dual)), before=halvings)
         scale = enriched.scale(smooth, dual, answer)
         if hasattr(quantity, "scale"):

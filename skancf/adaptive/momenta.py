@@ -39,8 +39,9 @@ class Momenta:
     def rigid(self, layout: Layout, q: np.ndarray) -> np.ndarray:
         """Unit translations and, in units of this size, rotations about this centre of a body at q: (6, n_dofs)."""
         none, axes = np.zeros(3), np.eye(3)
-        translations = [rigid_rates(layout, q, axis, none, self.centre) for axis in axes]
-        return np.array(translations + [rigid_rates(layout, q, none, axis / self.size, self.centre) for axis in axes])
+        translations = [rigid_rates(q, axis, none, self.centre, layout.moving) for axis in axes]
+        rotations = [rigid_rates(q, none, axis / self.size, self.centre, layout.moving) for axis in axes]
+        return np.array(translations + rotations)
 
     def corrected(self, v: np.ndarray, wanted: np.ndarray) -> np.ndarray:
         """The velocity next to v in the mass norm that has the wanted momenta (6,)."""

@@ -16,7 +16,7 @@ from skancf.solution import Solution
 from skancf.statics.buckling import buckling
 from skancf.statics.eigen_checks import require_checks
 from skancf.statics.modes import moved_along
-from skancf.statics.tangents import geometric_stiffness
+from skancf.system.linearised import geometric_stiffness
 from skancf.system.system import System
 
 

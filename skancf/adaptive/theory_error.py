@@ -127,11 +127,11 @@ def judged(change: float, value: float, note: str = "") -> TheoryError:
 def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fields:
     """Fields of the dual weight."""
     system = state.system
-    at = system.undeformed if state.linear else state.q
+    at = state.about
     if isinstance(quantity, StrainEnergy) and _is_loaded_alone(state):
         weight = state.change
     else:
-        weight = _weight(state, at, gradient_of(quantity, state), backend)
+        weight = _weight(state, gradient_of(quantity, state), backend)
         if hasattr(quantity, "lift"):
             weight = weight - quantity.lift(state)
     fields = form.fields(moment_rates(system, at, weight))
@@ -145,10 +145,9 @@ def _is_loaded_alone(state: Solution) -> bool:
     return state.linear and not system.prescribed().any() and system.shell.held_back(FULL) is None
 
 
-def _weight(state: Solution, at: np.ndarray, gradient: np.ndarray, backend: str) -> np.ndarray:
-    system = state.system
-    tangent = system.stiffness() if state.linear else system.tangent(at, state.case)
-    skew = None if state.linear else skew_part(system, at, state.load_factor)
+def _weight(state: Solution, gradient: np.ndarray, backend: str) -> np.ndarray:
+    system, model, x = state.system, state.model, state.unknowns
+    tangent, skew = model.tangent(x, state.case), skew_part(model, x, state.load_factor)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         solver.factor(tangent)
         return SkewSolver(tangent, None if skew is None else -skew, solver).solve(gradient)

@@ -10,7 +10,7 @@ from skancf.arguments import plain
 from skancf.errors import InputError, finite, vector
 from skancf.kernels.constants import FOURTH, R_X, R_Y, R
 from skancf.layout.geometry import Geometry
-from skancf.layout.layout import Layout
+from skancf.layout.layout import EVERY, nodal
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.loads.acting import over_elements, values_at
 from skancf.system.system import System
@@ -48,15 +48,17 @@ class RigidVelocity:
         for name in ("velocity", "spin", "about"):
             vector(name, getattr(self, name), 3)
 
-    def at(self, layout: Layout, q: np.ndarray) -> np.ndarray:
-        """Rates of unknowns q of a layout, (n_dofs,)."""
-        return rigid_rates(layout, q, self.velocity, self.spin, self.about)
+    def at(self, q: np.ndarray, moving: Any = EVERY) -> np.ndarray:
+        """Rates of unknowns q, (n_dofs,); ``moving``: see :attr:`skancf.layout.layout.Layout.moving`."""
+        return rigid_rates(q, self.velocity, self.spin, self.about, moving)
 
 
-def rigid_rates(layout: Layout, q: np.ndarray, velocity: Any, spin: Any, about: Any) -> np.ndarray:
+def rigid_rates(q: np.ndarray, velocity: Any, spin: Any, about: Any, moving: Any = EVERY) -> np.ndarray:
     """Rates of unknowns q that move as a rigid body, (n_dofs,): see :class:`RigidVelocity`."""
-    rates = np.cross(np.asarray(spin, float), layout.arms(q, np.asarray(about, float)))
-    rates[layout.moving, R] += velocity
+    arms = nodal(q).copy()
+    arms[moving, R] -= about
+    rates = np.cross(np.asarray(spin, float), arms)
+    rates[moving, R] += velocity
     return rates.ravel()
 
 
@@ -92,7 +94,7 @@ def initial_velocity(system: System, q: np.ndarray, velocity: Velocity) -> np.nd
     if velocity is None:
         return np.zeros(system.n_dofs)
     if isinstance(velocity, RigidVelocity):
-        return velocity.at(system.layout, q)
+        return velocity.at(q, system.layout.moving)
     if callable(velocity) and not isinstance(velocity, type):
         return _projected(system, q, velocity)
     v = finite("velocity", velocity).ravel()

@@ -13,6 +13,9 @@ import numpy as np
 from skancf.errors import InputError
 from skancf.kernels.constants import AXES, BLOCK, VECTORS, R
 
+EVERY = slice(None)
+"""Index of all blocks."""
+
 
 @dataclass(frozen=True, eq=False)
 class Part:
@@ -103,7 +106,7 @@ class Layout:
         )
         self.n_blocks, self.n_dofs, self.shape = ends[-1], BLOCK * ends[-1], self.undeformed.shape
         moves = np.repeat([part.moves for part in self.parts], [len(part) for part in self.parts])
-        self.moves, self.moving = moves, slice(None) if all(part.moves for part in parts) else moves
+        self.moves, self.moving = moves, EVERY if all(part.moves for part in parts) else moves
 
     def part(self, name: str) -> slice:
         """The blocks of a part.

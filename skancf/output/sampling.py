@@ -102,23 +102,25 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) ->
     cut, geometry = grid(subdivisions), solution.system.geometry
     z = depth_of(solution.system.problem.section, z)
     first = np.arange(geometry.n_elements)[:, None] * cut.points.shape[1]
-    theory, local, side = geometry.theory, geometry.local(solution.system.shell.nodal(solution.q)), geometry.side
+    theory, side = geometry.theory, geometry.side
     inside, table = geometry.inside(cut.points), geometry.theory.position_table(cut.points)[0]
 
     def at_depth(vectors: np.ndarray, normals: np.ndarray | float) -> np.ndarray:
         middle = np.einsum("an,eai->ein", table, vectors, optimize=True)
         return np.asarray((middle + z * normals).swapaxes(1, 2).reshape(-1, 3))
 
-    before, velocity = geometry.undeformed_local, None
-    places = at_depth(before, theory.normals(before, inside, side) if z else 0.0)
-    if solution.linear:
-        change = geometry.local(solution.system.shell.nodal(solution.change))
-        displacement = at_depth(change, theory.normal_rates(before, change, inside, side) if z else 0.0)
-    else:
-        displacement = at_depth(local, theory.normals(local, inside, side) if z else 0.0) - places
-    if solution.velocity is not None:
-        rates = geometry.local(solution.system.shell.nodal(solution.velocity))
-        velocity = at_depth(rates, theory.normal_rates(local, rates, inside, side) if z else 0.0)
+    def local(q: np.ndarray) -> np.ndarray:
+        return np.asarray(geometry.local(solution.system.shell.nodal(q)))
+
+    def position(q: np.ndarray) -> np.ndarray:
+        return at_depth(local(q), theory.normals(local(q), inside, side) if z else 0.0)
+
+    def rate(q: np.ndarray, change: np.ndarray) -> np.ndarray:
+        return at_depth(local(change), theory.normal_rates(local(q), local(change), inside, side) if z else 0.0)
+
+    places = position(solution.system.undeformed)
+    displacement = solution.model.rise(position, solution.unknowns, rate)
+    velocity = None if solution.velocity is None else rate(solution.q, solution.velocity)
     return Surface(
         points=places + displacement,
         cells=(first[:, :, None] + cut.cells).reshape(-1, 4),

@@ -3,9 +3,11 @@
 from skancf.checks import Check
 from skancf.errors import OutOfDepth
 from skancf.statics.buckling import BucklingResult, buckling
+from skancf.statics.choice import Choice
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, StepLength
-from skancf.statics.equilibrium import solve, solve_linear
+from skancf.statics.equilibrium import solve
 from skancf.statics.events import Event
+from skancf.statics.linear import solve_linear
 from skancf.statics.modes import Modes, modes
 from skancf.statics.newton import NewtonResult, newton
 from skancf.statics.path import PathResult, trace
@@ -15,6 +17,7 @@ __all__ = [
     "ArcLength",
     "BucklingResult",
     "Check",
+    "Choice",
     "DisplacementControl",
     "DisplacementReached",
     "Event",

@@ -27,6 +27,7 @@ from skancf.statics.eigen_checks import (
     warn_of_failures,
 )
 from skancf.statics.left_out import buckling_changes, warn_of_changes
+from skancf.statics.linear import change_by
 from skancf.statics.modes import (
     ROUNDING,
     check_tolerance,
@@ -36,7 +37,8 @@ from skancf.statics.modes import (
     moved_along,
     nth,
 )
-from skancf.statics.tangents import geometric_stiffness, warn_if_skew
+from skancf.statics.tangents import warn_if_skew
+from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
 
@@ -139,15 +141,13 @@ def buckling(
     require_support(system)
     warn_without_time(system)
     start, constraints = system.undeformed, system.constraints
-    moved = system.prescribed()
-    if not (system.external_force(start).any() or moved.any()):
+    if not (system.external_force(start).any() or system.prescribed().any()):
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
     stiffness = system.stiffness()
     warn_if_skew(system, stiffness, start, 1.0)
     with DirectSolver(system.pattern, constraints, backend) as solver:
         solver.factor(stiffness)
-        answer = solver.solve(system.external_force(start) - stiffness @ moved) + moved
-        solver.warn_if_lost()
+        answer = change_by(system, solver)
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
         geometric = geometric_stiffness(system, answer)
@@ -159,7 +159,7 @@ def buckling(
         message = _coarse(system, stiffness, shapes[:n])
     note = group_note("load factor", 1.0 / np.abs(inverse), n, cut)
     warn_of_failures(checks)
-    linear = Solution(system, start + answer, linear=True, small=answer)
+    linear = Solution.of(Linearised(system), answer)
     result = BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
     warn_of_changes("buckling load", result.theory_errors)
     return result

@@ -74,7 +74,7 @@ class Cascade:
         self.system, self.solver, self.load_factor, self.settings, self.bar = system, solver, load_factor, settings, bar
         self.begin, self.span = start.load_factor, load_factor - start.load_factor
         # A model without these hooks, of which only Newton's method needs to know, has load steps alone.
-        self.relaxes = settings.relax and hasattr(type(system), "pretension")
+        self.relaxes = settings.relax and hasattr(system, "layout")
         self.path, self.pivots = [start], [0]
         self.attempts: list[tuple[float, NewtonResult]] = []
         self.done, self.step, self.failed = 0.0, 1.0, False

@@ -1,11 +1,9 @@
 """Equilibrium under the loads: the nonlinear one, that of small deflections, and that along the path."""
 
-import warnings
 
-import numpy as np
 
 from skancf.arguments import instance
-from skancf.errors import DidNotConverge, OutOfDepth, number, positive
+from skancf.errors import number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
@@ -14,16 +12,9 @@ from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
 from skancf.statics.depth import warn_if_loose, warn_if_thick, warn_without_time
-from skancf.statics.newton import OPEN
 from skancf.statics.path import traced
 from skancf.statics.static_result import HalveAndGrow, StaticResult
-from skancf.statics.verify import Balance, unmet
 from skancf.system.system import System
-
-OPEN_LINEAR = (
-    "the linear answer lost digits: {} is {:.1e}, more than {:.0e}. Elements may be too small, or too thin for their "
-    "length: take a coarser mesh, or look for a support that hardly holds"
-)
 
 
 def solve(
@@ -123,43 +114,3 @@ def _followed(
     if not found.ok:
         message = f"{message}; {found.message}"
     return StaticResult(found.solution, found.status, found.solutions, attempts, message, found.checks)
-
-
-def solve_linear(system: System, *, backend: str = "auto") -> Solution:
-    """Small-deflection answer: one solve with the tangent of the undeformed state.
-
-    Raises
-    ------
-    InputError
-        When a rigid motion is free.
-    DidNotConverge
-        Where rounding leaves loads and reactions out of balance by more than a hundredth.
-
-    Warns
-    -----
-    OutOfDepth
-        Where they are out of balance by more than a millionth, and where the answer is out of the depth of its theory or
-        of its mesh.
-    """
-    check_asked(system, backend)
-    require_support(system)
-    warn_without_time(system)
-    solution = small_deflection(system, backend=backend)
-    warn_if_thick(solution)
-    return warn_if_loose(solution)
-
-
-def small_deflection(system: System, load_factor: float = 1.0, *, backend: str = "auto") -> Solution:
-    """:func:`solve_linear` for a system that is known to be supported, without a judgement of its theory."""
-    change = load_factor * system.linear_change(backend)
-    if not np.isfinite(change).all():
-        raise DidNotConverge("the linear answer is not finite")
-    sizes = np.abs(system.stiffness().diagonal())
-    lost = unmet(Balance.of_small_change(system, change, load_factor).measured(sizes))
-    if lost:
-        worst = max(lost, key=lambda one: one.value)
-        message = OPEN_LINEAR.format(worst.name, worst.value, worst.limit)
-        if worst.value > OPEN:
-            raise DidNotConverge(message)
-        warnings.warn(message, OutOfDepth, stacklevel=3)
-    return Solution(system, system.undeformed + change, load_factor=load_factor, linear=True, small=change)

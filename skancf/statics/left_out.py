@@ -3,7 +3,6 @@
 import numpy as np
 
 from skancf.errors import warn
-from skancf.history import Case
 from skancf.solution import Solution
 from skancf.statics.depth import THICK
 from skancf.thinness import ShearForm, product_of, rotary_inertia, with_shear
@@ -18,10 +17,10 @@ def frequency_changes(state: Solution, eigenvalues: np.ndarray, shapes: np.ndarr
     if not hasattr(system, "geometry") or system.geometry.theory.shear:
         return np.zeros(len(eigenvalues))
     start = system.undeformed
-    at = start if state.linear else state.q
+    at = state.about
     form, elastic = ShearForm(system), eigenvalues
     if not np.array_equal(state.q, start):
-        plain = system.stiffness() if state.linear else system.tangent(at, Case(0.0), np.zeros_like(system.stresses(start)))
+        plain = state.model.elastic(state.unknowns)
         elastic = np.array([2 * plain.energy(shape) for shape in shapes])
     out = np.full(len(eigenvalues), np.nan)
     for k in np.flatnonzero((eigenvalues > 0) & (elastic > 0)):

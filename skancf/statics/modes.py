@@ -143,7 +143,7 @@ def modes(
     n = checked_count(n, system.constraints)
     stiffness = state_tangent(system, state)
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
-    warn_if_skew(system, stiffness, system.undeformed if state.linear else state.q, state.load_factor)
+    warn_if_skew(system, stiffness, state.about, state.load_factor)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         spectrum = _Spectrum(solver, stiffness, system.mass, system.constraints, tolerance)
         pairs, cut, count = spectrum.lowest(n)

@@ -88,7 +88,7 @@ LOST = "rounding of the nodal coordinates leaves up to {:.1e} of the energy norm
 FAR = "the first correction turns a slope by {:.2g} of its length, more than the {:.2g} from which a solve is worth trying"
 
 
-def skew_part(system: System, q: np.ndarray, load_factor: float) -> sp.csr_matrix | None:
+def skew_part(system: Any, q: np.ndarray, load_factor: float) -> sp.csr_matrix | None:
     """Skew-symmetric part of the tangent at (q, load factor); None if there is none."""
     hook: Any = getattr(system, "skew", None)
     return hook(q, Case(load_factor)) if hook and load_factor else None

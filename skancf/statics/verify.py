@@ -12,6 +12,7 @@ from skancf.history import FULL, Case
 from skancf.linear import DirectSolver
 from skancf.statics.newton import factored
 from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, moves, work
+from skancf.system.linearised import Linearised
 from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
@@ -142,10 +143,10 @@ class Balance:
 
     @classmethod
     def of_small_change(cls, system: Any, change: np.ndarray, load_factor: float) -> "Balance":
-        start, internal = system.undeformed, system.stiffness() @ change
-        loads, pushed = load_factor * system.external_force(start), bool(system.prescribed().any())
-        others = None if system.foundation is None else system.foundation @ change
-        return cls(system, start, change, change, internal, loads, float(internal @ change), pushed, others)
+        model, case, pushed = Linearised(system), Case(load_factor), bool(system.prescribed().any())
+        internal, loads = model.internal_force(change, None, case), model.external_force(change, case)
+        others = model.others_force(change, None, case) if system.others else None
+        return cls(system, system.undeformed, change, change, internal, loads, float(internal @ change), pushed, others)
 
     @cached_property
     def free(self) -> np.ndarray:

@@ -1,6 +1,6 @@
 """What solvers know: sums of terms over a layout of unknowns, and which of these are held."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import chain
 from typing import Any
@@ -13,9 +13,9 @@ from skancf.history import FULL, Case
 from skancf.kernels.constants import BLOCK
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
-from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver
+from skancf.linear import BlockMatrix, BlockPattern, Constraints
 from skancf.system.inertia import Inertia
-from skancf.system.unstressed import ByStrains, derivative, unstressed
+from skancf.system.unstressed import ByStrains, unstressed
 from skancf.terms.blocks import Blocks, SkewBlocks
 from skancf.terms.protocols import Assembly, Prescription
 from skancf.terms.shell import Shell, total
@@ -171,33 +171,6 @@ class System:
         """Energy of the structure (J): of the shell, see :meth:`~skancf.terms.shell.Shell.energy`, springs and foundations,
         and of other terms that have one."""
         return self.shell.energy(q, case) + self.others.energy(q, case)
-
-    def linear_energy(self, change: np.ndarray, case: Case = FULL) -> float:
-        """:meth:`strain_energy` of a small change of the undeformed state, quadratic in it."""
-        start = self.undeformed
-        force, energy = self.shell.held_back_force(start, case), self.stiffness().energy(change)
-        energy += self.others.energy(start, case)
-        energy += float(self.others.force(start, None, case) @ change)
-        return energy if force is None else energy + self.shell.thermal_energy(case) - float(force @ change)
-
-    def linearised(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
-        """A quantity of the nodal coordinates to first order in a change from the undeformed state, see :meth:`rate`."""
-        return np.asarray(quantity(self.undeformed) + self.rate(quantity, change))
-
-    def rate(self, quantity: Callable[[np.ndarray], np.ndarray], change: np.ndarray) -> np.ndarray:
-        """The derivative of a quantity of the nodal coordinates along a change from the undeformed state, by
-        :func:`skancf.system.unstressed.derivative`: the quantity must be one of complex coordinates too."""
-        return derivative(quantity, self.undeformed, change)
-
-    def linear_change(self, backend: str = "auto") -> np.ndarray:
-        """Small-deflection answer, (n_dofs,): one solve with the tangent of the undeformed state."""
-        start, matrix = self.undeformed, self.stiffness()
-        with DirectSolver(self.pattern, self.constraints, backend) as solver:
-            solver.factor(matrix)
-            moved = self.prescribed()
-            answer = solver.solve(self.external_force(start) - self.others.force(start) - matrix @ moved) + moved
-            solver.warn_if_lost()
-            return answer
 
     @cached_property
     def mass(self) -> BlockMatrix:

@@ -23,6 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from skancf.history import FULL, Case
+from skancf.system.linearised import Model
 from skancf.system.regularity import singularities
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
@@ -121,13 +122,13 @@ class ShearForm:
         forces = self._at_edges(lambda points, elements: balancing(self.geometry, M[elements], points, elements), 2)
         return Fields(Q, twisting, self._sliding(forces))
 
-    def of_state(self, q: np.ndarray, change: np.ndarray | None) -> Fields:
-        """Of a state under its loads, with a ``change`` of a small-deflection answer.
+    def of_state(self, model: Model, x: np.ndarray) -> Fields:
+        """Of a state under its loads, at unknowns x of a model.
 
         Eccentric weight takes part in the balance, and moments on edges twist them.
         """
-        of, at = (moments_of, q) if change is None else (moments_of_small, change)
-        return self.loaded(self.fields(of(self.system, at, self.case)), q)
+        of = moments_of_small if model.linear else moments_of
+        return self.loaded(self.fields(of(self.system, x, self.case)), model.q(x))
 
     def loaded(self, fields: Fields, q: np.ndarray) -> Fields:
         """Fields of moments that balance the system's loads: its eccentric weight, and moments on its edges."""
@@ -185,3 +186,13 @@ class ShearForm:
         D66, D16, D11 = (np.einsum("amn,ab,bmn->mn", one, self._bending, two)
                          for one, two in ((twist, twist), (twist, bend), (bend, bend)))  # fmt: skip
         return np.asarray(np.sqrt(np.einsum("amn,ab,bmn->mn", t, self._compliance, t) / (D66 - D16**2 / D11)))
+
+
+FREE = 1e-9
+"""Of the energy of a temperature change that is held back: less than this is none."""
+
+
+def share_of(product: float, energy: float, heat: float) -> float:
+    """F(u, u) over twice the strain energy; zero where a temperature change of the energy ``heat`` strains a body freely, so
+    that both are rounding."""
+    return 0.0 if energy <= FREE * heat else product / (2 * energy)

@@ -12,8 +12,11 @@ from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.steps import LocalError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
-from skancf.statics import cascade, equilibrium
+from skancf.statics import cascade, equilibrium, linear
+from skancf.system.linearised import Linearised
 from skancf.system.system import System
+from skancf.terms.blocks import Blocks
+from skancf.terms.shell import Shell
 from skancf.thinness.form import ShearForm
 
 Patch = Any
@@ -26,14 +29,14 @@ def _reactions_too_large(patch: Patch) -> None:
 
 
 def _energy_too_large(patch: Patch) -> None:
-    keep = System.linear_energy
-    patch.setattr(System, "linear_energy", lambda self, *rest: 1.0001 * keep(self, *rest))
+    keep = Linearised.strain_energy
+    patch.setattr(Linearised, "strain_energy", lambda self, *rest: 1.0001 * keep(self, *rest))
 
 
 def _loads_that_grow_faster(patch: Patch) -> None:
-    keep = System.linear_change
-    patch.setattr(System, "linear_change", lambda self, *rest: keep(self, *rest) * (1 + abs(keep(self, *rest)).max()))
-    patch.setattr(equilibrium, "unmet", lambda measured: [])  # which would have refused such an answer
+    keep = linear.small_change
+    patch.setattr(linear, "small_change", lambda *rest: keep(*rest) * (1 + abs(keep(*rest)).max()))
+    patch.setattr(linear, "unmet", lambda measured: [])  # which would have refused such an answer
 
 
 def _forces_by_the_axes_of_space(patch: Patch) -> None:
@@ -99,21 +102,20 @@ def _a_restart_that_stops_short(patch: Patch) -> None:
 
 
 def _a_linear_answer_too_large(patch: Patch) -> None:
-    keep = System.linear_change
-    patch.setattr(System, "linear_change", lambda self, *rest: 1.01 * keep(self, *rest))
-    patch.setattr(equilibrium, "unmet", lambda measured: [])
+    keep = linear.small_change
+    patch.setattr(linear, "small_change", lambda *rest: 1.01 * keep(*rest))
+    patch.setattr(linear, "unmet", lambda measured: [])
 
 
 def _a_mass_by_the_order_of_nodes(patch: Patch) -> None:
-    keep = System.gathered_mass
+    keep = Shell.add_mass
 
-    def mass(self: System, *rest: Any) -> BlockMatrix:
-        values = keep(self, *rest).values.copy()
-        slots = self.pattern.diagonal_slots
-        values[slots] *= np.linspace(1.0, 1.1, len(slots))[:, None, None]
-        return BlockMatrix(self.pattern, values)
+    def add_mass(self: Shell, blocks: Blocks) -> None:
+        keep(self, blocks)
+        slots = blocks.pattern.diagonal_slots
+        blocks.values[slots] *= np.linspace(1.0, 1.1, len(slots))[:, None, None]
 
-    patch.setattr(System, "gathered_mass", mass)
+    patch.setattr(Shell, "add_mass", add_mass)
 
 
 def _loads_that_take_anything(patch: Patch) -> None:

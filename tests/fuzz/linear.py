@@ -10,6 +10,7 @@ import skancf as sk
 from fuzz.case import Case
 from fuzz.judge import EPS, bounded, change_of, nodal, nothing, rounding, sizes, solved, stored
 from fuzz.resultants import resultant
+from skancf.statics.linear import small_change
 
 UP = (0.0, 0.0, 1.0)
 CLOSE = 1e-9
@@ -101,7 +102,7 @@ def superposition(case: Case) -> None:
     total = sum(parts[:-1]) - (len(alone) - 1) * parts[-1]
     _same_energy(together, change, total, [*alone, rest])
     system = together.system
-    doubled = system.linear_change() * 2
+    doubled = small_change(system) * 2
     _same_energy(together, 2 * change, doubled, [together])
 
 

@@ -35,9 +35,6 @@ class StrainEnergy:
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
         instance("state", state, Solution, STATE)
-        system, start = state.system, state.system.undeformed
-        if state.linear:
-            force, held = system.stiffness() @ state.change, system.shell.held_back_force(start, state.case)
-        else:
-            force, held = system.internal_force(state.q), system.shell.held_back_force(state.q, state.case)
+        force = state.model.internal_force(state.unknowns)
+        held = state.system.shell.held_back_force(state.about, state.case)
         return np.asarray(force if held is None else force - held)

@@ -36,15 +36,14 @@ class Smooth(ABC):
     def value(self, state: Solution) -> float:
         """J of a state."""
         instance("state", state, Solution, STATE)
-        if not state.linear:
-            return self._value(state, state.q)
-        start = state.system.undeformed
-        return self._value(state, start) + float(self._gradient(state, start) @ state.change)
+        return float(state.model.value(
+            lambda q: self._value(state, q), state.unknowns, lambda q, change: float(self._gradient(state, q) @ change)
+        ))  # fmt: skip
 
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
         instance("state", state, Solution, STATE)
-        return self._gradient(state, state.system.undeformed if state.linear else state.q)
+        return self._gradient(state, state.about)
 
     @abstractmethod
     def _value(self, state: Solution, q: np.ndarray) -> float:

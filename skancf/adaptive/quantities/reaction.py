@@ -55,14 +55,11 @@ class Reaction:
         instance("state", state, Solution, STATE)
         system, motion = state.system, self._motion(state.system)
         held = system.constraints.fixed_part(motion)
-        if state.linear:
-            out = system.stiffness() @ held
-        else:
-            out = system.tangent(state.q, state.case) @ held
-            skew = system.skew(state.q, state.case)
-            if skew is not None:
-                out = out - skew @ held
-        others = system.others.tangent(system.undeformed if state.linear else state.q, state.case)
+        model, x = state.model, state.unknowns
+        out, skew = model.tangent(x, state.case) @ held, model.skew(x, state.case)
+        if skew is not None:
+            out = out - skew @ held
+        others = system.others.tangent(state.about, state.case)
         return np.asarray(out if others is None else out - others @ motion)
 
     def lift(self, state: Solution) -> np.ndarray:

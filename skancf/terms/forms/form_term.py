@@ -51,7 +51,8 @@ class FormTerm(Addition):
         None for the whole surface; a name such as ``"left"``, or a list of names, for edges of the boundary; a function of
         (x, y) that is true on a part of the surface.
     load : bool
-        Whether it acts from outside: it counts with the load factor and the history. Else it is part of the structure.
+        Whether it acts from outside: it counts with the load factor and the history, and its work is booked as that of
+        loads. Else it is part of the structure, and its energy a part of the strain energy.
     history : callable, optional
         Factor as a function of time, of a load.
     points : int
@@ -219,11 +220,11 @@ class OnSurface(Term):
             yield chunk, chunk.jet(local, None if rates is None else self.geometry.local(rates, chunk.elements))
 
     def energy(self, q: np.ndarray, case: Case) -> float | None:
-        """Of the energy's integral; None without one, and of a load that changes in time, whose work is booked."""
-        if "energy" not in self.forms or self.history is not None:
+        """The integral of the energy; None without one, and of a load, whose work is booked."""
+        if "energy" not in self.forms or self.load:
             return None
         form = self.forms["energy"]
-        return self._amount(case) * sum(float((form(c, jet, case)[0] * c.weights).sum()) for c, jet in self._states(q))
+        return sum(float((form(c, jet, case)[0] * c.weights).sum()) for c, jet in self._states(q))
 
     def force(self, q: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
         return self._forces(((chunk, self._gradient(chunk, jet, case)) for chunk, jet in self._states(q, v)), case)
@@ -236,8 +237,8 @@ class OnSurface(Term):
 
     def between(self, q0: np.ndarray, q1: np.ndarray, case: Case) -> np.ndarray | None:
         """The force in the middle, and at each point the part along the change that is missing from the energy's; None with
-        a velocity, and without an energy."""
-        if "energy" not in self.forms or self._of_velocity or self.history is not None:
+        a velocity, of a load, and without an energy."""
+        if "energy" not in self.forms or self._of_velocity or self.load:
             return None
         pairs = zip(self._states(q0), self._states(q1), strict=True)
         gradients = (

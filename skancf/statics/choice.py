@@ -1,11 +1,15 @@
-"""The cheapest theory whose modelling error is small enough."""
+"""The cheapest theory whose modelling error is small enough: ``theory="auto"`` of a problem."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from skancf.errors import InputError, SingularMatrix
+from skancf.problem import CHOICES
+from skancf.statics.linear import small_change
+from skancf.system.linearised import Linearised
 from skancf.system.system import System
-from skancf.thinness.form import ShearForm
-from skancf.thinness.vibration import first_share
+from skancf.theories import Full, Kirchhoff, Theory
+from skancf.thinness import ShearForm, first_share, share_of
 
 
 @dataclass(frozen=True)
@@ -26,39 +30,51 @@ class Choice:
     reason: str
 
 
-FREE = 1e-9
-"""Of the energy of a temperature change that is held back: less than this is none."""
+def choose(on: Callable[[Theory], System], tolerance: float) -> System:
+    """The system of the cheapest theory whose modelling error is below a tolerance, with its ``choice``.
 
-
-def share_of(product: float, energy: float, heat: float) -> float:
-    """F(u, u) over twice the strain energy; zero where a temperature change of the energy ``heat`` strains a body freely, so
-    that both are rounding."""
-    return 0.0 if energy <= FREE * heat else product / (2 * energy)
-
-
-def choose(system: System, tolerance: float) -> Choice:
-    """The cheapest theory whose modelling error is below a tolerance.
-
-    From the small-deflection answer of the thin one, without loads from its first vibration.
+    Parameters
+    ----------
+    on : callable
+        Gives the system with a theory.
+    tolerance : float
+        Of :attr:`Choice.share`.
 
     Raises
     ------
     InputError
-        Where there is neither: a motion is free under the loads, or nothing strains the surface.
+        Where there is nothing to judge by: a motion is free under the loads, or nothing strains the surface.
     """
+    try:
+        thin = on(Kirchhoff())
+    except InputError as unfit:
+        choice = Choice("full", float("nan"), f"theory 'full': {unfit}")
+    else:
+        choice = judged(thin, tolerance)
+    system = thin if choice.share <= tolerance else on(Full())
+    system.choice = choice
+    return system
+
+
+CHOICES["auto"] = choose
+
+
+def judged(system: System, tolerance: float) -> Choice:
+    """Of a system of the thin theory, by its small-deflection answer, without loads by its first vibration."""
     if not _loaded(system):
         what = "without loads: leaving transverse shear and rotary inertia out changes the square of the first frequency"
         return _chosen(first_share(system), what, tolerance)
     way_out = "name the theory, 'kirchhoff' or 'full'"
     try:
-        change = system.linear_change()
+        change = small_change(system)
     except SingularMatrix as free:
         raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
-    energy, heat = system.linear_energy(change), system.shell.thermal_energy()
+    model = Linearised(system)
+    energy, heat = model.strain_energy(change), system.shell.thermal_energy()
     if not (energy > 0 or heat > 0):
         raise InputError(f"theory = 'auto': nothing strains the surface, so that there is nothing to judge by; {way_out}")
     form = ShearForm(system)
-    fields = form.of_state(system.undeformed + change, change)
+    fields = form.of_state(model, change)
     share = share_of(form.product(fields, fields), energy, heat)
     return _chosen(share, "leaving transverse shear out changes the strain energy", tolerance)
 

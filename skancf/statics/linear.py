@@ -1,0 +1,77 @@
+"""Small deflections: one solve with the tangent of the undeformed state."""
+
+import warnings
+
+import numpy as np
+
+from skancf.errors import DidNotConverge, OutOfDepth
+from skancf.linear import DirectSolver
+from skancf.solution import Solution
+from skancf.statics.asked import check_asked
+from skancf.statics.causes import require_support
+from skancf.statics.depth import warn_if_loose, warn_if_thick, warn_without_time
+from skancf.statics.newton import OPEN
+from skancf.statics.verify import Balance, unmet
+from skancf.system.linearised import Linearised
+from skancf.system.system import System
+
+OPEN_LINEAR = (
+    "the linear answer lost digits: {} is {:.1e}, more than {:.0e}. Elements may be too small, or too thin for their "
+    "length: take a coarser mesh, or look for a support that hardly holds"
+)
+
+
+def solve_linear(system: System, *, backend: str = "auto") -> Solution:
+    """Small-deflection answer: one solve with the tangent of the undeformed state.
+
+    Raises
+    ------
+    InputError
+        When a rigid motion is free.
+    DidNotConverge
+        Where rounding leaves loads and reactions out of balance by more than a hundredth.
+
+    Warns
+    -----
+    OutOfDepth
+        Where they are out of balance by more than a millionth, and where the answer is out of the depth of its theory or
+        of its mesh.
+    """
+    check_asked(system, backend)
+    require_support(system)
+    warn_without_time(system)
+    solution = small_deflection(system, backend=backend)
+    warn_if_thick(solution)
+    return warn_if_loose(solution)
+
+
+def small_deflection(system: System, load_factor: float = 1.0, *, backend: str = "auto") -> Solution:
+    """:func:`solve_linear` for a system that is known to be supported, without a judgement of its theory."""
+    change = load_factor * small_change(system, backend)
+    if not np.isfinite(change).all():
+        raise DidNotConverge("the linear answer is not finite")
+    sizes = np.abs(system.stiffness().diagonal())
+    lost = unmet(Balance.of_small_change(system, change, load_factor).measured(sizes))
+    if lost:
+        worst = max(lost, key=lambda one: one.value)
+        message = OPEN_LINEAR.format(worst.name, worst.value, worst.limit)
+        if worst.value > OPEN:
+            raise DidNotConverge(message)
+        warnings.warn(message, OutOfDepth, stacklevel=3)
+    return Solution.of(Linearised(system), change, load_factor)
+
+
+def small_change(system: System, backend: str = "auto") -> np.ndarray:
+    """The change of the undeformed state under the whole load, (n_dofs,)."""
+    with DirectSolver(system.pattern, system.constraints, backend) as solver:
+        solver.factor(system.stiffness())
+        return change_by(system, solver)
+
+
+def change_by(system: System, solver: DirectSolver) -> np.ndarray:
+    """The same by a solver that has the factors of the stiffness."""
+    model = Linearised(system)
+    moved = model.held(1.0)
+    change = solver.solve(model.external_force(moved) - model.internal_force(moved)) + moved
+    solver.warn_if_lost()
+    return change

@@ -236,3 +236,107 @@ def test_what_couples_blocks_that_are_not_there_is_named():
         sk.solve_linear(on([Wrong([[0, 1]], np.eye(12))], n=1))
     with pytest.raises(sk.InputError, match=r"terms: .* is none"):
         problem([3.0])
+
+
+class Constant(Addition):
+    """An energy that is the same everywhere, of any sign: it has no force, and must not count."""
+
+    def __init__(self, amount):
+        self.amount = amount
+
+    def on(self, shell, layout):
+        term = Quadratic(layout, np.zeros((1, 1), int), np.zeros((12, 12)))
+        term.energy = lambda q, case: self.amount
+        return term
+
+
+@pytest.mark.parametrize("amount", [-1e6, 1e6])
+def test_the_zero_of_an_energy_does_not_matter(amount):
+    """Of any size and sign: the same iterations, the same answer and the same checks."""
+    one, other = sk.solve(on([Constant(amount)])), sk.solve(on())
+    assert one.ok and one.iterations == other.iterations
+    assert np.array_equal(one.solution.q, other.solution.q)
+    assert one.solution.strain_energy == pytest.approx(other.solution.strain_energy + amount)
+
+
+class Push(Addition):
+    """A constant force at a node that is part of the structure: no load factor counts."""
+
+    def __init__(self, force, energy):
+        self.given, self.has_energy = np.asarray(force, float), energy
+
+    def on(self, shell, layout):
+        force = np.zeros((layout.n_blocks, 12))
+        force[shell.geometry.node_at(TIP), :3] = -self.given
+        return Steady(layout.undeformed.ravel(), force.ravel(), self.has_energy)
+
+
+class Steady(Term):
+    def __init__(self, undeformed, given, has_energy):
+        self.undeformed, self.given, self.has_energy = undeformed, given, has_energy
+
+    def force(self, q, v, case):
+        return self.given
+
+    def energy(self, q, case):
+        return float(self.given @ (q - self.undeformed)) if self.has_energy else None
+
+
+@pytest.mark.parametrize("energy", [True, False])
+@pytest.mark.parametrize("factor", [1.0, 0.4])
+def test_a_force_at_rest_of_the_structure_is_no_load(energy, factor):
+    """Beside a load of half of the factor it is a load of its own size, in linear and large deflections."""
+    load = sk.PointForce(TIP, (0.0, 0.0, -1.0))
+    own = on([Push((0.0, 0.0, -1.0), energy)], loads=[load])
+    same = on(loads=[sk.PointForce(TIP, (0.0, 0.0, -1.0 - factor))])
+    a, b = sk.solve(own, load_factor=factor, rtol=1e-12).unwrap(), sk.solve(same, rtol=1e-12).unwrap()
+    assert np.allclose(a.displacement(TIP), b.displacement(TIP), rtol=1e-8)
+    if factor == 1.0:
+        a, b = sk.solve_linear(own), sk.solve_linear(same)
+        assert np.allclose(a.displacement(TIP), b.displacement(TIP), rtol=1e-10)
+        # What holds the plate at the place of the push is the push.
+        assert np.allclose(a.reactions("left"), [0, 0, 2.0], atol=1e-9)
+        assert np.allclose(a.reactions(), [0, 0, 1.0], atol=1e-9), "all that is no load"
+
+
+class Damper(Addition):
+    """A force against the velocity of a node, with its square."""
+
+    def __init__(self, c):
+        self.c = c
+
+    def on(self, shell, layout):
+        return Drag(layout, shell.geometry.node_at(TIP), self.c)
+
+
+class Drag(Term):
+    def __init__(self, layout, node, c):
+        self.layout, self.node, self.c = layout, node, c
+
+    def couples(self):
+        return np.array([[self.node]])
+
+    def force(self, q, v, case):
+        out = np.zeros_like(self.layout.undeformed)
+        if v is not None:
+            rate = self.layout.nodal(v)[self.node, 0]
+            out[self.node, 0] = self.c * np.linalg.norm(rate) * rate
+        return out.ravel()
+
+    def add_damping(self, q, v, case, blocks):
+        rate = self.layout.nodal(v)[self.node, 0]
+        size = np.linalg.norm(rate)
+        matrix = np.zeros((1, 12, 12))
+        matrix[0, :3, :3] = self.c * (size * np.eye(3) + np.outer(rate, rate) / (size or 1.0))
+        blocks.add(self.couples(), matrix)
+
+
+@pytest.mark.parametrize("rule", [sk.EnergyMomentum(rho_inf=1.0), sk.GeneralizedAlpha(0.8)])
+def test_the_work_of_a_force_against_the_velocity_is_booked(rule):
+    options = {"dt": 0.005, "rule": rule, "newton_rtol": 1e-10, "balance": None, "progress": False}
+    damped, free = (sk.simulate(on(terms, n=2), 0.3, **options) for terms in ([Damper(5.0)], []))
+    ledger = damped.ledger
+    assert damped.ok and ledger.energy[-1] < 0.9 * free.ledger.energy[-1], "it takes energy"
+    assert ledger.work[-1] < free.ledger.work[-1], "its work is negative"
+    tolerance = 1e-6 if isinstance(rule, sk.EnergyMomentum) else 0.05
+    assert np.abs(ledger.balance).max() < tolerance * ledger.turnover[-1]

@@ -6,10 +6,14 @@ VECTORS, AXES = 4, 3
 """Vectors of a block, and components of each."""
 BLOCK = VECTORS * AXES
 """Unknowns of a block."""
+MATRIX = BLOCK * BLOCK
+"""Entries of the matrix of two blocks."""
 CORNERS = 4
 FUNCTIONS = CORNERS * VECTORS
 """Local functions of an element, each with a local vector."""
 LOCAL = FUNCTIONS * AXES
 """Rows of an element's matrix, component by component."""
+SECOND, THIRD = FUNCTIONS, 2 * FUNCTIONS
+"""Where the second and the third component begin there."""
 POINTS = 16
 """Integration points of an element."""

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from skancf.compiled import INNER, OPTIONS, compiled
+from skancf.kernels.constants import AXES, CORNERS, FUNCTIONS, LOCAL, MATRIX, SECOND, THIRD
 from skancf.kernels.panels import prefetch
 
 
@@ -30,7 +31,7 @@ def gather(e, q, maps, local):
     for k in range(maps.pointer[e], maps.pointer[e + 1]):
         a, v = maps.rows[k], maps.values[k]
         n, kind = maps.nodes[e, maps.corners[k]], maps.kinds[k]
-        for i in range(3):
+        for i in range(AXES):
             local[a, i] += v * q[n, kind, i]
 
 
@@ -40,19 +41,19 @@ def scatter_force(e, force, maps, out):
     for k in range(maps.pointer[e], maps.pointer[e + 1]):
         a, v = maps.rows[k], maps.values[k]
         n, kind = maps.nodes[e, maps.corners[k]], maps.kinds[k]
-        for i in range(3):
+        for i in range(AXES):
             out[n, kind, i] += v * force[a, i]
 
 
 @compiled(**INNER)
 def prefetch_blocks(e, slots, out):
     """Asks for the blocks of an element early, so that they come while its tangent is computed."""
-    for a in range(4):
-        for b in range(4):
+    for a in range(CORNERS):
+        for b in range(CORNERS):
             slot = slots[e, a, b]
             if slot >= 0:
-                for line in range(0, 144, 8):
-                    prefetch(out, 144 * slot + line)
+                for line in range(0, MATRIX, 8):
+                    prefetch(out, MATRIX * slot + line)
 
 
 @compiled(**INNER)
@@ -67,14 +68,14 @@ def scatter_tangent(e, maps, slots, K, out):
                 b, w, col = maps.rows[l], v * maps.values[l], 3 * maps.kinds[l]
                 block = out[slot]
                 block[row, col] += w * K[a, b]
-                block[row, col + 1] += w * K[a, 16 + b]
-                block[row, col + 2] += w * K[a, 32 + b]
-                block[row + 1, col] += w * K[b, 16 + a]
-                block[row + 1, col + 1] += w * K[16 + a, 16 + b]
-                block[row + 1, col + 2] += w * K[16 + a, 32 + b]
-                block[row + 2, col] += w * K[b, 32 + a]
-                block[row + 2, col + 1] += w * K[16 + b, 32 + a]
-                block[row + 2, col + 2] += w * K[32 + a, 32 + b]
+                block[row, col + 1] += w * K[a, SECOND + b]
+                block[row, col + 2] += w * K[a, THIRD + b]
+                block[row + 1, col] += w * K[b, SECOND + a]
+                block[row + 1, col + 1] += w * K[SECOND + a, SECOND + b]
+                block[row + 1, col + 2] += w * K[SECOND + a, THIRD + b]
+                block[row + 2, col] += w * K[b, THIRD + a]
+                block[row + 2, col + 1] += w * K[SECOND + b, THIRD + a]
+                block[row + 2, col + 2] += w * K[THIRD + a, THIRD + b]
 
 
 @compiled(**OPTIONS)
@@ -87,11 +88,11 @@ def add_local(elements, matrices, maps, slots, out):
 @compiled(**OPTIONS)
 def mass(start, stop, order, shape, shapes, maps, slots, out):
     """Adds the classes' mass matrices (n_shapes, 16, 16), the same for the three components."""
-    K = np.zeros((48, 48))
+    K = np.zeros((LOCAL, LOCAL))
     for index in range(start, stop):
         e = order[index]
-        for i in range(0, 48, 16):
-            for a in range(16):
-                for b in range(16):
+        for i in range(0, LOCAL, FUNCTIONS):
+            for a in range(FUNCTIONS):
+                for b in range(FUNCTIONS):
                     K[i + a, i + b] = shapes[shape[e], a, b]
         scatter_tangent(e, maps, slots, K, out)

@@ -74,6 +74,14 @@ def is_rigid(energy: float, sizes: np.ndarray, way: np.ndarray, part: float = RI
     return bool(energy <= part * float(sizes @ (way * way)))
 
 
+def stored(system: Any, q: np.ndarray, case: Case) -> float:
+    """Strain energy, never negative, by which energies are judged (J): that of the shell, and the sizes of what energies of
+    other terms, which may be of any sign, have changed by."""
+    if not hasattr(system, "others"):
+        return float(system.strain_energy(q, case))
+    return float(system.shell.energy(q, case) + system.others.turnover(system.undeformed, q, case))
+
+
 class Verdict(NamedTuple):
     """On a correction: is it the last one, the energy that is rounding, and that with which it was compared.
 
@@ -145,13 +153,13 @@ class StopRule:
 
     def _scale(self, q: np.ndarray, load_factor: float) -> float:
         """Twice the strain energies of a state and of the start, and that of the pull; infinite where none is known."""
-        stored: Any = getattr(self.system, "strain_energy", None)
-        if stored is None:
+        if not hasattr(self.system, "strain_energy"):
             return np.inf
+        case = Case(load_factor)
         if self._at_origin is None:
-            self._at_origin = stored(self.origin, Case(load_factor))
+            self._at_origin = stored(self.system, self.origin, case)
         with np.errstate(over="ignore", invalid="ignore"):
-            scale = 2 * (stored(q, Case(load_factor)) + self._at_origin + (self.pull.energy(q) if self.pull else 0.0))
+            scale = 2 * (stored(self.system, q, case) + self._at_origin + (self.pull.energy(q) if self.pull else 0.0))
         return scale if np.isfinite(scale) else 0.0
 
     def _is_small(self, change: np.ndarray, way: np.ndarray) -> bool:

@@ -11,7 +11,7 @@ from skancf.errors import SingularMatrix
 from skancf.history import FULL, Case
 from skancf.linear import DirectSolver
 from skancf.statics.newton import factored
-from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, moves, work
+from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, moves, stored, work
 from skancf.system.linearised import Linearised
 from skancf.vectors import sum_of_cross
 
@@ -131,10 +131,10 @@ class Balance:
 
     @classmethod
     def of_state(cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> "Balance":
-        energy = float(system.strain_energy(q, Case(load_factor)))
+        energy = stored(system, q, Case(load_factor))
         # At rest and cold there is none.
         if (origin != system.undeformed).any() or system.shell.held_back(FULL) is not None:
-            energy += float(system.strain_energy(origin, Case(load_factor)))
+            energy += stored(system, origin, Case(load_factor))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())
         case = Case(load_factor)
         others = system.others.force(q, None, case) if system.others else None

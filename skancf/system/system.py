@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from functools import cached_property
-from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -77,7 +76,6 @@ class System:
 
     @property
     def n_dofs(self) -> int:
-        """Unknowns, prescribed ones included."""
         return self.layout.n_dofs
 
     @property
@@ -92,7 +90,6 @@ class System:
 
     @property
     def mesh(self) -> Any:
-        """The mesh in the parameter plane."""
         return self.geometry.mesh
 
     def internal_force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
@@ -101,21 +98,15 @@ class System:
         return force + self.others.force(q, v, case) if self.others else force
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
-        """Stresses at the integration points with their weights, extrapolated linearly along ``change``.
-
-        Shape (n_elements, n_strains, n_points). Those of a temperature change are not subtracted.
-        """
+        """Those of the shell, see :meth:`~skancf.terms.shell.Shell.stresses`."""
         return self.shell.stresses(q, change)
 
     def tangent(
         self, q: np.ndarray, case: Case = FULL, stresses: np.ndarray | None = None, stiffer: float = 1.0,
         v: np.ndarray | None = None,
     ) -> BlockMatrix:  # fmt: skip
-        """Symmetric part of the derivative of the residual.
-
-        Stresses other than those of q give the mixed tangent of Newton's method. The law counts ``stiffer`` times, as that
-        of a material with damping does over a step.
-        """
+        """Symmetric part of the derivative of the residual; mixed where ``stresses`` are not those of q. The law counts
+        ``stiffer`` times, as that of a material with damping does over a step."""
         blocks = self.blocks()
         self.shell.add_tangent(q, v, case, blocks, stresses, stiffer)
         if stiffer != 1:
@@ -132,12 +123,7 @@ class System:
         return blocks.skew_matrix()
 
     def stiffness(self) -> BlockMatrix:
-        """Tangent of the undeformed and unloaded state, without stresses of the shell.
-
-        The computed strains of that state are rounding, 1e-16; as a prestress they would count against the bending of a
-        plate of thickness t and side a with the factor (a / t)^2. Products with it are made of the strains of each element,
-        see :mod:`skancf.system.unstressed`.
-        """
+        """Tangent of the undeformed state without stresses of the shell, see :mod:`skancf.system.unstressed`."""
         return self._stiffness
 
     @cached_property
@@ -164,12 +150,11 @@ class System:
 
     def histories(self) -> list[Any]:
         """The functions of time of terms and prescribed motions, and the paths of loads that move, each once."""
-        every = chain(*[term.histories() for term in self.terms], self.prescription.histories())
+        every = self.terms.histories() + self.prescription.histories()
         return list({id(history): history for history in every if history is not None}.values())
 
     def strain_energy(self, q: np.ndarray, case: Case = FULL) -> float:
-        """Energy of the structure (J): of the shell, see :meth:`~skancf.terms.shell.Shell.energy`, springs and foundations,
-        and of other terms that have one."""
+        """Energy of the structure (J): see :meth:`~skancf.terms.shell.Shell.energy`, and that of other terms."""
         return self.shell.energy(q, case) + self.others.energy(q, case)
 
     @cached_property
@@ -187,10 +172,7 @@ class System:
 
     @cached_property
     def viscous(self) -> BlockMatrix | None:
-        r"""Forces in proportion to velocities, :math:`\alpha M` and the dashpots (N s/m); None without any.
-
-        The force on the body is -(viscous @ v); damping of the material is :attr:`Shell.retardation`.
-        """
+        r"""Forces in proportion to velocities, :math:`\alpha M` and the dashpots (N s/m); None without any."""
         damping = self.problem.damping
         of_mass = None if damping is None or not damping.mass else float(damping.mass) * self.mass
         blocks = self.blocks()
@@ -207,17 +189,12 @@ class System:
         return self.inertia.momenta(q, v)
 
     def basis(self, intorder: int = 7, *, facets: Any = None, thickness: float | None = None) -> skfem.AbstractBasis:
-        """A basis of scikit-fem on the mesh with this theory's element: see :func:`skancf.layout.skfem_bridge.basis_on`.
-
-        ``system.basis().interpolate(system.to_mesh @ q)`` is the deformed surface in the state q.
-        """
+        """A basis of scikit-fem, see :func:`skancf.layout.skfem_bridge.basis_on`: the deformed surface in a state q is
+        ``system.basis().interpolate(system.to_mesh @ q)``."""
         return skfem_bridge.basis_on(self.geometry, intorder, facets, thickness)
 
     @cached_property
     def to_mesh(self) -> sp.csr_matrix:
-        r"""T, from the nodal coordinates to the degrees of freedom of :meth:`basis`, (12 n_mesh_nodes, n_dofs).
-
-        The identity on open meshes without hanging nodes. A form's force f and stiffness K on the basis are
-        :math:`T^T f` and :math:`T^T K T` here.
-        """
+        r"""T, from the unknowns to the degrees of freedom of :meth:`basis`, (12 n_mesh_nodes, n_dofs): a form's force f and
+        stiffness K on the basis are :math:`T^T f` and :math:`T^T K T` here."""
         return skfem_bridge.unknowns_to_mesh(self.geometry, self.layout, self.shell.name)

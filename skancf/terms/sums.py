@@ -58,6 +58,11 @@ class Terms(Sequence[Term]):
         """Of those that have one (J)."""
         return sum((term.energy(q, case) or 0.0 for term in self._terms), 0.0)
 
+    def turnover(self, q0: np.ndarray, q: np.ndarray, case: Case) -> float:
+        """Sum of the sizes of what their energies change by between two states (J)."""
+        pairs = ((term.energy(q, case), term.energy(q0, case)) for term in self._terms)
+        return sum((abs(now - before) for now, before in pairs if now is not None and before is not None), 0.0)
+
     def reached(self, q: np.ndarray, v: np.ndarray, case: Case) -> None:
         """Tell them that a step was accepted."""
         for term in self._terms:

@@ -67,8 +67,7 @@ class Theory(Protocol):
     def turns(self) -> tuple[int, ...]: ...
     @property
     def rows(self) -> np.ndarray: ...
-    @property
-    def twist(self) -> bool: ...
+
     def warn_of(self, section: Section, reach: float) -> None:
         """Warns of a section that the theory does not fit, on a body of that reach (m)."""
 

@@ -7,12 +7,13 @@ import numpy as np
 
 import skancf as sk
 from skancf.adaptive.estimate import Estimate
-from skancf.dynamics import checkpoint
 from skancf.dynamics.energy_momentum import EnergyMomentum
+from skancf.dynamics.state import State
 from skancf.dynamics.steps import LocalError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
 from skancf.statics import cascade, equilibrium, linear
+from skancf.system import system
 from skancf.system.linearised import Linearised
 from skancf.system.system import System
 from skancf.terms.blocks import Blocks
@@ -67,14 +68,14 @@ def _newton_that_ends_early(patch: Patch) -> None:
 
 def _stiffer(patch: Patch, by: Callable[[System, np.ndarray], np.ndarray]) -> None:
     """Adds to the diagonal blocks (n_nodes, 12, 12) of the stiffness what a function of them says."""
-    keep = System._unstressed
+    keep = system.unstressed
 
     def unstressed(self: System, plain: bool = False) -> BlockMatrix:
         values, slots = keep(self, plain).values.copy(), self.pattern.diagonal_slots
         values[slots] += by(self, values[slots])
         return BlockMatrix(self.pattern, values)
 
-    patch.setattr(System, "_unstressed", unstressed)
+    patch.setattr(system, "unstressed", unstressed)
 
 
 def _slopes_held_by_space(patch: Patch) -> None:
@@ -139,17 +140,18 @@ def _stresses_that_feed(patch: Patch) -> None:
 
 
 def _a_force_from_nowhere(patch: Patch) -> None:
-    keep = System.force_between
+    keep = Shell.force_between
 
-    def between(self: System, *rest: Any) -> np.ndarray:
+    def between(self: Shell, *rest: Any) -> np.ndarray:
         force = keep(self, *rest)
-        return force + 1e-3 * np.abs(force).max() * np.tile([1.0, 0.0, 0.0] + 9 * [0.0], self.n_dofs // 12)
+        return force + 1e-3 * np.abs(force).max() * np.tile([1.0, 0.0, 0.0] + 9 * [0.0], len(force) // 12)
 
-    patch.setattr(System, "force_between", between)
+    patch.setattr(Shell, "force_between", between)
 
 
 def _states_without_what_was_before(patch: Patch) -> None:
-    patch.setattr(checkpoint, "_optional", lambda state: {"jerk": None, "before": None})
+    keep = State.state
+    patch.setattr(State, "state", lambda self: keep(self) | {"jerk": None, "before": None})
 
 
 def _errors_made_small(patch: Patch) -> None:

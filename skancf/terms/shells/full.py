@@ -7,6 +7,7 @@ from typing import cast
 import numpy as np
 
 from skancf.errors import InputError
+from skancf.kernels.constants import FUNCTIONS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
@@ -17,6 +18,7 @@ from skancf.terms.protocols import Heat
 from skancf.terms.shells.full_sections import Sections, build_sections
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.theories.full import kernels, residual_kernel, tangent_kernel
+from skancf.theories.full.nodes import N_POSITION
 from skancf.theories.full.theory import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, D, Full, covariant_to_local, jet_table, strain
 
 ALL, BENDING = slice(None), slice(3, N_IN_PLANE)
@@ -152,17 +154,17 @@ class FullAssembly(CompiledAssembly):
 def _rule(theory: Full, sections: Sections) -> kernels.Rule:
     inside, sampled = jet_table(theory.quadrature[0]), jet_table(theory.samples)
     interpolation, rows = theory.sampling()
-    position = np.ascontiguousarray(inside[[R1, R2], :12].swapaxes(0, 1))
-    director = np.ascontiguousarray(inside[[D1, D2], 12:].swapaxes(0, 1))
+    position = np.ascontiguousarray(inside[[R1, R2], :N_POSITION].swapaxes(0, 1))
+    director = np.ascontiguousarray(inside[[D1, D2], N_POSITION:].swapaxes(0, 1))
     k, l = sections.pairs.T
     return kernels.Rule(
         position=position,
         director=director,
-        position_columns=np.ascontiguousarray(inside[[R1, R2]].swapaxes(1, 2).reshape(-1, 16)),
+        position_columns=np.ascontiguousarray(inside[[R1, R2]].swapaxes(1, 2).reshape(-1, FUNCTIONS)),
         director_columns=np.ascontiguousarray(director.reshape(4, -1).T),
         jets=np.ascontiguousarray(inside[[R1, R2, D1, D2]].transpose(2, 0, 1)),
-        sample_position=np.ascontiguousarray(sampled[[R1, R2], :12].transpose(0, 2, 1)),
-        sample_director=np.ascontiguousarray(sampled[[D1, D2, D], 12:].transpose(0, 2, 1)),
+        sample_position=np.ascontiguousarray(sampled[[R1, R2], :N_POSITION].transpose(0, 2, 1)),
+        sample_director=np.ascontiguousarray(sampled[[D1, D2, D], N_POSITION:].transpose(0, 2, 1)),
         interpolation=interpolation,
         plain=not theory.assumed,
         sample_rows=rows,

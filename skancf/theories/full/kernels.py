@@ -10,12 +10,13 @@ from typing import NamedTuple
 import numpy as np
 
 from skancf.compiled import INNER, OPTIONS, compiled
+from skancf.kernels.constants import AXES, CORNERS, FUNCTIONS, POINTS
 from skancf.kernels.gather import gather
+from skancf.theories.full.nodes import N_POSITION
 from skancf.theories.full.point import in_plane
 from skancf.theories.full.theory import N_IN_PLANE, N_STRAINS
 
 N_SAMPLED = N_STRAINS - N_IN_PLANE
-N_POINTS = 16
 
 
 class Elements(NamedTuple):
@@ -64,13 +65,13 @@ def in_plane_jets(rule, local, out):
     out[:] = 0.0
     for j in range(2):
         for i in range(3):
-            for a in range(12):
+            for a in range(N_POSITION):
                 v = local[a, i]
-                for p in range(N_POINTS):
+                for p in range(POINTS):
                     out[j, i, p] += v * rule.position[a, j, p]
-            for a in range(4):
-                v = local[12 + a, i]
-                for p in range(N_POINTS):
+            for a in range(CORNERS):
+                v = local[N_POSITION + a, i]
+                for p in range(POINTS):
                     out[2 + j, i, p] += v * rule.director[a, j, p]
 
 
@@ -80,11 +81,11 @@ def sample_jets(rule, local, out):
     for s in range(out.shape[0]):
         for i in range(3):
             r1 = r2 = d1 = d2 = d = 0.0
-            for a in range(12):
+            for a in range(N_POSITION):
                 r1 += local[a, i] * rule.sample_position[0, s, a]
                 r2 += local[a, i] * rule.sample_position[1, s, a]
-            for a in range(4):
-                v = local[12 + a, i]
+            for a in range(CORNERS):
+                v = local[N_POSITION + a, i]
                 d1 += v * rule.sample_director[0, s, a]
                 d2 += v * rule.sample_director[1, s, a]
                 d += v * rule.sample_director[2, s, a]
@@ -103,14 +104,14 @@ def vectors(x, p):
 @compiled(**INNER)
 def strains(rule, x, y, sx, sy, reference, eps):
     """The strains' symmetric bilinear form at two jets less the undeformed strains: eps (14, 16)."""
-    for p in range(N_POINTS):
+    for p in range(POINTS):
         e = in_plane(vectors(x, p), vectors(y, p))
         eps[0, p], eps[1, p], eps[2, p] = e[0] - reference[0, p], e[1] - reference[1, p], e[2] - reference[2, p]
         eps[3, p], eps[4, p], eps[5, p] = e[3] - reference[3, p], e[4] - reference[4, p], e[5] - reference[5, p]
         eps[6, p], eps[7, p], eps[8, p] = e[6] - reference[6, p], e[7] - reference[7, p], e[8] - reference[8, p]
     for k in range(N_SAMPLED):
         row = eps[N_IN_PLANE + k]
-        for p in range(N_POINTS):
+        for p in range(POINTS):
             row[p] = -reference[N_IN_PLANE + k, p]
     for r in range(rule.sample_rows.shape[0]):
         k, s = rule.sample_rows[r]
@@ -122,7 +123,7 @@ def strains(rule, x, y, sx, sy, reference, eps):
             eps[N_IN_PLANE + k, s] += value
         else:
             row, weight = eps[N_IN_PLANE + k], rule.interpolation[k, s]
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 row[p] += value * weight[p]
 
 
@@ -132,10 +133,10 @@ def apply_law(rule, law, eps, stress):
     stress[:] = 0.0
     for m in range(rule.pairs.shape[0]):
         k, l = rule.pairs[m]
-        for p in range(N_POINTS):
+        for p in range(POINTS):
             stress[k, p] += law[m, p] * eps[l, p]
         if k != l:
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 stress[l, p] += law[m, p] * eps[k, p]
 
 
@@ -148,7 +149,7 @@ def collect(rule, stress, sampled):
             sampled[r] = stress[N_IN_PLANE + k, s]
             continue
         total = 0.0
-        for p in range(N_POINTS):
+        for p in range(POINTS):
             total += rule.interpolation[k, s, p] * stress[N_IN_PLANE + k, p]
         sampled[r] = total
 
@@ -160,10 +161,10 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
     Into ``strain_out`` (n_elements, 14, 16), or nowhere if that is empty, and ``out``.
     """
     n_samples = rule.sample_position.shape[1]
-    local, moved = np.empty((16, 3)), np.empty((16, 3))
-    x, y = np.empty((4, 3, N_POINTS)), np.empty((4, 3, N_POINTS))
+    local, moved = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES))
+    x, y = np.empty((4, 3, POINTS)), np.empty((4, 3, POINTS))
     sx, sy = np.empty((n_samples, 5, 3)), np.empty((n_samples, 5, 3))
-    eps = np.empty((N_STRAINS, N_POINTS))
+    eps = np.empty((N_STRAINS, POINTS))
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
@@ -172,7 +173,7 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
         if change.shape[0]:
             gather(e, change, maps, moved)
         # For quadratic strains strain(q) + B(q) change is the bilinear form at q and q + 2 change.
-        for a in range(16):
+        for a in range(FUNCTIONS):
             for i in range(3):
                 moved[a, i] = local[a, i] + 2.0 * moved[a, i]
         in_plane_jets(rule, local, x)
@@ -183,5 +184,5 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
         apply_law(rule, elements.law[c], eps, out[e])
         if strain_out.shape[0]:
             for k in range(N_STRAINS):
-                for p in range(N_POINTS):
+                for p in range(POINTS):
                     strain_out[e, k, p] = eps[k, p]

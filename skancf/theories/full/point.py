@@ -5,8 +5,8 @@ two of them, so that the derivative of the strain :math:`V_a \cdot V_x` with res
 is an array (9, 9, n_points).
 """
 
-
 from skancf.compiled import INNER, compiled
+from skancf.kernels.constants import POINTS
 
 
 @compiled(**INNER)
@@ -104,7 +104,7 @@ def in_plane_stiffness(law, p, v, s, H):
     # Zero, but not as a literal: the compiler makes a new function for each literal argument.
     o = p - p
     r1, r2, d1, d2 = H[0], H[1], H[2], H[3]
-    at_r1, at_r2, at_d1, at_d2 = p, p + 16, p + 32, p + 48
+    at_r1, at_r2, at_d1, at_d2 = p, p + POINTS, p + 2 * POINTS, p + 3 * POINTS
     w = stress_changes(law, p, o, o + 2, o + 3, o + 5, v)
     store(r1, r1, at_r1, at_r1, force_change(v, w[0], w[2], w[3], w[5], s[0]))
     w = stress_changes(law, p, o + 2, o + 1, o + 5, o + 4, v)

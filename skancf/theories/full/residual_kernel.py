@@ -7,7 +7,9 @@ elements of a batch last, and inner loops run over them, which keeps the vector 
 import numpy as np
 
 from skancf.compiled import INNER, OPTIONS, compiled
-from skancf.theories.full.kernels import N_POINTS, N_SAMPLED
+from skancf.kernels.constants import AXES, CORNERS, FUNCTIONS, POINTS
+from skancf.theories.full.kernels import N_SAMPLED
+from skancf.theories.full.nodes import N_POSITION
 from skancf.theories.full.theory import N_IN_PLANE, N_STRAINS
 
 LANES = 32
@@ -53,18 +55,18 @@ def point_jets(rule, p, local, x):
     """r_1, r_2, d_1, d_2 at integration point p: x (4, 3, lanes)."""
     lanes = x.shape[2]
     x[:] = 0.0
-    for a in range(12):
+    for a in range(N_POSITION):
         t1, t2 = rule.position[a, 0, p], rule.position[a, 1, p]
         for i in range(3):
             for l in range(lanes):
                 x[0, i, l] += t1 * local[a, i, l]
                 x[1, i, l] += t2 * local[a, i, l]
-    for a in range(4):
+    for a in range(CORNERS):
         t1, t2 = rule.director[a, 0, p], rule.director[a, 1, p]
         for i in range(3):
             for l in range(lanes):
-                x[2, i, l] += t1 * local[12 + a, i, l]
-                x[3, i, l] += t2 * local[12 + a, i, l]
+                x[2, i, l] += t1 * local[N_POSITION + a, i, l]
+                x[3, i, l] += t2 * local[N_POSITION + a, i, l]
 
 
 @compiled(**INLINED)
@@ -73,20 +75,20 @@ def sample_jets_batch(rule, local, x):
     lanes = x.shape[3]
     x[:] = 0.0
     for s in range(x.shape[0]):
-        for a in range(12):
+        for a in range(N_POSITION):
             t1, t2 = rule.sample_position[0, s, a], rule.sample_position[1, s, a]
             if t1 != 0.0 or t2 != 0.0:
                 for i in range(3):
                     for l in range(lanes):
                         x[s, 0, i, l] += t1 * local[a, i, l]
                         x[s, 1, i, l] += t2 * local[a, i, l]
-        for a in range(4):
+        for a in range(CORNERS):
             t1, t2, t = rule.sample_director[0, s, a], rule.sample_director[1, s, a], rule.sample_director[2, s, a]
             for i in range(3):
                 for l in range(lanes):
-                    x[s, 2, i, l] += t1 * local[12 + a, i, l]
-                    x[s, 3, i, l] += t2 * local[12 + a, i, l]
-                    x[s, 4, i, l] += t * local[12 + a, i, l]
+                    x[s, 2, i, l] += t1 * local[N_POSITION + a, i, l]
+                    x[s, 3, i, l] += t2 * local[N_POSITION + a, i, l]
+                    x[s, 4, i, l] += t * local[N_POSITION + a, i, l]
 
 
 @compiled(**INLINED)
@@ -171,16 +173,16 @@ def point_forces(rule, p, x, stress, sampled, f, force):
             f[1, i, l] = stress[2, l] * a + stress[1, l] * b + stress[5, l] * c + stress[4, l] * d
             f[2, i, l] = stress[3, l] * a + stress[5, l] * b + stress[6, l] * c + stress[8, l] * d
             f[3, i, l] = stress[5, l] * a + stress[4, l] * b + stress[8, l] * c + stress[7, l] * d
-    for a in range(12):
+    for a in range(N_POSITION):
         t1, t2 = rule.position[a, 0, p], rule.position[a, 1, p]
         for i in range(3):
             for l in range(lanes):
                 force[a, i, l] += t1 * f[0, i, l] + t2 * f[1, i, l]
-    for a in range(4):
+    for a in range(CORNERS):
         t1, t2 = rule.director[a, 0, p], rule.director[a, 1, p]
         for i in range(3):
             for l in range(lanes):
-                force[12 + a, i, l] += t1 * f[2, i, l] + t2 * f[3, i, l]
+                force[N_POSITION + a, i, l] += t1 * f[2, i, l] + t2 * f[3, i, l]
     for r in range(sampled.shape[0]):
         k, s = rule.sample_rows[r]
         weight = rule.interpolation[k, s, p]
@@ -203,18 +205,18 @@ def sample_forces(rule, x, sampled, f, force):
                 for l in range(lanes):
                     f[s, k, i, l] += sampled[r, l] * x[s, 4, i, l]
     for s in range(x.shape[0]):
-        for a in range(12):
+        for a in range(N_POSITION):
             t1, t2 = rule.sample_position[0, s, a], rule.sample_position[1, s, a]
             if t1 != 0.0 or t2 != 0.0:
                 for i in range(3):
                     for l in range(lanes):
                         force[a, i, l] += t1 * f[s, 0, i, l] + t2 * f[s, 1, i, l]
-        for a in range(4):
+        for a in range(CORNERS):
             t1, t2, t = rule.sample_director[0, s, a], rule.sample_director[1, s, a], rule.sample_director[2, s, a]
             if t1 != 0.0 or t2 != 0.0 or t != 0.0:
                 for i in range(3):
                     for l in range(lanes):
-                        force[12 + a, i, l] += t1 * f[s, 2, i, l] + t2 * f[s, 3, i, l] + t * f[s, 4, i, l]
+                        force[N_POSITION + a, i, l] += t1 * f[s, 2, i, l] + t2 * f[s, 3, i, l] + t * f[s, 4, i, l]
 
 
 @compiled(**OPTIONS)
@@ -222,7 +224,7 @@ def residual(start, stop, order, q, rule, maps, elements, out):
     """Internal force of the elements order[start:stop], added to out (n_nodes, 4, 3)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
     classes = np.zeros(LANES, dtype=np.int64)
-    local, force = np.empty((16, 3, LANES)), np.empty((16, 3, LANES))
+    local, force = np.empty((FUNCTIONS, AXES, LANES)), np.empty((FUNCTIONS, AXES, LANES))
     x, f = np.empty((4, 3, LANES)), np.empty((4, 3, LANES))
     sx, sf = np.empty((n_samples, 5, 3, LANES)), np.empty((n_samples, 5, 3, LANES))
     sampled, collected = np.empty((n_rows, LANES)), np.empty((n_rows, LANES))
@@ -233,7 +235,7 @@ def residual(start, stop, order, q, rule, maps, elements, out):
         sampled_strains(rule, sx, sampled)
         force[:] = 0.0
         collected[:] = 0.0
-        for p in range(N_POINTS):
+        for p in range(POINTS):
             point_jets(rule, p, local, x)
             point_strains(rule, p, x, sampled, eps)
             point_stresses(rule, p, eps, elements, classes, same, stress)
@@ -247,7 +249,7 @@ def force_of(start, stop, order, q, stresses, rule, maps, elements, out):
     """Force of given stresses (n_elements, 14, 16), which have the weights, added to out (n_nodes, 4, 3)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
     classes = np.zeros(LANES, dtype=np.int64)
-    local, force = np.empty((16, 3, LANES)), np.empty((16, 3, LANES))
+    local, force = np.empty((FUNCTIONS, AXES, LANES)), np.empty((FUNCTIONS, AXES, LANES))
     x, f = np.empty((4, 3, LANES)), np.empty((4, 3, LANES))
     sx, sf = np.empty((n_samples, 5, 3, LANES)), np.empty((n_samples, 5, 3, LANES))
     collected, stress = np.empty((n_rows, LANES)), np.zeros((N_STRAINS, LANES))
@@ -256,7 +258,7 @@ def force_of(start, stop, order, q, stresses, rule, maps, elements, out):
         sample_jets_batch(rule, local, sx)
         force[:] = 0.0
         collected[:] = 0.0
-        for p in range(N_POINTS):
+        for p in range(POINTS):
             point_jets(rule, p, local, x)
             for lane in range(min(LANES, stop - base)):
                 for k in range(N_STRAINS):

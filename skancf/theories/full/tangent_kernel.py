@@ -3,13 +3,22 @@
 import numpy as np
 
 from skancf.compiled import INNER, OPTIONS, compiled
+from skancf.kernels.constants import AXES, CORNERS, FUNCTIONS, LOCAL, POINTS
 from skancf.kernels.gather import gather, prefetch_blocks, scatter_tangent
 from skancf.kernels.panels import add_panel, aligned, set_panel
-from skancf.theories.full.kernels import N_POINTS, collect, in_plane_jets, sample_jets, vectors
+from skancf.theories.full.kernels import collect, in_plane_jets, sample_jets, vectors
+from skancf.theories.full.nodes import N_POSITION
 from skancf.theories.full.point import in_plane_force, in_plane_stiffness
 from skancf.theories.full.theory import N_IN_PLANE
 
 COMPONENTS = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [0, 2], [1, 2]])
+PARTS = len(COMPONENTS)
+N_JETS = 4
+OF_JETS = N_JETS * POINTS
+OF_FUNCTIONS = PARTS * FUNCTIONS
+PAIRS, ON_DIRECTORS = FUNCTIONS * FUNCTIONS, CORNERS * FUNCTIONS
+"""Sizes of arrays with all jets at all points, with all upper components, with all pairs of functions, and of those with
+directors."""
 
 
 @compiled(**INNER)
@@ -26,19 +35,19 @@ def sampled_gradient(rule, sx, B):
     for r in range(rule.sample_rows.shape[0]):
         k, s = rule.sample_rows[r]
         for i in range(3):
-            d, other, row = sx[s, 4, i], sx[s, k, i], B[r, 16 * i : 16 * i + 16]
+            d, other, row = sx[s, 4, i], sx[s, k, i], B[r, FUNCTIONS * i : FUNCTIONS * (i + 1)]
             if k < 2:
-                for a in range(12):
+                for a in range(N_POSITION):
                     row[a] = d * rule.sample_position[k, s, a]
-                for a in range(4):
-                    row[12 + a] = other * rule.sample_director[2, s, a]
+                for a in range(CORNERS):
+                    row[N_POSITION + a] = other * rule.sample_director[2, s, a]
             else:
-                for a in range(12):
+                for a in range(N_POSITION):
                     row[a] = 0.0
-                for a in range(4):
-                    row[12 + a] = d * rule.sample_director[k - 2, s, a]
+                for a in range(CORNERS):
+                    row[N_POSITION + a] = d * rule.sample_director[k - 2, s, a]
                     if k < 4:
-                        row[12 + a] += other * rule.sample_director[2, s, a]
+                        row[N_POSITION + a] += other * rule.sample_director[2, s, a]
 
 
 @compiled(**INNER)
@@ -49,30 +58,30 @@ def sampled_geometric(rule, sampled, G):
         k, s = rule.sample_rows[r]
         stress, d = sampled[r], rule.sample_director[2, s]
         if k < 2:
-            for a in range(12):
+            for a in range(N_POSITION):
                 v = stress * rule.sample_position[k, s, a]
-                for b in range(4):
-                    G[a, 12 + b] += v * d[b]
-                    G[12 + b, a] += v * d[b]
+                for b in range(CORNERS):
+                    G[a, N_POSITION + b] += v * d[b]
+                    G[N_POSITION + b, a] += v * d[b]
         else:
             other, half = rule.sample_director[k - 2, s], 0.5 if k == 4 else 1.0
-            for a in range(4):
-                for b in range(4):
-                    G[12 + a, 12 + b] += half * stress * (other[a] * d[b] + d[a] * other[b])
+            for a in range(CORNERS):
+                for b in range(CORNERS):
+                    G[N_POSITION + a, N_POSITION + b] += half * stress * (other[a] * d[b] + d[a] * other[b])
 
 
 @compiled(**INNER)
 def coupling(rule, law, x, X):
     """X (n_rows, 48): change of the sampled stresses with the local vectors through the in-plane strains."""
     X[:] = 0.0
-    on_jets = np.empty((4, 3, N_POINTS))
+    on_jets = np.empty((N_JETS, AXES, POINTS))
     unit = np.zeros(N_IN_PLANE)
     for m in range(rule.pairs.shape[0]):
         k, l = rule.pairs[m]
         if k < N_IN_PLANE <= l:
             unit[:] = 0.0
             unit[k] = 1.0
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 f = in_plane_force(vectors(x, p), (unit[0], unit[1], unit[2], unit[3], unit[4],
                                                    unit[5], unit[6], unit[7], unit[8]))  # fmt: skip
                 for j in range(4):
@@ -83,12 +92,12 @@ def coupling(rule, law, x, X):
                     weight = rule.interpolation[l - N_IN_PLANE, rule.sample_rows[r, 1]]
                     for i in range(3):
                         for j in range(2):
-                            for p in range(N_POINTS):
+                            for p in range(POINTS):
                                 v, w = weight[p] * on_jets[j, i, p], weight[p] * on_jets[2 + j, i, p]
-                                for a in range(12):
-                                    X[r, 16 * i + a] += v * rule.position[a, j, p]
-                                for a in range(4):
-                                    X[r, 16 * i + 12 + a] += w * rule.director[a, j, p]
+                                for a in range(N_POSITION):
+                                    X[r, FUNCTIONS * i + a] += v * rule.position[a, j, p]
+                                for a in range(CORNERS):
+                                    X[r, FUNCTIONS * i + N_POSITION + a] += w * rule.director[a, j, p]
 
 
 @compiled(**INNER)
@@ -97,7 +106,7 @@ def unpack(rule, law, square):
     for m in range(rule.pairs.shape[0]):
         k, l = rule.pairs[m]
         if l < N_IN_PLANE:
-            for p in range(N_POINTS):
+            for p in range(POINTS):
                 square[k, l, p] = square[l, k, p] = law[m, p]
 
 
@@ -109,14 +118,17 @@ def add_in_plane(rule, H, W, of_d, Y):
     table, rows jet and point.
     """
     for half in range(2):
-        for k in range(2 * N_POINTS):
-            set_panel(6, 4, H, 2 * N_POINTS * half + k, 384, 64, rule.jets, 64 * (k % N_POINTS), 16, W, 96 * k, 16)
+        for k in range(2 * POINTS):
+            at, table, row = 2 * POINTS * half + k, N_JETS * FUNCTIONS * (k % POINTS), OF_FUNCTIONS * k
+            set_panel(6, N_JETS, H, at, PARTS * OF_JETS, OF_JETS, rule.jets, table, FUNCTIONS, W, row, FUNCTIONS)
         if half == 0:
-            for row in range(0, 96, 6):
-                add_panel(6, 2 * N_POINTS, W, row, 96, 1, rule.position_columns, 0, 16, Y, 16 * row, 16)
+            for row in range(0, OF_FUNCTIONS, 6):
+                at = FUNCTIONS * row
+                add_panel(6, 2 * POINTS, W, row, OF_FUNCTIONS, 1, rule.position_columns, 0, FUNCTIONS, Y, at, FUNCTIONS)
         else:
-            for c in range(6):
-                set_panel(4, 2 * N_POINTS, rule.director_columns, 0, 4, 1, W, 16 * c, 96, of_d, 64 * c, 16)
+            for c in range(PARTS):
+                at, row = FUNCTIONS * c, ON_DIRECTORS * c
+                set_panel(4, 2 * POINTS, rule.director_columns, 0, CORNERS, 1, W, at, OF_FUNCTIONS, of_d, row, FUNCTIONS)
 
 
 @compiled(**INNER)
@@ -127,31 +139,33 @@ def sampled_stiffness(e, rule, elements, B, MB):
         n_rows = B.shape[0]
         for row in range(0, n_rows, 4):
             at = (c * n_rows + row) * n_rows
-            for i in range(0, 48, 16):
-                set_panel(4, n_rows, elements.sampled, at, 1, n_rows, B, i, 48, MB, 48 * row + i, 48)
+            for i in range(0, LOCAL, FUNCTIONS):
+                set_panel(4, n_rows, elements.sampled, at, 1, n_rows, B, i, LOCAL, MB, LOCAL * row + i, LOCAL)
         return
     MB[:] = 0.0
     for m in range(rule.pairs.shape[0]):
         k, l = rule.pairs[m, 0] - N_IN_PLANE, rule.pairs[m, 1] - N_IN_PLANE
         if k >= 0:
-            for s in range(N_POINTS):
+            for s in range(POINTS):
                 weight = elements.law[c, m, s]
-                for a in range(48):
-                    MB[N_POINTS * k + s, a] += weight * B[N_POINTS * l + s, a]
+                for a in range(LOCAL):
+                    MB[POINTS * k + s, a] += weight * B[POINTS * l + s, a]
                 if k != l:
-                    for a in range(48):
-                        MB[N_POINTS * l + s, a] += weight * B[N_POINTS * k + s, a]
+                    for a in range(LOCAL):
+                        MB[POINTS * l + s, a] += weight * B[POINTS * k + s, a]
 
 
 @compiled(**OPTIONS)
 def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
     """Tangent with the given stresses (n_elements, 14, 16), added to out (n_blocks, 12, 12)."""
     n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
-    local, x, sx = np.empty((16, 3)), np.empty((4, 3, N_POINTS)), np.empty((n_samples, 5, 3))
-    square = np.zeros((N_IN_PLANE, N_IN_PLANE, N_POINTS))
-    H, W, of_d = np.empty((4, 6, 4 * N_POINTS)), aligned(2 * N_POINTS, 96), aligned(24, 16)
-    K, Y, G, sampled = np.empty((48, 48)), aligned(96, 16), np.empty((16, 16)), np.empty(n_rows)
-    B, MB, X = aligned(n_rows, 48), aligned(n_rows, 48), aligned(n_rows, 48)
+    local, x, sx = np.empty((FUNCTIONS, AXES)), np.empty((N_JETS, AXES, POINTS)), np.empty((n_samples, 5, 3))
+    square = np.zeros((N_IN_PLANE, N_IN_PLANE, POINTS))
+    H, W = np.empty((N_JETS, PARTS, OF_JETS)), aligned(2 * POINTS, OF_FUNCTIONS)
+    of_d = aligned(PARTS * CORNERS, FUNCTIONS)
+    K, Y = np.empty((LOCAL, LOCAL)), aligned(OF_FUNCTIONS, FUNCTIONS)
+    G, sampled = np.empty((FUNCTIONS, FUNCTIONS)), np.empty(n_rows)
+    B, MB, X = aligned(n_rows, LOCAL), aligned(n_rows, LOCAL), aligned(n_rows, LOCAL)
     for index in range(start, stop):
         e = order[index]
         law = elements.law[elements.shape[e]]
@@ -160,32 +174,34 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
         in_plane_jets(rule, local, x)
         sample_jets(rule, local, sx)
         unpack(rule, law, square)
-        for p in range(N_POINTS):
+        for p in range(POINTS):
             in_plane_stiffness(square, p, vectors(x, p), in_plane_stress(stress[e], p), H)
         collect(rule, stress[e], sampled)
         sampled_gradient(rule, sx, B)
         sampled_stiffness(e, rule, elements, B, MB)
-        for c in range(6):
+        for c in range(PARTS):
             i, j = COMPONENTS[c]
-            for a in range(0, 16, 8):
-                set_panel(8, n_rows, B, 16 * i + a, 48, 1, MB, 16 * j, 48, Y, 256 * c + 16 * a, 16)
+            for a in range(0, FUNCTIONS, 8):
+                row, column, at = FUNCTIONS * i + a, FUNCTIONS * j, PAIRS * c + FUNCTIONS * a
+                set_panel(8, n_rows, B, row, LOCAL, 1, MB, column, LOCAL, Y, at, FUNCTIONS)
         if rule.coupled:
             coupling(rule, law, x, X)
-            for c in range(6):
+            for c in range(PARTS):
                 i, j = COMPONENTS[c]
-                for a in range(0, 16, 8):
-                    add_panel(8, n_rows, X, 16 * i + a, 48, 1, B, 16 * j, 48, Y, 256 * c + 16 * a, 16)
-                    add_panel(8, n_rows, B, 16 * i + a, 48, 1, X, 16 * j, 48, Y, 256 * c + 16 * a, 16)
+                for a in range(0, FUNCTIONS, 8):
+                    row, column, at = FUNCTIONS * i + a, FUNCTIONS * j, PAIRS * c + FUNCTIONS * a
+                    add_panel(8, n_rows, X, row, LOCAL, 1, B, column, LOCAL, Y, at, FUNCTIONS)
+                    add_panel(8, n_rows, B, row, LOCAL, 1, X, column, LOCAL, Y, at, FUNCTIONS)
         add_in_plane(rule, H, W, of_d, Y)
         sampled_geometric(rule, sampled, G)
-        for c in range(6):
-            i, j = 16 * COMPONENTS[c, 0], 16 * COMPONENTS[c, 1]
-            for a in range(16):
-                for b in range(16):
-                    K[i + a, j + b] = Y[16 * c + a, b]
-                for b in range(4):
-                    K[i + a, j + 12 + b] += of_d[4 * c + b, a]
+        for c in range(PARTS):
+            i, j = FUNCTIONS * COMPONENTS[c, 0], FUNCTIONS * COMPONENTS[c, 1]
+            for a in range(FUNCTIONS):
+                for b in range(FUNCTIONS):
+                    K[i + a, j + b] = Y[FUNCTIONS * c + a, b]
+                for b in range(CORNERS):
+                    K[i + a, j + N_POSITION + b] += of_d[CORNERS * c + b, a]
                 if c < 3:
-                    for b in range(16):
+                    for b in range(FUNCTIONS):
                         K[i + a, j + b] += G[a, b]
         scatter_tangent(e, maps, slots, K, out)

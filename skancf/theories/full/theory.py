@@ -18,10 +18,11 @@ import numpy as np
 from skancf.arguments import flag, whole
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import ancf_functions, of_points
+from skancf.kernels.constants import FUNCTIONS
 from skancf.materials import Section
 from skancf.materials.shear import warn_if_layers_bend_alone
 from skancf.theories.full.depth import warn_if_off
-from skancf.theories.full.nodes import DirectorNodes
+from skancf.theories.full.nodes import N_POSITION, DirectorNodes
 from skancf.vectors import cross
 
 R1, R2, D1, D2, D = range(5)
@@ -65,10 +66,10 @@ def jet_table(points: np.ndarray) -> np.ndarray:
 
     Local functions are the 12 of r (r, r_xi, r_eta corner by corner), then the 4 of d.
     """
-    table = np.zeros((5, 16, points.shape[1]))
+    table = np.zeros((5, FUNCTIONS, points.shape[1]))
     value, along_xi, along_eta = (ancf_functions(points[0], points[1], order) for order in [(0, 0), (1, 0), (0, 1)])
-    table[R1, :12], table[R2, :12] = (part[:, :3].reshape(12, -1) for part in (along_xi, along_eta))
-    table[D1, 12:], table[D2, 12:], table[D, 12:] = along_xi[:, 3], along_eta[:, 3], value[:, 3]
+    table[R1, :N_POSITION], table[R2, :N_POSITION] = (part[:, :3].reshape(N_POSITION, -1) for part in (along_xi, along_eta))
+    table[D1, N_POSITION:], table[D2, N_POSITION:], table[D, N_POSITION:] = along_xi[:, 3], along_eta[:, 3], value[:, 3]
     return table
 
 
@@ -76,8 +77,8 @@ def jet_table(points: np.ndarray) -> np.ndarray:
 def position_table(points: np.ndarray) -> np.ndarray:
     """Values of the local functions at points (2, n): shape (2, 16, n); first axis r, d."""
     value = ancf_functions(*points)
-    table = np.zeros((2, 16, points.shape[1]))
-    table[0, :12], table[1, 12:] = value[:, :3].reshape(12, -1), value[:, 3]
+    table = np.zeros((2, FUNCTIONS, points.shape[1]))
+    table[0, :N_POSITION], table[1, N_POSITION:] = value[:, :3].reshape(N_POSITION, -1), value[:, 3]
     return table
 
 
@@ -127,7 +128,6 @@ class Full(DirectorNodes):
     shear = True
     softest = 1e-5
     bytes_per_element, bytes_per_shape = 12_500, 330_000
-    twist = False
 
     def __post_init__(self) -> None:
         flag("assumed", self.assumed)
@@ -190,7 +190,7 @@ class Full(DirectorNodes):
     def jets(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Jets (5, 3, n_elements, n) of local vectors (n_elements, 16, 3) at points (2, n)."""
         table = jet_table(points)
-        return (np.moveaxis(local, 2, 0).reshape(-1, 16) @ table).reshape(5, 3, len(local), points.shape[1])
+        return (np.moveaxis(local, 2, 0).reshape(-1, FUNCTIONS) @ table).reshape(5, 3, len(local), points.shape[1])
 
     def strains(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Strains (n_elements, 14, n) at points (2, n), before those of the undeformed state are subtracted."""

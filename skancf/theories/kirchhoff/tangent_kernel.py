@@ -184,6 +184,20 @@ def membrane_rest(rule, kind, n, gamma, square, z, coupled, T):
 
 
 @compiled(**INNER)
+def add_first_derivatives(rule, kind, E, slopes, A, Y):
+    """Adds A^g times first derivatives, all components, to Y (144, 16); A (16, 144) is scratch."""
+    for first in range(0, POINTS, HALF):
+        for p in range(HALF):
+            for g in range(2):
+                at, row = N_JETS * OF_POINTS * g + first + p, OF_FUNCTIONS * (2 * p + g)
+                table = TABLE * kind + FUNCTIONS * (first + p)
+                set_panel(9, N_JETS, E, at, OF_POINTS, POINTS, rule.jets, table, JET, A, row, FUNCTIONS)
+        for row in range(0, OF_FUNCTIONS, 6):
+            at = 2 * FUNCTIONS * first
+            add_panel(6, 2 * HALF, A, row, OF_FUNCTIONS, 1, slopes, at, FUNCTIONS, Y, FUNCTIONS * row, FUNCTIONS)
+
+
+@compiled(**INNER)
 def add_sampled_geometric(rule, stress, W, Y):
     """Adds half of the membrane stresses at the Gauss points times second derivatives of the strains there, the same for
     11, 22 and 33; W (32, 16) is scratch."""
@@ -270,15 +284,7 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
         for a in range(FUNCTIONS):
             set_panel(6, POINTS, normals, 0, 1, POINTS, S, FUNCTIONS * a, PAIRS, Y, FUNCTIONS * a, PAIRS)
         Y[6 * FUNCTIONS :] = 0.0
-        for first in range(0, POINTS, HALF):
-            for p in range(HALF):
-                for g in range(2):
-                    at, row = N_JETS * OF_POINTS * g + first + p, OF_FUNCTIONS * (2 * p + g)
-                    table = TABLE * kind + FUNCTIONS * (first + p)
-                    set_panel(9, N_JETS, E, at, OF_POINTS, POINTS, rule.jets, table, JET, A, row, FUNCTIONS)
-            for row in range(0, OF_FUNCTIONS, 6):
-                at = 2 * FUNCTIONS * first
-                add_panel(6, 2 * HALF, A, row, OF_FUNCTIONS, 1, slopes, at, FUNCTIONS, Y, FUNCTIONS * row, FUNCTIONS)
+        add_first_derivatives(rule, kind, E, slopes, A, Y)
         if assumed or coupled:
             if not assumed:
                 membrane_gradient(rule, kind, x, of_first, M)
@@ -291,9 +297,9 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
             membrane_gradient(rule, 0, x, of_first, M)
             add_assumed(rule, kind, M, T, C, G, Z, Y)
         elif coupled:
-            for c9 in range(PARTS):
+            for part in range(PARTS):
                 for a in range(0, FUNCTIONS, 8):
-                    first, second, at = FUNCTIONS * FIRST[c9] + a, FUNCTIONS * SECOND[c9], PAIRS * c9 + FUNCTIONS * a
+                    first, second, at = FUNCTIONS * FIRST[part] + a, FUNCTIONS * SECOND[part], PAIRS * part + FUNCTIONS * a
                     add_panel(8, LOCAL, M, first, LOCAL, 1, T, second, LOCAL, Y, at, FUNCTIONS)
         for k in range(6):
             i, j, other = FUNCTIONS * FIRST[k], FUNCTIONS * SECOND[k], FUNCTIONS * MIRROR[k]

@@ -24,6 +24,7 @@ from numpy.polynomial.legendre import legvander
 from skancf.arguments import flag
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import hermite_functions, of_points
+from skancf.kernels.constants import FUNCTIONS
 from skancf.materials import Section
 from skancf.theories.kirchhoff.nodes import HermiteNodes
 from skancf.theories.kirchhoff.point import SECOND, dot, dual, gradient, strain, unit_normal
@@ -48,7 +49,7 @@ def legendre(points: np.ndarray, numbers: tuple[int, int]) -> np.ndarray:
 def jet_table(points: np.ndarray) -> np.ndarray:
     """Jets of the 16 local functions at points (2, n): (5, 16, n)."""
     orders = [(1, 0), (0, 1), (2, 0), (0, 2), (1, 1)]
-    return np.stack([hermite_functions(points[0], points[1], order).reshape(16, -1) for order in orders])
+    return np.stack([hermite_functions(points[0], points[1], order).reshape(FUNCTIONS, -1) for order in orders])
 
 
 @of_points
@@ -59,7 +60,7 @@ def _interpolation(points: np.ndarray) -> np.ndarray:
 
 @of_points
 def _values(points: np.ndarray) -> np.ndarray:
-    return hermite_functions(points[0], points[1]).reshape(1, 16, -1)
+    return hermite_functions(points[0], points[1]).reshape(1, FUNCTIONS, -1)
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,6 @@ class Kirchhoff(HermiteNodes):
     shear = False
     softest = 1e-3
     bytes_per_element, bytes_per_shape = 9_200, 13_000
-    twist = True
 
     def __post_init__(self) -> None:
         flag("assumed", self.assumed)
@@ -99,7 +99,7 @@ class Kirchhoff(HermiteNodes):
     def jets(self, local: np.ndarray, points: np.ndarray) -> np.ndarray:
         """Jets (5, 3, n_elements, n) of local vectors (n_elements, 16, 3) at points (2, n)."""
         table = jet_table(points)
-        return (np.moveaxis(local, 2, 0).reshape(-1, 16) @ table).reshape(5, 3, len(local), points.shape[1])
+        return (np.moveaxis(local, 2, 0).reshape(-1, FUNCTIONS) @ table).reshape(5, 3, len(local), points.shape[1])
 
     def interpolation(self, points: np.ndarray) -> np.ndarray:
         """Weights of the integration points in the assumed membrane strains 11, 22, 12 at points (2, n): (3, 16, n)."""
@@ -116,7 +116,7 @@ class Kirchhoff(HermiteNodes):
     def nodal_table(self, points: np.ndarray) -> np.ndarray:
         """r and its derivatives 1, 2, 12 of the local functions at points (2, n): (4, 16, n)."""
         orders = [(0, 0), (1, 0), (0, 1), (1, 1)]
-        return np.stack([hermite_functions(points[0], points[1], order).reshape(16, -1) for order in orders])
+        return np.stack([hermite_functions(points[0], points[1], order).reshape(FUNCTIONS, -1) for order in orders])
 
     def strain_forces(self, local: np.ndarray, points: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         """Forces on the local vectors (n_elements, 16, 3) that do the work of stresses (n_elements, 6, n) on

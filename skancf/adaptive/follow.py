@@ -176,8 +176,8 @@ class Follow:
         finer = mesh.regrown(mesh.leaves.refined(np.flatnonzero(marked)))
         if BLOCK * finer.p.shape[1] > self.max_dofs:
             warnings.warn(
-                f"max_dofs = {self.max_dofs}: the mesh that this motion asks for has {BLOCK * finer.p.shape[1]} unknowns and "
-                "is not made; errors are larger than asked. Raise it, or ask for less by rtol", OutOfDepth, stacklevel=2,
+                f"max_dofs = {self.max_dofs}: the mesh that this motion asks for has {BLOCK * finer.p.shape[1]} unknowns "
+                "and is not made; errors are larger than asked. Raise it, or ask for less by rtol", OutOfDepth, stacklevel=2,
             )  # fmt: skip
             return mesh
         return finer

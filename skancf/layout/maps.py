@@ -8,6 +8,7 @@ from skancf.kernels.gather import Maps
 from skancf.layout.hanging import Hanging
 from skancf.layout.ties import Ties
 from skancf.theories import Theory
+from skancf.tolerances import ROUNDED_SUM
 
 
 def local_maps(mesh: skfem.MeshQuad, jacobian: np.ndarray, theory: Theory, ties: Ties, hanging: Hanging) -> Maps:
@@ -22,7 +23,7 @@ def local_maps(mesh: skfem.MeshQuad, jacobian: np.ndarray, theory: Theory, ties:
     own[:, :, FOURTH, FOURTH] = theory.fourth_factor(jacobian).T
     size = np.abs(jacobian).max(axis=(0, 1, 2))
     least = np.minimum(size, theory.fourth_factor(np.multiply.outer(np.eye(2), size)))
-    own[np.abs(own) < 1e-14 * least[:, None, None, None]] = 0
+    own[np.abs(own) < ROUNDED_SUM * least[:, None, None, None]] = 0
     corners = mesh.t.T.copy()  # the mesh node whose node is the element's there
     element, corner, near, parts = _hanging_corners(mesh, hanging, ties.mix, own, corners)
     own = own @ ties.mix[corners]

@@ -13,7 +13,7 @@ from skancf.errors import InputError, finite, number, shown, vector
 from skancf.history import Case
 from skancf.layout.layout import vectors
 from skancf.layout.patches import averaging_nodes
-from skancf.materials import Section
+from skancf.materials.heights import Depth, depth_of
 from skancf.recovered import section_forces, strain_excess
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
@@ -22,9 +22,6 @@ from skancf.thinness import BILINEAR, Fields, ShearForm, share_of, shear_forces
 from skancf.tolerances import ONE_PLACE, SAME_VALUE
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
-Depth = float | str
-DEPTHS = ("top", "middle", "bottom")
-"""A height z (m), or ``"top"``, ``"middle"`` or ``"bottom"``."""
 # Strains of both faces that differ by no more than this part of the largest are one: there is no depth to choose.
 ONE_STRAIN = 1e-3
 
@@ -390,19 +387,6 @@ class Solution:
 
     def _depth(self, z: Depth) -> float:
         return depth_of(self.system.problem.section, z)
-
-
-def depth_of(section: Section, z: Depth) -> float:
-    """A height in a section (m), given as a number or a name; InputError outside of the faces."""
-    if isinstance(z, str):
-        bottom, top = section.z[[0, -1]].tolist()
-        named = dict(zip(DEPTHS, (top, 0.5 * (bottom + top), bottom), strict=True))
-        if z not in named:
-            raise InputError(f"z = {z!r}: give a depth (m), or one of {', '.join(map(repr, named))}")
-        return float(named[z])
-    if number("z", z):
-        section.layer_at(z)
-    return float(z)
 
 
 def require_same_mesh(system: System, start: Solution, name: str = "start") -> None:

@@ -47,6 +47,8 @@ ELSEWHERE = {
     # Without arguments.
     "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
     "ElementQuadHermite", "Plane",
+    # Its functions are asked on a mesh, see test_forms.py.
+    "FormTerm",
     # By the arguments of Look.
     "picture", "animation",
 }  # fmt: skip

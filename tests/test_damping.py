@@ -43,7 +43,7 @@ def test_force_of_a_translation(theory):
         system = system_on(theory, dashpots, sk.Damping(mass=alpha))
         force = (system.viscous @ translation(system, v)).reshape(-1, 4, 3)[:, 0].sum(axis=0)
         assert np.allclose(force, expected, rtol=1e-12)
-        assert system.retardation == 0.0
+        assert system.shell.retardation == 0.0
 
 
 @theories
@@ -56,9 +56,9 @@ def test_power_is_that_of_the_velocity_at_a_point(theory, rng):
 
 
 def test_none_and_what_integrators_read():
-    assert system_on("full").viscous is None and system_on("full").retardation == 0.0
+    assert system_on("full").viscous is None and system_on("full").shell.retardation == 0.0
     system = system_on("full", damping=sk.Damping(stiffness=1e-3))
-    assert system.viscous is None and system.retardation == 1e-3
+    assert system.viscous is None and system.shell.retardation == 1e-3
     assert system_on("full", damping=sk.Damping(mass=1.0)).viscous.values.any()
 
 

@@ -1,6 +1,7 @@
 """Rooms of the library import in one direction, and the heavy ones are not loaded with the rest."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -117,3 +118,37 @@ def test_output_is_a_name_of_the_package_before_it_is_loaded():
     assert "skancf.output" in loaded_after(shown)
     with pytest.raises(AttributeError, match="no attribute 'outputs'"):
         _ = skancf.outputs
+
+
+LINES, FUNCTION, SYSTEM = 400, 60, 200
+"""Lines of a file, of a function without its docstring, and of the file that holds what solvers know."""
+COMPILED = re.compile(r"^(kernels/|theories/.*kernel)")
+"""Compiled code, which is unrolled by hand."""
+
+
+def long_functions(source: str) -> list[str]:
+    """Functions of more lines than allowed, docstrings not counted."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef):
+            first = node.body[0]
+            docstring = ast.get_docstring(node) is not None
+            lines = (node.end_lineno or 0) - node.lineno + 1
+            lines -= (first.end_lineno or 0) - first.lineno + 1 if docstring else 0
+            if lines > FUNCTION:
+                found.append(f"{node.name}: {lines}")
+    return found
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_files_and_functions_are_short(path):
+    name, source = path.relative_to(PACKAGE).as_posix(), path.read_text()
+    assert len(source.splitlines()) <= (SYSTEM if name == "system/system.py" else LINES)
+    if not COMPILED.match(name):
+        assert long_functions(source) == []
+
+
+def test_the_count_of_lines_can_fail():
+    body = "\n".join(f"    x{k} = {k}" for k in range(FUNCTION))
+    assert long_functions(f"def f():\n{body}") == [f"f: {FUNCTION + 1}"]
+    assert long_functions(f'def f():\n    """{"doc" + chr(10) * 90}"""\n    return 1') == []

@@ -18,6 +18,7 @@ from skancf.dynamics.state import State
 from skancf.errors import InputError, OutOfDepth, positive
 from skancf.functions import called
 from skancf.history import Case
+from skancf.kernels.constants import BLOCK
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.solution import Solution
@@ -173,10 +174,10 @@ class Follow:
         if not marked.any():
             return mesh
         finer = mesh.regrown(mesh.leaves.refined(np.flatnonzero(marked)))
-        if 12 * finer.p.shape[1] > self.max_dofs:
+        if BLOCK * finer.p.shape[1] > self.max_dofs:
             warnings.warn(
-                f"max_dofs = {self.max_dofs}: the mesh that this motion asks for has {12 * finer.p.shape[1]} unknowns and "
-                "is not made; errors are larger than asked. Raise it, or ask for less by rtol", OutOfDepth, stacklevel=2,
+                f"max_dofs = {self.max_dofs}: the mesh that this motion asks for has {BLOCK * finer.p.shape[1]} unknowns "
+                "and is not made; errors are larger than asked. Raise it, or ask for less by rtol", OutOfDepth, stacklevel=2,
             )  # fmt: skip
             return mesh
         return finer

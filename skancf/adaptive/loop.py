@@ -26,6 +26,7 @@ from skancf.adaptive.unbounded import why_without_limit
 from skancf.arguments import MESH, instance
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, number
 from skancf.functions import called
+from skancf.kernels.constants import BLOCK
 from skancf.layout.geometry import Geometry
 from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
@@ -226,7 +227,7 @@ class _Run:
     def _start_finer(self, failed: DidNotConverge) -> None:
         """Go on with a mesh of quarters, where the first one is too coarse to have an answer; or with the failure."""
         mesh = self.system.mesh.refined()
-        if 12 * mesh.p.shape[1] > self.asked.max_dofs or self.finer_starts == FINER_STARTS:
+        if BLOCK * mesh.p.shape[1] > self.asked.max_dofs or self.finer_starts == FINER_STARTS:
             raise failed
         self.finer_starts += 1
         self.system = self.system.problem.on(mesh, self.system.geometry.theory)
@@ -317,7 +318,7 @@ class _Run:
         asked = self.asked
         if np.array_equal(mesh.leaves.keys, level.mesh.leaves.keys):
             return Status.UNMARKED, "no element is marked; take another indicator, or a marking that takes more"
-        n_dofs = 12 * (mesh.p.shape[1] - len(mesh.hanging))
+        n_dofs = BLOCK * (mesh.p.shape[1] - len(mesh.hanging))
         if n_dofs > asked.max_dofs:
             return Status.BUDGET, f"max_dofs = {asked.max_dofs}: the next mesh has {n_dofs} nodal coordinates"
         if asked.max_seconds is not None:

@@ -8,8 +8,9 @@ import numpy as np
 from skancf.adaptive.regions import find_regions
 from skancf.arguments import STATE, instance
 from skancf.errors import InputError, shown, warn
+from skancf.materials.heights import Depth
 from skancf.meshes import Regions
-from skancf.solution import STRESSES, Depth, Solution
+from skancf.solution import STRESSES, Solution
 from skancf.tolerances import SAME_VALUE
 
 SEARCH = ("radius", "size", "cap")

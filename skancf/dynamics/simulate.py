@@ -113,16 +113,13 @@ def simulate(
     """
     check_asked(system, backend, start=start, resume=resume, check=check, progress=progress)
     t_end = positive("t_end", t_end, "s")
-    _check(record, follow)
+    _check(system, record, follow)
     newton_rtol = None if newton_rtol is None else positive("newton_rtol", newton_rtol)
     rule = _rule(rule, rho_inf)
     balance = _balance(balance, rule)
     control = _control(steps, dt, rtol, rule)
-    if follow is not None:
-        follow.check(system)
     doubled = _doubled(control, follow) if check else None
     warn_if_mass_is_off(system)
-    _require_mass(system)
     begin = 0.0 if start is None or start.time is None else start.time
     check_covers(system.histories(), begin, begin + t_end)
     times = output_times(outputs, begin, begin + t_end, system.n_dofs)
@@ -207,9 +204,11 @@ def _balance(balance: float | str | None, rule: Rule) -> float | None:
     return None if balance is None else positive("balance", balance)
 
 
-def _check(record: Any, follow: Any) -> None:
+def _check(system: System, record: Any, follow: Any) -> None:
+    _require_mass(system)
     if follow is not None:
         having("follow", follow, ("change", "check"), "a policy of meshes, for example sk.Follow(rtol=0.2)")
+        follow.check(system)
     if record is not None:
         mapping("record", record, "names and functions of a Solution, as in record={'tip': f}")
     for name, quantity in (record or {}).items():

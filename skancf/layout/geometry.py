@@ -12,8 +12,9 @@ from skancf.elements.nodal import nodal_jacobian, require_aligned
 from skancf.elements.quad_ancf import gauss
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, vector
+from skancf.kernels.constants import FUNCTIONS, VECTORS
 from skancf.layout.hanging import Hanging
-from skancf.layout.maps import local_maps
+from skancf.layout.maps import Map, local_maps
 from skancf.layout.places import Places
 from skancf.layout.points import IntegrationPoints, Own
 from skancf.layout.ties import find_ties
@@ -37,9 +38,10 @@ class Geometry(Places):
         Which nodes of the mesh are one.
     hanging : Hanging
         Which nodes of the mesh have no unknowns of their own.
-    nodes : (n_elements, 4) int array
-        The nodes with the unknowns that an element depends on, one for each corner; the far end of the larger edge for one
-        that hangs. The corners' own are ``mesh.t``.
+    of_nodes : Map
+        Of the vectors of all nodes of the mesh from those of the nodes with unknowns.
+    nodes : (n_elements, n) int array
+        The nodes with the unknowns that an element depends on, some of them twice. Its corners are ``mesh.t``.
     points : (2, n_nodes) array
         Nodes in the parameter plane.
     undeformed : (n_nodes, 4, 3) array
@@ -67,7 +69,8 @@ class Geometry(Places):
         self.points = mesh.p[:, self.ties.representative]
         jacobian = nodal_jacobian(mesh)
         self.side = np.sign(np.linalg.det(np.moveaxis(jacobian[:, :, 0], -1, 0)))
-        self.maps = local_maps(mesh, jacobian, theory, self.ties, self.hanging)
+        self.of_nodes = Map.of_mesh(self.ties, self.hanging)
+        self.maps = local_maps(mesh, jacobian, theory, self.of_nodes)
         self.nodes = self.maps.nodes
         self.undeformed = self._undeformed()
         self._check_fold()
@@ -139,10 +142,7 @@ class Geometry(Places):
 
     def at_mesh_nodes(self, q: np.ndarray) -> np.ndarray:
         """r, r_x, r_y and the fourth vector at every node of the mesh, (n_mesh_nodes, 4, 3)."""
-        out = self.ties.mix @ q[self.ties.node_of]
-        h = self.hanging
-        out[h.nodes] = (h.weights @ out[h.ends]).sum(axis=0)
-        return np.asarray(out)
+        return self.of_nodes(q)
 
     def corner_of(self, node: int) -> tuple[int, int]:
         """An element and its corner at a node."""
@@ -187,10 +187,11 @@ class Geometry(Places):
         return np.asarray(np.isin(self.ties.node_of[self.mesh.t], list(self.ties.poles)).any(axis=0))
 
     def dense_map(self, element: int) -> np.ndarray:
-        """From the nodal vectors of an element, corner by corner, to its local vectors: (16, 16)."""
-        maps, out = self.maps, np.zeros((16, 16))
+        """From the vectors of an element's nodes, one after another, to its local vectors: (16, 4 n)."""
+        maps = self.maps
+        out = np.zeros((FUNCTIONS, VECTORS * self.nodes.shape[1]))
         part = slice(maps.pointer[element], maps.pointer[element + 1])
-        out[maps.rows[part], 4 * maps.corners[part] + maps.kinds[part]] = maps.values[part]
+        np.add.at(out, (maps.rows[part], VECTORS * maps.corners[part] + maps.kinds[part]), maps.values[part])
         return out
 
     def inside(self, points: np.ndarray) -> np.ndarray:

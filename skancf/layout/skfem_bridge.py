@@ -7,14 +7,13 @@ the unknowns.
 
 from typing import Any
 
-import numpy as np
 import scipy.sparse as sp
 import skfem
 
 from skancf.arguments import whole
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import InputError
-from skancf.kernels.constants import AXES, VECTORS
+from skancf.kernels.constants import AXES
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
 
@@ -57,26 +56,8 @@ def basis_on(geometry: Geometry, intorder: int, facets: Any, thickness: float | 
     return skfem.Basis(mesh, element, **through_thickness(mesh, thickness, intorder // 2 + 1, DEPTHS))
 
 
-def vectors_to_mesh(geometry: Geometry) -> sp.csr_matrix:
-    """From the four vectors of the nodes to those of the nodes of the mesh, (4 n_mesh_nodes, 4 n_nodes)."""
-    ties, hanging = geometry.ties, geometry.hanging
-    own = np.flatnonzero(ties.node_of >= 0)
-    parts = [(own, own, ties.mix[own]), *[
-        (hanging.nodes, ends, weights @ ties.mix[ends]) for ends, weights in zip(hanging.ends, hanging.weights, strict=True)
-    ]]  # fmt: skip
-    rows, columns, values = [], [], []
-    for node, source, weights in parts:
-        k, i, j = np.nonzero(weights)
-        rows.append(VECTORS * node[k] + i)
-        columns.append(VECTORS * ties.node_of[source[k]].astype(int) + j)
-        values.append(weights[k, i, j])
-    shape = (VECTORS * len(ties.node_of), VECTORS * geometry.n_nodes)
-    triples = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return sp.csr_matrix(triples, shape=shape)
-
-
 def unknowns_to_mesh(geometry: Geometry, layout: Layout, part: str) -> sp.csr_matrix:
     """T: see :attr:`skancf.system.system.System.to_mesh`; the twelve at a node are in the order of the basis' own."""
-    of_part = sp.kron(vectors_to_mesh(geometry), sp.eye(AXES), format="coo")
+    of_part = sp.kron(geometry.of_nodes.matrix, sp.eye(AXES), format="coo")
     shape = (of_part.shape[0], layout.n_dofs)
     return sp.csr_matrix((of_part.data, (of_part.row, of_part.col + layout.dofs(part).start)), shape=shape)

@@ -4,8 +4,9 @@ import numpy as np
 
 from skancf.errors import InputError, shown
 from skancf.materials import Section
+from skancf.materials.heights import Depth, depth_of
 from skancf.output.sampling import grid, sample_strain, sample_surface
-from skancf.solution import STRESSES, Depth, Solution, depth_of
+from skancf.solution import STRESSES, Solution
 
 STRAINS = tuple(name.replace("S", "E") for name in STRESSES)
 VECTORS = {"displacement": ("u", "m"), "velocity": ("v", "m/s")}

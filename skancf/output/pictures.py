@@ -11,11 +11,12 @@ import numpy as np
 from skancf.arguments import STATE, choice, flag, instance, texts, whole
 from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, number, positive, shown, vector
+from skancf.materials.heights import DEPTHS, Depth
 from skancf.output.colours import colour_limits, colour_map
 from skancf.output.fields import check_name, place, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet
 from skancf.output.sampling import grid, sample_surface
-from skancf.solution import DEPTHS, Depth, Solution
+from skancf.solution import Solution
 from skancf.tolerances import ONE_PLACE
 
 DARK, GREY = "#202020", "#9a9a9a"

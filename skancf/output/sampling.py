@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from skancf.arguments import STATE, instance, whole
+from skancf.materials.heights import Depth, depth_of
 from skancf.memory import require_much
-from skancf.solution import Depth, Solution, depth_of
+from skancf.solution import Solution
 
 
 class Grid(NamedTuple):

@@ -187,7 +187,7 @@ class Linearised(Model):
 
     def internal_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """With what terms beside the shell have in the undeformed state."""
-        force, others = self.system.stiffness() @ x, self.system.others
+        force, others = self.system.stiffness() @ x, getattr(self.system, "others", None)
         return force + others.force(self.system.undeformed, None, case) if others else force
 
     def external_force(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:

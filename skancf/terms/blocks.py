@@ -121,12 +121,13 @@ class OnElements:
 
 
 def nodal_matrices(geometry: Geometry, elements: np.ndarray, matrices: np.ndarray) -> np.ndarray:
-    """Matrices (m, 48, 48) of local vectors, component by component, in the coordinates of the four nodes, (m, 48, 48)."""
+    """Matrices (m, 48, 48) of local vectors, component by component, in the coordinates of their nodes, (m, 12 n, 12 n)."""
     m = len(elements)
     maps = np.stack([geometry.dense_map(e) for e in elements])
     split = matrices.reshape(m, AXES, FUNCTIONS, AXES, FUNCTIONS)
     blocks = maps.swapaxes(1, 2)[:, None, None] @ split.transpose(0, 1, 3, 2, 4) @ maps[:, None, None]
-    return np.asarray(blocks.transpose(0, 3, 1, 4, 2).reshape(matrices.shape))
+    n = AXES * maps.shape[2]
+    return np.asarray(blocks.transpose(0, 3, 1, 4, 2).reshape(m, n, n))
 
 
 def _split(cells: np.ndarray, matrices: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ differences, shifts of a matrix) are no tolerances; they are beside the method.
 
 import numpy as np
 
-# ---- Places, and times, which are places on their axis -------------------------------------------------------------------
+# Places, and times, which are places on their axis
 
 ONE_PLACE = 1e-9
 """Of the extent in which places lie: two that are closer are one, and lengths that differ less are equal. Sums of some
@@ -37,7 +37,7 @@ ROUNDED_TIME = 1e-12
 EQUIDISTANT = 1e-6
 """Of the mean interval: times are equidistant where no interval differs by more, as those of a file of seven digits."""
 
-# ---- Angles: sines, cosines of right angles, products of unit vectors ----------------------------------------------------
+# Angles: sines, cosines of right angles, products of unit vectors
 
 PARALLEL = 1e-9
 """Directions that were computed to rounding: with a smaller sine they are one, with a smaller cosine at right angles.
@@ -49,8 +49,8 @@ ONE_LINE = 1e-8
 PARALLEL_LINES = 1e-12
 """The same of two lines before they are cut: where they cut is checked by itself."""
 VANISHED = 1e-9
-"""Of the largest vector or area of its kind: a smaller one has no direction. So is a slope at a pole, and a normal where
-two slopes are parallel."""
+"""Of the largest vector or area of its kind: a smaller one has no direction, as a slope at a pole, and a normal where two
+slopes are parallel."""
 ORTHONORMAL = 1e-10
 """Of a product of two unit vectors of a frame that is a product of a few; a shear or a stretch is many orders larger."""
 ROUNDED_PROJECTION = 1e-12
@@ -58,9 +58,9 @@ ROUNDED_PROJECTION = 1e-12
 FULL_TURN = 1e-12
 """Of 2 pi: a full turn that was given in decimals, or added up from parts."""
 HALF_TURN = 1e-7
-"""Sine of a rotation's angle, below which its axis has lost half its digits and is taken from the symmetric part."""
+"""Sine of a rotation's angle: below it the rotation is small, or half a turn, whose axis is told by its symmetric part."""
 
-# ---- Rounding
+# Rounding
 
 EPS = np.finfo(float).eps
 """From one to the next number, 2.2e-16."""
@@ -69,7 +69,7 @@ TINY = np.finfo(float).tiny
 ABOVE_ZERO = 1e-300
 """Stands for a divisor that is zero, in any unit."""
 ROUNDED_ROW = EPS / 4
-"""Of the sum of the sizes of its terms: the product of a row of a matrix, whose roundings partly cancel."""
+"""Of the sum of the sizes of its terms: the product of a row of a matrix. It is what rounding is in the mean."""
 ROUNDED_POSITION = 2e-16
 """Of the size of the body: what a position is known to."""
 ROUNDED_COORDINATE = 1e-15
@@ -120,7 +120,7 @@ ZERO_EIGENVALUE = 1e4 * EPS
 NO_SERIES = 64 * EPS
 """Of the largest value of a series of samples: what a fitted trend leaves of a series that is the trend."""
 
-# ---- Convergence
+# Convergence
 
 ROOT = 1e-14
 """Of the size of what is sought: the last correction of an inner iteration for one place or length."""

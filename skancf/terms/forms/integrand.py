@@ -26,9 +26,9 @@ from skancf.terms.forms.points import Chunk
 from skancf.tolerances import CLOSE_JETS, ROUNDED_SUM
 
 COMPLEX_STEP = 2.0**-100
-"""Of a complex step, in the size of what it changes."""
+"""In the size of what it changes."""
 DIFFERENCE = 2.0**-22
-"""Of a real step: between rounding, 1e-16 over it, and the square of it."""
+"""A real step: between rounding, 1e-16 over it, and the square of it."""
 AWAY, NOT_EQUAL, SOME = 1e-4, 1e-3, 0.2
 """How far from the undeformed state a form is tried, and what differs at how many of the points."""
 

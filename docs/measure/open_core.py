@@ -16,7 +16,8 @@ import tables
 
 HERE = Path(__file__).resolve().parents[2]
 ASSUMPTIONS = {
-    "strides of the unknowns": r"reshape\(-1, 4, 3\)|reshape\(-1, 12\)|(?<!-)\b12 \*|// 12|\b48\b|\b144\b|np\.eye\(12\)|\(12, 12\)",
+    "strides of the unknowns": r"reshape\(-1, 4, 3\)|reshape\(-1, 12\)|(?<!-)\b12 \*|// 12|\b48\b|\b144\b|np\.eye\(12\)|"
+                               r"\(12, 12\)",
     "which theory it is": r"theory\.twist|twist: bool|SYSTEM\[|SHAPE\[|LEFT\[|SOFTEST\[|isinstance\([^)]*FullAssembly|"
                           r"cast\((Full|Kirchhoff)",
     "slots and blocks of the matrix": r"slots: np\.ndarray, out: np\.ndarray|self\._slots|, slots, out\)",
@@ -25,18 +26,21 @@ ASSUMPTIONS = {
     "classes of loads and supports": r"isinstance\([^)]*(PointForce|PointMoment|Clamp|NoRotation|DrivenClamp|EdgeMoment|Pin|"
                                      r"Roller|SimpleSupport|Spring|Dashpot|Gravity)\b",
     "is the answer linear": r"state\.linear\b|self\.linear\b|better\.linear\b|solution\.linear\b",
-    "how it ended": r"Status\.CONVERGED|MotionStatus\.FINISHED|Outcome\.REACHED|\.converged\b|\.finished\b|\.reached\b(?!\()",
-}
-PURE = re.compile(r"^(kernels|theories|layout|assembly/(full|thin)/|assembly/(local|panels|geometry|places|maps|hanging|ties)\b)")
+    "how it ended": r"Status\.CONVERGED|MotionStatus\.FINISHED|Outcome\.REACHED|\.converged\b|\.finished\b|"
+                    r"\.reached\b(?!\()",
+}  # fmt: skip
+PURE = re.compile(
+    r"^(kernels|theories|layout|assembly/(full|thin)/|assembly/(local|panels|geometry|places|maps|hanging|ties)\b)"
+)
 """Rooms that may know strides and theories: kernels, theories and the layout, under their names of both trees."""
 
 
 def reach(tree: Path, pattern: str) -> tuple[int, int]:
     """Files of the library outside of its pure rooms in which a pattern is, and places."""
-    counts = []
-    for path in sorted((tree / "skancf").rglob("*.py")):
-        if not PURE.match(path.relative_to(tree / "skancf").as_posix()):
-            counts.append(len(re.findall(pattern, _code(path.read_text()))))
+    counts = [
+        len(re.findall(pattern, _code(path.read_text()))) for path in sorted((tree / "skancf").rglob("*.py"))
+        if not PURE.match(path.relative_to(tree / "skancf").as_posix())
+    ]  # fmt: skip
     return sum(n > 0 for n in counts), sum(counts)
 
 

@@ -197,7 +197,7 @@ class _Passage:
         """The translation that moves the centre of mass of a free body as a change does on a system, (n_new_dofs,)."""
         layout = self.new.layout
         out = np.zeros_like(layout.undeformed)
-        if not self.new.others and not self.new.constraints.fixed.any():
+        if self.new.foundation is None and not self.new.constraints.fixed.any():
             moment, mass = _moments(system, change)
             out[layout.moving, 0] = moment / mass
         return out.ravel()

@@ -28,7 +28,7 @@ class Measure:
         mass = np.abs(system.inertia.shares[system.layout.moving, 0])
         self.system, self.mass = system, float(mass.sum())
         self.weights = mass / mass.sum()
-        self.free = not system.constraints.fixed.any() and not system.others
+        self.free = not system.constraints.fixed.any() and system.foundation is None
         positions = system.layout.positions(system.undeformed)
         self.rounding = ROUNDED_POSITION * float(np.abs(positions - positions.mean(axis=0)).max())
 

@@ -21,6 +21,7 @@ from skancf.statics.causes import require_support
 from skancf.statics.depth import warn_without_time
 from skancf.system.system import System
 from skancf.theories import Theory
+from skancf.tolerances import SEVEN_DIGITS, SHARPEST
 
 INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
     "goal": None, "residual": residual, "recovery": recovery, "stress": face_stress,
@@ -58,7 +59,7 @@ def check(
 
 def newton_rtol(rtol: float) -> float:
     """Of Newton's method, which gains at least a factor ten more with its last step."""
-    return min(1e-4, max(1e-7, 1e-2 * rtol))
+    return min(1e-4, max(SHARPEST, 1e-2 * rtol))
 
 
 def first_system(
@@ -88,7 +89,7 @@ def _between_lines(quantity: Any, mesh: MeshQuadTree) -> str | None:
         for side in (side for side in sides if lines[0] < side < lines[-1]):
             k = np.searchsorted(lines, side) - 1
             share = HALVINGS * (side - lines[k]) / (lines[k + 1] - lines[k])
-            if abs(share - round(share)) > 1e-6:
+            if abs(share - round(share)) > SEVEN_DIGITS:
                 return (f"within: {'xy'[axis]} = {side:.6g} lies between the mesh lines {lines[k]:.6g} and "
                         f"{lines[k + 1]:.6g}, and no halving meets it: the mean is over another rectangle on each mesh; "
                         "begin with a mesh that has the line, or without one of your own")  # fmt: skip

@@ -35,6 +35,7 @@ from skancf.solution import Solution
 from skancf.solving import End, Status, kept
 from skancf.system.system import System
 from skancf.theories import Theory
+from skancf.tolerances import ABOVE_ZERO
 
 BELOW = Below(0.01)
 EVEN = Even(0.65)
@@ -265,7 +266,7 @@ class _Run:
         else:
             self.best = found
         self.levels.append(level)
-        wanted = self.asked.tolerance(level.value) / max(found.estimate.bar, 1e-300)
+        wanted = self.asked.tolerance(level.value) / max(found.estimate.bar, ABOVE_ZERO)
         note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
         self.bar.at(min(1.0, wanted) ** 0.5, note)
 

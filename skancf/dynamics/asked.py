@@ -14,10 +14,9 @@ from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import Run, Settings
 from skancf.history import Case
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO, SAME_VALUE
 from skancf.version import __version__
 
-CLOSE = 1e-9
-"""Arrays of one problem differ by rounding at most."""
 VECTORS = 4
 """Products with so many random vectors tell one array from another."""
 TIMES, MOMENTS = 9, 257
@@ -39,8 +38,8 @@ def difference(asked: Asked, other: Asked) -> str | None:
             return f"its run has another {title}"
         else:
             apart, size = np.abs(known - value), np.nanmax(np.abs([known, value]), initial=0.0)
-            if not ((apart <= CLOSE * size) | (np.isnan(known) & np.isnan(value))).all():
-                part = np.nanmax(apart, initial=0.0) / max(size, 1e-300)
+            if not ((apart <= SAME_VALUE * size) | (np.isnan(known) & np.isnan(value))).all():
+                part = np.nanmax(apart, initial=0.0) / max(size, ABOVE_ZERO)
                 return f"its run has another {title}, by {part:.1e} of it"
     return None
 

@@ -12,6 +12,7 @@ from skancf.history import Case
 from skancf.linear import BlockMatrix
 from skancf.system.system import System
 from skancf.terms.shell import Shell
+from skancf.tolerances import NEWTON_DAMPED, NEWTON_EXACT
 
 LEAST = 1 / 3
 """The smallest spectral radius that a real dissipation has."""
@@ -75,7 +76,7 @@ class EnergyMomentum(ImplicitMidpoint):
     @property
     def newton_rtol(self) -> float:  # type: ignore[override]
         """What is to keep energy goes to its last digits."""
-        return 1e-9 if self.rho_inf == 1 else 1e-6
+        return NEWTON_EXACT if self.rho_inf == 1 else NEWTON_DAMPED
 
     @property
     def error_constant(self) -> float:

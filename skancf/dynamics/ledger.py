@@ -22,6 +22,7 @@ from skancf.dynamics.state import State
 from skancf.errors import InputError, finite
 from skancf.history import Case
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO
 from skancf.vectors import sum_of_cross
 
 
@@ -199,7 +200,7 @@ class Book:
     @property
     def imbalance(self) -> float:
         """Energy without a source so far, relative to the largest amount of any (signed)."""
-        return self.left / max(self.turnover, 1e-300)
+        return self.left / max(self.turnover, ABOVE_ZERO)
 
     def step(self, system: System, rule: Rule, start: State, u: np.ndarray, end: State, residual: Any) -> None:
         """Book a step; ``residual()`` is that of the step's equations at its solution."""

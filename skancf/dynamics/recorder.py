@@ -13,6 +13,7 @@ from skancf.dynamics.state import State
 from skancf.functions import called
 from skancf.solution import Solution
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO, ONE_TIME
 
 Quantity = Callable[[Solution], Any]
 
@@ -38,7 +39,7 @@ class Recorder:
     def __init__(self, times: np.ndarray | None, quantities: Mapping[str, Quantity]):
         self.every = times is None
         self.times, self.quantities = np.zeros(1) if times is None else times, quantities
-        self.slack = 1e-9 * (self.times[-1] - self.times[0] + 1e-300)
+        self.slack = ONE_TIME * (self.times[-1] - self.times[0] + ABOVE_ZERO)
         self.done = 0
         self.systems: list[System] = []
         self.logs = {"knots": Log(Knot), "records": Log()}

@@ -28,6 +28,7 @@ from skancf.history import Case, knots_of
 from skancf.progress import Progress
 from skancf.solving import End, Status, kept
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO, ROUNDED_TIME
 
 
 @dataclass(frozen=True)
@@ -189,7 +190,7 @@ class Run:
 
     def _step(self, bar: Progress, after_step: Callable[["Run"], None], at_end: Callable[[], None]) -> End | None:
         settings = self.settings
-        tiny = 1e-12 * settings.span
+        tiny = ROUNDED_TIME * settings.span
         while self.strikes and self.strikes[0] <= self.now.time + tiny:
             self._strike(self.strikes.pop(0))
         if self.now.time >= settings.end - tiny:
@@ -249,7 +250,7 @@ class Run:
                 del self.book.rows[n_rows:]
         else:
             self.dt = step / 2
-        self.steps.append(Step(start.time + step, step, error / max(farthest, 1e-300), outcome.iterations,
+        self.steps.append(Step(start.time + step, step, error / max(farthest, ABOVE_ZERO), outcome.iterations,
                                outcome.factorisations, accepted, imbalance, self.system.n_dofs))  # fmt: skip
         if accepted:
             self.recorder.step(start, outcome.end)
@@ -264,7 +265,7 @@ class Run:
     def _noise(self) -> float:
         """Energy that is rounding (J): of coordinates alone, and of their product with a strain in the energy."""
         rounding = NOISE * self.solver.factors.rounding
-        return max(rounding, 1e-300) + (rounding * self.book.turnover) ** 0.5
+        return max(rounding, ABOVE_ZERO) + (rounding * self.book.turnover) ** 0.5
 
     def _is_unbalanced(self, tolerance: float) -> bool:
         """The first steps of a load that jumps cannot be balanced; nor can rounding."""
@@ -294,7 +295,7 @@ class Run:
         if follow is None:
             return
         self.looked += 1
-        if self.looked < follow.every or self.now.time >= self.settings.end * (1 - 1e-12):
+        if self.looked < follow.every or self.now.time >= self.settings.end * (1 - ROUNDED_TIME):
             return
         most, again, energy = self.book.most_strain, self.tries < TRIES, self.solver.energy
         new = follow.change(self.system, self.mark, self.now, self.settings.end, most, again)

@@ -16,7 +16,7 @@ from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion
 from skancf.dynamics.motion_checks import warn_of
 from skancf.dynamics.named_state import flat, nested
-from skancf.dynamics.prescribed import prescribed_rate
+from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
 from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
@@ -30,6 +30,7 @@ from skancf.solving import Status
 from skancf.statics.asked import check_asked
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
+from skancf.tolerances import ONE_PLACE
 
 
 def simulate(
@@ -285,10 +286,10 @@ def _initial_velocity(
     moved = system.prescribed(Case(time=begin))
     at = system.undeformed if start is None else start.q
     jump = np.abs(system.constraints.fixed_part(at - system.undeformed) - moved).max(initial=0.0)
-    if jump > 1e-9 * np.abs(system.undeformed).max():
+    if jump > ONE_PLACE * np.abs(system.undeformed).max():
         raise InputError(f"a prescribed displacement jumps by {jump:.3g} at the start, t = {begin}; give it a history that "
                          "begins with the present state, as in history=lambda t: min(1.0, t / 0.1)")  # fmt: skip
-    rate = prescribed_rate(system, begin, 1e-7 * t_end)
+    rate = prescribed_rate(system, begin, RATE_STEP * t_end)
     if velocity is None and start is not None:
         velocity = start.velocity
     return system.constraints.free_part(initial_velocity(system, at, velocity)) + rate

@@ -17,6 +17,7 @@ from skancf.output.fields import check_name, place, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet
 from skancf.output.sampling import grid, sample_surface
 from skancf.solution import Solution
+from skancf.tolerances import ONE_PLACE
 
 DARK, GREY = "#202020", "#9a9a9a"
 MOST_PIXELS = 16_384
@@ -329,7 +330,7 @@ def _look_at(plotter: Any, points: np.ndarray, style: Look) -> None:
     axes = np.stack([right, np.cross(back, right), back])
     seen = points @ axes.T
     low, high = seen.min(axis=0), seen.max(axis=0)
-    width, height, depth = np.maximum(high - low, 1e-9 * np.ptp(seen))
+    width, height, depth = np.maximum(high - low, ONE_PLACE * np.ptp(seen))
     camera = plotter.camera
     camera.SetParallelProjection(True)
     # The picture is 2 * parallel scale high; 0.80 of its width and 0.78 of its height are for the plate.

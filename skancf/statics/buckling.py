@@ -29,7 +29,6 @@ from skancf.statics.eigen_checks import (
 from skancf.statics.left_out import buckling_changes, warn_of_changes
 from skancf.statics.linear import change_by
 from skancf.statics.modes import (
-    ROUNDING,
     check_tolerance,
     checked_count,
     free_directions,
@@ -41,6 +40,7 @@ from skancf.statics.tangents import warn_if_skew
 from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
+from skancf.tolerances import ZERO_EIGENVALUE
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
@@ -249,7 +249,7 @@ class _Pencil:
         residuals = -load - values[:, None] * elastic
         errors = np.sqrt([abs(float(r @ self.solver.solve(r))) for r in residuals]) / np.abs(values)
         sizes = self.stiffness.sizes()
-        noise = ROUNDING * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
+        noise = ZERO_EIGENVALUE * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
         products = shapes @ elastic.T
         return pair_check(errors, SAFETY * self.tolerance + noise), orthogonality_check(products, "elastic stiffness")
 

@@ -31,11 +31,7 @@ from skancf.statics.left_out import frequency_changes, warn_of_changes
 from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
-
-# An eigenvalue that is no larger than so many roundings of the terms of which it is the sum is zero: rigid motions of free
-# plates, L/h from 10 to 10^4, have up to 1500, their softest elastic one a million and more.
-ROUNDING = 1e4 * np.finfo(float).eps
-TINY = np.finfo(float).tiny
+from skancf.tolerances import TINY, ZERO_EIGENVALUE
 
 
 @dataclass(frozen=True)
@@ -279,14 +275,14 @@ class _Spectrum:
         errors = np.sqrt(np.maximum((residuals * np.linalg.solve(mass, residuals)).sum(axis=0), 0.0))
         scale = np.maximum(np.abs(values), TINY)
         # Full matrices have the rounding of their largest eigenvalue in all.
-        rounding = np.maximum(noise, ROUNDING * np.abs(values).max())
+        rounding = np.maximum(noise, ZERO_EIGENVALUE * np.abs(values).max())
         return Pairs(values, shapes, errors / scale, SAFETY * self.tolerance + rounding / scale)
 
     def _clean(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values, zero where they are rounding, shapes of unit modal mass on the free coordinates, and that rounding."""
         shapes = np.array([self._normalised(self.constraints.free_part(v)) for v in shapes]).reshape(shapes.shape)
         values = np.array([2 * self.stiffness.energy(v) for v in shapes])
-        noise = np.array([self.stiffness.rounding(v, ROUNDING) for v in shapes])
+        noise = np.array([self.stiffness.rounding(v, ZERO_EIGENVALUE) for v in shapes])
         return np.where(np.abs(values) <= noise, 0.0, values), shapes, noise
 
     def _normalised(self, v: np.ndarray) -> np.ndarray:

@@ -19,9 +19,9 @@ from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.points import Follower, Point
 from skancf.statics.soft import turning_estimate
-from skancf.statics.stopping import ROUNDING
 from skancf.statics.verify import Balance, checks_of
 from skancf.system.system import System
+from skancf.tolerances import ONE_PLACE, ROUNDED_COORDINATE
 
 FIRST_TURN = 0.5
 """Largest change of a slope in the first step by arc length, relative to the slope's length."""
@@ -253,7 +253,7 @@ class _Run:
         self.points.append(following)
         left, iterations = follower.measure.left(following.q), len(result.residual_norms)
         self.bar.at(len(self.points) - 1, f"load factor {following.load_factor:.4g}, {iterations} iterations")
-        if share is not None or left <= 1e-9 * first:
+        if share is not None or left <= ONE_PLACE * first:
             return Status.CONVERGED, ""
         self.length = lengths.after(length / first if np.isinf(left) else self.length, iterations)
         return None
@@ -315,7 +315,7 @@ class _Run:
 def _moves(system: System, along: np.ndarray) -> bool:
     """Does a unit of the load move the body by more than rounding of its coordinates?"""
     mass, at = system.mass, system.undeformed
-    return bool(along @ (mass @ along) > ROUNDING**2 * (at @ (mass @ at)))
+    return bool(along @ (mass @ along) > ROUNDED_COORDINATE**2 * (at @ (mass @ at)))
 
 
 def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -> float | None:

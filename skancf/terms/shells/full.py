@@ -13,13 +13,13 @@ from skancf.layout.geometry import Geometry
 from skancf.materials import Section
 from skancf.materials.curved import require_one_side
 from skancf.materials.parallel import TRACE, principal_curvatures, sums
-from skancf.materials.section import ROUNDING
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.full_sections import Sections, build_sections
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.theories.full import kernels, residual_kernel, tangent_kernel
 from skancf.theories.full.nodes import N_POSITION
 from skancf.theories.full.theory import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, D, Full, covariant_to_local, jet_table, strain
+from skancf.tolerances import ROUNDED_PLACE
 
 ALL, BENDING = slice(None), slice(3, N_IN_PLANE)
 """All strains, and those with slopes of the director."""
@@ -38,7 +38,7 @@ class FullAssembly(CompiledAssembly):
                              "take theory 'kirchhoff'")  # fmt: skip
         self.theory = cast(Full, geometry.theory)
         self.sections = build_sections(geometry, section)
-        if abs(section.z[0] + section.z[-1]) > ROUNDING * section.thickness:
+        if abs(section.z[0] + section.z[-1]) > ROUNDED_PLACE * section.thickness:
             require_one_side(principal_curvatures(self._curvature(self.theory.quadrature[0])), section.z[[0, -1]])
         self._rule = _rule(self.theory, self.sections)
         parts = self.sections

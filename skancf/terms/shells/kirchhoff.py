@@ -18,10 +18,9 @@ from skancf.terms.shells.shell import CompiledAssembly
 from skancf.theories.kirchhoff import between_kernel, kernels, tangent_kernel
 from skancf.theories.kirchhoff.kernels import N_MEMBRANE, N_STRAINS
 from skancf.theories.kirchhoff.theory import KEPT, Kirchhoff, covariant_to_local, jet_table, legendre
+from skancf.tolerances import ROUNDED_VALUE
 
 PLAIN = Kirchhoff(assumed=False)
-ROUNDING = 1e-13
-"""Of the metric, what a difference of two strains leaves."""
 
 
 class ThinAssembly(CompiledAssembly):
@@ -144,7 +143,7 @@ class ThinAssembly(CompiledAssembly):
         def change_at(points: np.ndarray, e: np.ndarray) -> np.ndarray:
             undeformed = PLAIN.strains(before[e], points)[:, :3]
             change = PLAIN.strains(now[e], points)[:, :3] - undeformed
-            rounding = np.abs(change) < ROUNDING * np.abs(undeformed).max(axis=(1, 2), keepdims=True)
+            rounding = np.abs(change) < ROUNDED_VALUE * np.abs(undeformed).max(axis=(1, 2), keepdims=True)
             return np.asarray(np.where(rounding & (change.imag == 0), 0.0, change))
 
         change = source = geometry.integration.gathered(change_at)

@@ -13,10 +13,8 @@ from skancf.kernels.constants import CORNERS, FOURTH, FUNCTIONS, R_X, R_Y, VECTO
 from skancf.surfaces import Surface
 from skancf.theories.edges import no_weights, set_cubic
 from skancf.theories.rows import Row, Spot, across, condition
+from skancf.tolerances import ONE_DIRECTION
 from skancf.vectors import cross
-
-RIGHT_ANGLE = 1e-6
-"""Sine of the angle off a right one that is none."""
 
 
 class HermiteNodes:
@@ -74,7 +72,7 @@ class HermiteNodes:
         """The slope across the edge stays normal to the plane all along it."""
         tangent, normal, kind = spot.tangent(along), spot.normal, across(along)
         slope = spot.slopes[kind - 1]
-        if np.linalg.norm(cross(slope, cross(tangent, normal))) > RIGHT_ANGLE * np.linalg.norm(slope):
+        if np.linalg.norm(cross(slope, cross(tangent, normal))) > ONE_DIRECTION * np.linalg.norm(slope):
             return None
         return [Row(spot.node, condition({k: 1.0}, v)) for k in (kind, FOURTH) for v in (tangent, normal)]
 

@@ -24,6 +24,7 @@ class HermiteNodes:
     continuity = 1
     directors = False
     turns = (R_X, R_Y)
+    of_positions = (True, True, True, True)
 
     @cached_property
     def rows(self) -> np.ndarray:
@@ -79,6 +80,10 @@ class HermiteNodes:
     def turn_of(self, kind: int, rotation: np.ndarray, normal: np.ndarray, slopes: Sequence[np.ndarray]) -> np.ndarray:
         """Change along the normal that a small rotation (3, n) makes of the slope r_x or r_y, (n,)."""
         return np.asarray((cross(rotation, slopes[kind - 1]) * normal).sum(axis=0))
+
+    def following(self, nodal: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """All are those of positions."""
+        return rates
 
     def turned(
         self, spot: Spot, edges: Sequence[np.ndarray], rotation: np.ndarray, values: dict[int, np.ndarray],

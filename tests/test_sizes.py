@@ -10,7 +10,7 @@ import skfem
 
 import skancf as sk
 from skancf import memory
-from skancf.output.pictures import Look
+from skancf.output.pictures import Style
 from skancf.theories import theory_named
 
 GIGABYTE = 10**9
@@ -117,7 +117,7 @@ def test_elements_of_many_shapes_need_more(monkeypatch):
 @pytest.mark.parametrize("size", [(10**5, 10), (10, 10**9), (0, 10), (10.5, 10), (10,)])
 def test_pictures_have_a_size_that_can_be_drawn(size):
     with pytest.raises(sk.InputError, match="size"):
-        Look(size=size)
+        Style(size=size)
 
 
 def test_modes_as_many_as_there_are(system):

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.between import Interpolation, ancestors_in
 from skancf.adaptive.energies import Strained, energies, virtual_work
 from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE, may_be_quartered
+from skancf.adaptive.interpolation import Interpolation, ancestors_in
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
 from skancf.adaptive.singular import images, singular_points, touching
@@ -308,7 +308,7 @@ class _Shrinking:
 
     largest: float
 
-    def judge(self, step: np.ndarray, more: np.ndarray, energies: list[float]) -> End | None:
+    def assess(self, step: np.ndarray, more: np.ndarray, energies: list[float]) -> End | None:
         size, last = energies[-1], energies[-2] if len(energies) > 1 else np.inf
         if size <= NEAR**2 * self.largest:
             return Status.CONVERGED, ""

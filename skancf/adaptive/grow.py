@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.between import ancestors_in
+from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.singular import images

@@ -18,7 +18,7 @@ from skancf.theories.kirchhoff.theory import legendre
 from skancf.tolerances import SINGULAR_FIT
 
 
-def recovery(solution: Solution) -> np.ndarray:
+def recovery_indicator(solution: Solution) -> np.ndarray:
     r"""Estimated error of each element, an energy (J): its section forces against recovered ones, (n_elements,).
 
     .. math::

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adaptive.between import ancestors_in
+from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.singular import images, touching
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves

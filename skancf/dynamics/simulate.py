@@ -9,9 +9,9 @@ import numpy as np
 
 from skancf.arguments import choice, function, having, mapping, whole
 from skancf.atomic import AnyPath
-from skancf.dynamics.asked import asked_of
 from skancf.dynamics.checkpoint import Checkpoint, Writer
 from skancf.dynamics.energy_momentum import EnergyMomentum
+from skancf.dynamics.fingerprint import fingerprint_of
 from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion
 from skancf.dynamics.motion_checks import warn_of
@@ -27,7 +27,7 @@ from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import Status
-from skancf.statics.asked import check_asked
+from skancf.statics.arguments import check_arguments
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
 from skancf.tolerances import ONE_PLACE
@@ -111,7 +111,7 @@ def simulate(
     InputError
         For times, tolerances or velocities that cannot be used.
     """
-    check_asked(system, backend, start=start, resume=resume, check=check, progress=progress)
+    check_arguments(system, backend, start=start, resume=resume, check=check, progress=progress)
     t_end = positive("t_end", t_end, "s")
     _check(system, record, follow)
     newton_rtol = None if newton_rtol is None else positive("newton_rtol", newton_rtol)
@@ -185,7 +185,7 @@ def _go(
             raise InputError("resume = True: from which folder? Give it, as in checkpoint='run'")
         return *run.go(bar), None
     checkpoint = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
-    writer = Writer(checkpoint, run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
+    writer = Writer(checkpoint, run, fingerprint_of(run, run.recorder.quantities, checkpoint.every), resume)
     try:
         if writer.finished:
             return Status.FINISHED, "", writer.seconds

@@ -156,14 +156,14 @@ class StepTangents:
 
 
 @dataclass(frozen=True)
-class StepRule:
+class StepCriterion:
     """Ends where a correction is small: its scale is the energy of the motion, or of the first one, which cannot grow."""
 
     tangents: StepTangents
     rtol: float
     motion: float
 
-    def judge(self, u: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
+    def assess(self, u: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
         energy, first = energies[-1], next((e for e in energies if e), 0.0)
         last, scale = energies[-2] if len(energies) > 1 else np.inf, max(self.motion, first)
         if not energy <= DIVERGED * first:

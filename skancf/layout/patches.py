@@ -127,8 +127,8 @@ def _rows(
     away -= geometry.whole_turns(away[:, :, :1])
     first = np.cumsum(sizes) - sizes
     scale = np.maximum.reduceat(np.abs(away).max(axis=2), first[starts], axis=1)
-    asked = _functionals(_powers(away / scale[:, patch[pair], None])) * FACTORS
-    return np.add.reduceat(asked * means.data[entry][:, None, None], first), scale
+    wanted = _functionals(_powers(away / scale[:, patch[pair], None])) * FACTORS
+    return np.add.reduceat(wanted * means.data[entry][:, None, None], first), scale
 
 
 def _not_about(geometry: Geometry, nodes: np.ndarray, around: sp.csr_matrix, elements: np.ndarray) -> sp.csr_matrix:

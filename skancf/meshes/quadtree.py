@@ -17,7 +17,7 @@ from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TO
 from skancf.meshes.names import Names
 from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.surfaces import Surface, closed_directions
-from skancf.surfaces.asked import require_surface
+from skancf.surfaces.checks import require_surface
 from skancf.tolerances import ONE_PLACE
 
 MOST_ROOTS = 2**18

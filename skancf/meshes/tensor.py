@@ -10,7 +10,7 @@ from skancf.errors import InputError, finite, shown
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, cut, rectangles_of
 from skancf.surfaces import BoundedSurface, Interval, closed_directions
-from skancf.surfaces.asked import require_surface
+from skancf.surfaces.checks import require_surface
 from skancf.tolerances import ONE_PLACE
 
 LONGEST = 1e9

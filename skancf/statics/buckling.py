@@ -13,9 +13,8 @@ from skancf.checks import Check
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution
-from skancf.statics.asked import check_asked
-from skancf.statics.causes import require_support
-from skancf.statics.depth import warn_without_time
+from skancf.statics.arguments import check_arguments
+from skancf.statics.diagnosis import require_support
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -37,6 +36,7 @@ from skancf.statics.modes import (
     nth,
 )
 from skancf.statics.tangents import warn_if_skew
+from skancf.statics.validity import warn_without_time
 from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
@@ -134,7 +134,7 @@ def buckling(
         Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found. Where
         a check fails, for example as load factors are missing that further searches did not find.
     """
-    check_asked(system, backend)
+    check_arguments(system, backend)
     tolerance = check_tolerance(tolerance)
     choice("signs", signs, ("positive", "both"))
     n = checked_count(n, system.constraints)

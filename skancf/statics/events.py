@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.solution import Solution
+from skancf.statics.critical import critical_mode
 from skancf.statics.points import Follower, Point, interpolate
-from skancf.statics.soft import softest_mode
 from skancf.tolerances import ROUNDED_PRODUCT, ZERO_IN_BRACKET
 
 LIMIT, BIFURCATION = "limit point", "bifurcation"
@@ -75,7 +75,7 @@ def _search(
         if refined:
             break
     solution = _extrapolated(follower, a, nearest, at) if refined else _interpolated(follower, a, b, length, at)
-    mode = softest_mode(follower.system, follower.solver, solution.q, solution.load_factor).shape
+    mode = critical_mode(follower.system, follower.solver, solution.q, solution.load_factor).shape
     return at, Event(kind, solution.load_factor, solution, mode, refined)
 
 
@@ -123,7 +123,7 @@ def _pivot_search(
     """
 
     def soft(point: Point) -> tuple[float, int]:
-        mode = softest_mode(follower.system, follower.solver, point.q, point.load_factor, without_work=limit)
+        mode = critical_mode(follower.system, follower.solver, point.q, point.load_factor, without_work=limit)
         return mode.eigenvalue, mode.negative
 
     value, before = soft(a)

@@ -14,8 +14,7 @@ from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.solution import Solution, require_same_mesh
-from skancf.statics.asked import check_asked
-from skancf.statics.depth import warn_without_time
+from skancf.statics.arguments import check_arguments
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -29,6 +28,7 @@ from skancf.statics.eigen_checks import (
 )
 from skancf.statics.left_out import frequency_changes, warn_of_changes
 from skancf.statics.tangents import state_tangent, warn_if_skew
+from skancf.statics.validity import warn_without_time
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
 from skancf.tolerances import TINY, ZERO_EIGENVALUE
@@ -129,7 +129,7 @@ def modes(
         Where loads follow a free edge: only the symmetric part of K is taken, and flutter is not found. Where a check
         fails, for example as modes are missing that further searches did not find.
     """
-    check_asked(system, backend)
+    check_arguments(system, backend)
     if state is not None:
         require_same_mesh(system, state, "state")
     tolerance = check_tolerance(tolerance)

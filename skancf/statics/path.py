@@ -10,15 +10,15 @@ from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
-from skancf.solving import End, Status, kept
-from skancf.statics.asked import check_asked
-from skancf.statics.causes import NEAR, require_support
+from skancf.solving import End, Status, run_steps
+from skancf.statics.arguments import check_arguments
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
-from skancf.statics.depth import warn_without_time
+from skancf.statics.critical import turning_estimate
+from skancf.statics.diagnosis import NEAR, require_support
 from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.points import Follower, Point
-from skancf.statics.soft import turning_estimate
+from skancf.statics.validity import warn_without_time
 from skancf.statics.verify import Balance, checks_of
 from skancf.system.system import System
 from skancf.tolerances import ONE_PLACE, ROUNDED_COORDINATE
@@ -138,7 +138,7 @@ def trace(
     InputError
         When a rigid motion is free, nothing loads the structure, or the controlled displacement does not move with the load.
     """
-    check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
+    check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
                 mixed=mixed, progress=progress)  # fmt: skip
     require_support(system)
     warn_without_time(system)
@@ -180,7 +180,7 @@ class _Run:
         self.first, self.length = 0.0, 1.0
 
     def go(self, start: Solution) -> PathResult:
-        status, message = kept(lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed)
+        status, message = run_steps(lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed)
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
         checks = self._checks(points)
         if status.ok and (failed := failures(checks)):
@@ -204,8 +204,8 @@ class _Run:
         return checks_of(balance.measured(sizes))
 
     def _failed(self, error: Exception) -> str | None:
-        asked_wrongly = isinstance(error, InputError) or len(self.points) < 2
-        return None if asked_wrongly else f"what was computed is kept: {error!r}"
+        wrong_input = isinstance(error, InputError) or len(self.points) < 2
+        return None if wrong_input else f"what was computed is kept: {error!r}"
 
     def _begin(self, start: Solution) -> End | None:
         """The first point, and the length of the first step."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
-from skancf.statics.newton import NewtonResult, System, factored, largest_turn
+from skancf.statics.newton import NewtonResult, StaticSystem, factored, largest_turn
 from skancf.statics.stopping import Pull, work
 from skancf.statics.tangents import is_skew
 from skancf.system.dilation import pretension
@@ -92,7 +92,9 @@ class Relaxation:
         the attempts.
     """
 
-    def __init__(self, system: System, solver: DirectSolver, load_factor: float, solve: Callable[..., NewtonResult]) -> None:
+    def __init__(
+        self, system: StaticSystem, solver: DirectSolver, load_factor: float, solve: Callable[..., NewtonResult]
+    ) -> None:
         self.system, self.solver, self.load_factor, self.solve = system, solver, load_factor, solve
         self.metric: BlockMatrix = pretension(system)
         self._flow: _Flow | None = None

@@ -91,8 +91,8 @@ class Verdict(NamedTuple):
     rigid: bool = False
 
 
-class StopRule:
-    r"""Judges the corrections of one solve.
+class ConvergenceTest:
+    r"""Assesses the corrections of one solve.
 
     With the residual's work on a correction, :math:`e_k = |R \cdot \delta q|`, the last one is that for which
 
@@ -109,7 +109,7 @@ class StopRule:
 
     Parameters
     ----------
-    system : System
+    system : StaticSystem
     origin : (n_dofs,) array
         Where the way began.
     rtol : float
@@ -124,7 +124,7 @@ class StopRule:
         self.system, self.origin, self.rtol, self.pull, self.constraint = system, origin, rtol, pull, constraint
         self._at_origin: float | None = None
 
-    def judge(
+    def assess(
         self, tangent: SkewSolver, energies: list[float], q: np.ndarray, change: np.ndarray, load_factor: float
     ) -> Verdict:
         """The last of ``energies`` belongs to ``change``, which leads from ``q`` to equilibrium at ``load_factor``."""

@@ -130,7 +130,7 @@ class Balance:
     def of_state(cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> "Balance":
         energy = stored(system, q, Case(load_factor))
         # At rest and cold there is none.
-        if (origin != system.undeformed).any() or system.shell.held_back(FULL) is not None:
+        if (origin != system.undeformed).any() or system.shell.initial_stresses(FULL) is not None:
             energy += stored(system, origin, Case(load_factor))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())
         case = Case(load_factor)

@@ -135,9 +135,9 @@ class System:
         return self.others.tangent(self.undeformed)
 
     def external_force(self, q: np.ndarray, case: Case = FULL) -> np.ndarray:
-        """Loads and the forces of held back free strains, (n_dofs,)."""
-        applied, held = self.applied_force(q, case), self.shell.held_back_force(q, case)
-        return applied if held is None else applied + held
+        """Loads and the forces of initial stresses, (n_dofs,)."""
+        applied, initial = self.applied_force(q, case), self.shell.initial_stress_force(q, case)
+        return applied if initial is None else applied + initial
 
     def applied_force(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> np.ndarray:
         """Loads without those of temperature, which do no work on the body from outside: (n_dofs,)."""

@@ -1,10 +1,10 @@
 """Is the thin theory enough? What it leaves out, measured by what it knows."""
 
-from skancf.thinness.depth import warn_if_mass_is_off
 from skancf.thinness.forces import BILINEAR, shear_forces
 from skancf.thinness.form import Fields, ShearForm, share_of
 from skancf.thinness.moments import moment_rates
 from skancf.thinness.rim import Rim, rim_of
+from skancf.thinness.validity import warn_if_mass_is_off
 from skancf.thinness.vibration import first_share, product_of, rotary_inertia, with_shear
 
 __all__ = [

@@ -10,7 +10,7 @@ from skancf.tolerances import ROUNDED_PROJECTION
 from skancf.vectors import rotation, rotation_vector, sum_of_cross
 
 
-class Between:
+class StateInterpolation:
     r"""States between others, in a frame that moves and turns with the body.
 
     .. math:: r(t) = c(t) + R(t)\,x(t), \qquad R(t) = \exp(\psi(t) \times),

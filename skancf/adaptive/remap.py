@@ -15,7 +15,7 @@ from types import TracebackType
 
 import numpy as np
 
-from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
+from skancf.adaptive.interpolation import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
@@ -33,7 +33,7 @@ STEPS, ENOUGH = 3, 1e-2
 
 
 @dataclass(frozen=True)
-class Change:
+class RemapChange:
     """What a change of mesh did to a state.
 
     Attributes
@@ -70,23 +70,23 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Carried:
+class Remapped:
     """Nodal coordinates on the new mesh, their rates and accelerations (None where none were given), and the change."""
 
     q: np.ndarray
     v: np.ndarray | None
     a: np.ndarray | None
-    change: Change
+    change: RemapChange
 
 
-def carried(
+def remap(
     state: Solution,
     system: System,
     acceleration: np.ndarray | None = None,
     *,
     settle: bool = True,
     backend: str = "auto",
-) -> Carried:
+) -> Remapped:
     """A state in motion on another mesh of the same quadtree, with the same theory.
 
     Parameters
@@ -131,7 +131,7 @@ def carried(
             v = now.corrected(passage.velocity(), before)
             if settle:
                 v, factor = now.slowed(v, passage.energy - passage.strain_energy(system, q))
-        return Carried(q, v, a, passage.change(q, v, factor))
+        return Remapped(q, v, a, passage.change(q, v, factor))
 
 
 class _Mass:
@@ -251,13 +251,13 @@ class _Passage:
     def strain_energy(self, system: System, q: np.ndarray) -> float:
         return system.strain_energy(q, self.state.case)
 
-    def change(self, q: np.ndarray, v: np.ndarray | None, factor: float) -> Change:
+    def change(self, q: np.ndarray, v: np.ndarray | None, factor: float) -> RemapChange:
         state, still = self.state, Solution(self.new, q, v)
         strain = np.array([self._strain, self.strain_energy(self.new, q)])
         kinetic = np.array([state.kinetic_energy, still.kinetic_energy])
         rise = float(np.diff(strain + kinetic)[0])
         centres = [moment / mass for moment, mass in (_moments(self.old, state.q), _moments(self.new, q))]
-        return Change(
+        return RemapChange(
             strain, kinetic, np.stack([state.momenta, still.momenta]), factor,
             rise if rise > ROUNDED_PRODUCT * self.energy else 0.0, float(np.linalg.norm(centres[1] - centres[0])),
         )  # fmt: skip
@@ -298,7 +298,7 @@ class _Excess:
     passage: _Passage
     excess: float
 
-    def judge(self, q: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
+    def assess(self, q: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
         left = self.passage.excess(q + change)
         if not abs(left) < abs(self.excess):
             return Status.DIVERGED, ""

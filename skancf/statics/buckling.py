@@ -42,6 +42,8 @@ from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
 
+AT_REST = 1e-6
+"""Most that forces at rest may move the structure, as a part of what the loads do."""
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
 # Membrane strains as they are may ask for this much more of the load before a mesh is called too coarse.
@@ -124,7 +126,7 @@ def buckling(
     Raises
     ------
     InputError
-        When a rigid motion is free, or nothing loads the structure.
+        When a rigid motion is free, nothing loads the structure, or its own terms strain it without a load.
     SingularMatrix
         When some part is a mechanism.
 
@@ -150,6 +152,7 @@ def buckling(
         answer = change_by(system, solver)
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
+        _require_rest(system, solver, answer)
         geometric = geometric_stiffness(system, answer)
         pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
         inverse, shapes, cut, count = pencil.lowest(n, signs)
@@ -163,6 +166,18 @@ def buckling(
     result = BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
     warn_of_changes("buckling load", result.theory_errors)
     return result
+
+
+def _require_rest(system: System, solver: DirectSolver, answer: np.ndarray) -> None:
+    """InputError where terms of the structure strain it before any load: their stresses do not grow with the load factor."""
+    at_rest = getattr(system, "others", None)
+    if not at_rest:
+        return
+    change = solver.solve(-at_rest.force(system.undeformed))
+    if np.abs(change).max() > AT_REST * np.abs(answer).max():
+        raise InputError("no buckling: terms of the structure have forces in its undeformed state, which do not grow with "
+                         "the load factor. Where they belong to the loads, give them load=True; else follow the path with "
+                         "sk.trace, which finds where it loses stability")  # fmt: skip
 
 
 def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:

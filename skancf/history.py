@@ -87,6 +87,12 @@ FULL = Case()
 """Statics under the whole load."""
 
 
+def no_case(value: Any) -> InputError:
+    """What is to be said of a value that stands where a case belongs."""
+    factor = value if isinstance(value, int | float) else 0.5
+    return InputError(f"case = {shown(value)}: give a Case, as in sk.Case({factor}), which has a load factor and a time")
+
+
 def _moment(time: Any) -> float:
     """A time, checked; of a solver's own times it costs one call."""
     return time if type(time) is float and isfinite(time) else number("time", time)

@@ -75,7 +75,7 @@ class Problem:
         plain(self)
         require_surface(self.surface)
         _ = self.section  # what is wrong with it is told here, not where it is first used
-        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "on")):
+        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "part")):
             items = getattr(self, name)
             if not isinstance(items, Sequence) or isinstance(items, str | bytes):
                 raise InputError(f"{name}: give a list, as in {name}=[...], not {shown(items)}")
@@ -83,6 +83,8 @@ class Problem:
             for item in items:
                 if isinstance(item, type) or not hasattr(item, method):
                     raise InputError(f"{name}: {shown(item)} is none; see skancf.{name} for what there is")
+                if name == "loads" and isinstance(item, Addition):
+                    raise InputError(f"loads: {shown(item)} is a term; give it in terms=[...], a FormTerm with load=True")
         if self.damping is not None:
             instance("damping", self.damping, Damping, "a Damping, as in damping=Damping(stiffness=1e-4)")
 

@@ -5,6 +5,7 @@ Newton's method converges slowly, or to the wrong answer. :func:`check_term` fin
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import having, whole
-from skancf.errors import InputError, finite, positive, shown
+from skancf.errors import InputError, finite, positive
 from skancf.history import Case
 from skancf.kernels.constants import AXES, BLOCK
 from skancf.linear import BlockMatrix, BlockPattern
@@ -20,6 +21,7 @@ from skancf.meshes import uniform
 from skancf.problem import Problem
 from skancf.system import System
 from skancf.terms.blocks import Blocks, SkewBlocks
+from skancf.terms.own import check_cells, check_energy, check_force
 from skancf.tolerances import ROUNDED_FORCE, ROUNDED_VALUE, SAME_VALUE
 from skancf.vectors import rotation
 
@@ -113,6 +115,14 @@ def check_term(
     return check.report
 
 
+@contextmanager
+def _blamed() -> Iterator[None]:
+    try:
+        yield
+    except InputError as wrong:
+        raise WrongTerm(str(wrong)) from wrong
+
+
 def _system(term: Any, given: Any, mesh: Any, theory: Any) -> Any:
     if isinstance(given, Problem):
         problem = given if hasattr(term, "force") or term in given.terms else replace(given, terms=(*given.terms, term))
@@ -155,12 +165,8 @@ class _Check:
     def blocks(self) -> None:
         """The cells are blocks of the layout, each once."""
         cells = self.term.couples()
-        if not isinstance(cells, np.ndarray) or cells.ndim != 2 or cells.dtype.kind not in "iu":
-            raise WrongTerm(f"couples(): {shown(cells)}; give an array (m, n) of whole numbers, a row for each cell")
-        outside = cells[(cells < 0) | (cells >= self.layout.n_blocks)]
-        if outside.size:
-            raise WrongTerm(f"couples(): block {outside[0]} is none; the layout has blocks 0 to {self.layout.n_blocks - 1}, "
-                            f"in parts {', '.join(repr(part.name) for part in self.layout.parts)}")  # fmt: skip
+        with _blamed():
+            check_cells(cells, self.layout)
         ordered = np.sort(cells, axis=1)
         twice = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
         if twice.any() and cells is not self.system.shell.cells:
@@ -180,15 +186,14 @@ class _Check:
 
     def _force(self, q: np.ndarray, v: np.ndarray | None, case: Case = CASE) -> np.ndarray:
         force = np.asarray(self.term.force(q.copy(), None if v is None else v.copy(), case))
-        if force.shape != (self.n,) or force.dtype.kind not in "fiu" or not np.isfinite(force).all():
-            raise WrongTerm(f"force: {shown(force)}, of shape {force.shape}; give {self.n} finite numbers, one for each "
-                            "unknown")  # fmt: skip
+        with _blamed():
+            check_force(force, self.n)
         return force
 
     def _energy(self, q: np.ndarray) -> float | None:
         energy = self.term.energy(q.copy(), CASE)
-        if energy is not None and not (np.ndim(energy) == 0 and np.isreal(energy) and np.isfinite(energy)):
-            raise WrongTerm(f"energy: {shown(energy)}; give one finite number, or None where there is no potential")
+        with _blamed():
+            check_energy(energy)
         return None if energy is None else float(energy)
 
     def _way(self) -> np.ndarray:

@@ -122,6 +122,8 @@ NO_SERIES = 64 * EPS
 
 # Convergence
 
+AT_REST = 1e-6
+"""Of what the loads move: what other forces may move a structure that counts as one at rest without loads."""
 ROOT = 1e-14
 """Of the size of what is sought: the last correction of an inner iteration for one place or length."""
 ROOT_OF_COUNTS = 1e-13

@@ -392,6 +392,9 @@ ON_MESH = {
     "abs of residual": ({"residual": lambda v, w: np.abs(w.u[2]) * v[2]}, "residual: derivatives are taken by complex"),
     "moving energy": ({"energy": lambda w: w.v[2]}, "it reads the velocity w.v"),
     "not linear": ({"residual": lambda v, w: v[2] ** 2}, "not linear in v"),
+    "without v": ({"residual": lambda v, w: w.u[2]}, "not linear in v"),
+    "swapped": ({"residual": lambda w, v: w.u[2] * v[2]}, "u: a vector field has grad.*those of w, the last argument"),
+    "truth": ({"energy": lambda w: w.u[2] < 0}, r"an array of shape \(4, 16\); it must return one number for each"),
     "time": ({"energy": lambda w: w.J, "where": "lid"}, "no boundary 'lid'"),
     "nowhere": ({"energy": lambda w: w.J, "where": lambda x, y: x > 5}, "true at no integration point"),
 }  # fmt: skip

@@ -224,6 +224,9 @@ def test_what_layouts_refuse():
         Part("a", np.zeros((1, 3)), np.ones((1, 12)), np.zeros((1, 3)))
 
 
+CELL = np.array([[0, 1]])
+
+
 class Wrong(Addition):
     def __init__(self, cells, matrix):
         self.cells, self.matrix = np.asarray(cells), matrix
@@ -233,12 +236,101 @@ class Wrong(Addition):
 
 
 def test_what_couples_blocks_that_are_not_there_is_named():
-    with pytest.raises(sk.InputError, match="cells name the nodes 0 to 40, the mesh has 0 to 3"):
+    with pytest.raises(sk.InputError, match=r"couples\(\): block 40 is none; the layout has blocks 0 to 3"):
         on([Wrong([[0, 40]], between(1.0))], n=1)
     with pytest.raises(sk.InputError, match=r"matrices of shape \(1, 12, 12\) for cells of shape \(1, 2\): give"):
-        sk.solve_linear(on([Wrong([[0, 1]], np.eye(12))], n=1))
+        own = {"couples": CELL, "add_tangent": lambda self, q, v, case, blocks: blocks.add(CELL, np.eye(12)[None])}
+        sk.solve_linear(on([term_with(**own)], n=1))
     with pytest.raises(sk.InputError, match=r"terms: .* is none"):
         problem([3.0])
+
+
+def term_with(**methods):
+    """A term whose methods return what is given, or are it."""
+    class Given(Addition):
+        def on(self, shell, layout):
+            made = {name: (each if callable(each) else lambda *_, each=each: each) for name, each in methods.items()}
+            return type("Own", (Term,), {"force": lambda self, q, v, case: np.zeros(q.size), **made})()
+
+    return Given()
+
+
+BAD_TERMS = {
+    "short": ({"force": np.zeros(3)}, r"force: array.*of shape \(3,\); give 48 finite numbers"),
+    "nodal": ({"force": np.zeros((4, 4, 3))}, r"of shape \(4, 4, 3\); give 48"),
+    "one number": ({"force": 0.0}, r"force: 0.0, of shape \(\); give 48"),
+    "none": ({"force": None}, "force: None.*give 48 finite numbers"),
+    "complex": ({"force": np.zeros(48) + 1j}, "give 48 finite numbers"),
+    "text": ({"force": np.array(["a"] * 48)}, "give 48 finite numbers"),
+    "not finite": ({"force": np.full(48, np.nan)}, "give 48 finite numbers"),
+    "no force": ({"force": Term.force}, r"has no force: write force\(self, q, v, case\), which returns 48 numbers"),
+    "energies": ({"energy": np.zeros(3)}, "energy: array.*give one finite number, or None"),
+    "text of energy": ({"energy": "much"}, "energy: 'much'; give one finite number"),
+    "complex energy": ({"energy": 1j}, "energy: 1j; give one"),
+    "infinite energy": ({"energy": np.inf}, "energy: inf; give one"),
+    "list of cells": ({"couples": [[0, 1]]}, r"couples\(\): \[\[0, 1\]\]; give an array \(m, n\) of whole numbers"),
+    "row of cells": ({"couples": np.array([0, 1])}, r"give an array \(m, n\) of whole numbers"),
+    "cells of floats": ({"couples": np.array([[0.0, 1.0]])}, r"give an array \(m, n\) of whole numbers"),
+    "histories": ({"histories": None}, r"histories\(\) of .*: None; return a list"),
+    "impulse": ({"impulse": 3.0}, r"impulse\(\) of .*: 3.0; return a time and 48 numbers"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_TERMS)
+def test_terms_are_looked_at_when_a_system_is_made(name):
+    methods, message = BAD_TERMS[name]
+    with pytest.raises(sk.InputError, match=message):
+        on([term_with(**methods)], n=1)
+
+
+def test_a_term_that_writes_into_the_state_is_stopped():
+    with pytest.raises(ValueError, match="read-only") as caught:
+        on([term_with(force=lambda self, q, v, case: q.__iadd__(1e-3))], n=1)
+    assert any("force" in note for note in caught.value.__notes__)
+
+
+def test_additions_return_a_term_and_a_part():
+    class Returns(Addition):
+        def __init__(self, term, part=None):
+            self.term, self.own = term, part
+
+        def on(self, shell, layout):
+            return self.term
+
+        def part(self, geometry):
+            return self.own
+
+    for term in (None, 3.0, [Steady(0, 0, False)]):
+        with pytest.raises(sk.InputError, match=r"the term of .*: give one term from on\(\)"):
+            on([Returns(term)], n=1)
+    with pytest.raises(sk.InputError, match=r"part\(\) of .* returned 3.0; return a skancf.layout.layout.Part"):
+        on([Returns(None, 3.0)], n=1)
+    with pytest.raises(sk.InputError, match="part 'few' is nodal and has 1 blocks: give one for each of the 4 nodes"):
+        on([Returns(None, Part("few", np.zeros((1, 4, 3)), np.ones((1, 12)), np.zeros((1, 3)), nodal=True))], n=1)
+    with pytest.raises(sk.InputError, match="name of a part = 3: give a text"):
+        Part(3, np.zeros((1, 4, 3)), np.ones((1, 12)), np.zeros((1, 3)))
+    with pytest.raises(sk.InputError, match=r"loads: .* is a term; give it in terms"):
+        problem(loads=[sk.FormTerm(energy=lambda w: w.J)])
+    with pytest.raises(sk.InputError, match=r"terms: PointForce.* is none"):
+        problem([sk.PointForce(TIP, (0.0, 0.0, 1.0))])
+
+
+@pytest.mark.parametrize("cells, matrices", [
+    (np.array([0]), np.eye(12)[None]), (np.array([[0.0]]), np.eye(12)[None]), (np.array([[0]]), 1j * np.eye(12)[None]),
+])  # fmt: skip
+def test_matrices_are_real_and_of_rows_of_blocks(cells, matrices):
+    with pytest.raises(sk.InputError, match=r"of whole numbers, a row of blocks|of real numbers"):
+        on(n=1).blocks().add(cells, matrices)
+
+
+def test_a_factor_is_no_case():
+    system = on(supports=[sk.Prescribed("left", (0.1, 0.0, 0.0))], n=1)
+    q = system.undeformed
+    for asked in (system.external_force, system.applied_force, system.tangent, system.skew, system.strain_energy):
+        with pytest.raises(sk.InputError, match=r"case = 0.5: give a Case, as in sk.Case\(0.5\)"):
+            asked(q, 0.5)
+    with pytest.raises(sk.InputError, match=r"sk.Case\(0.5\)"):
+        system.prescribed(0.5)
 
 
 class Constant(Addition):
@@ -300,6 +392,28 @@ def test_a_force_at_rest_of_the_structure_is_no_load(energy, factor):
         # What holds the plate at the place of the push is the push.
         assert np.allclose(a.reactions("left"), [0, 0, 2.0], atol=1e-9)
         assert np.allclose(a.reactions(), [0, 0, 1.0], atol=1e-9), "all that is no load"
+
+
+def test_a_force_at_rest_does_not_grow_with_the_load_factor_in_small_deflections():
+    load, tip = [sk.PointForce(TIP, (0.0, 0.0, -1.0))], sk.Displacement(TIP, (0, 0, 1))
+    own, same = problem([Push((0.0, 0.0, -1.0), True)], load), problem(loads=load)
+    a = sk.adapt(own, tip, rtol=1e-2, linear=True, load_factor=0.4)
+    b = sk.adapt(same, tip, rtol=1e-2, linear=True, load_factor=1.4)
+    assert a.ok and np.isclose(a.value, b.value, rtol=1e-9) and np.isclose(a.error_bar, b.error_bar, rtol=1e-6)
+
+
+def test_a_force_at_rest_has_no_part_in_a_load_factor_of_buckling():
+    squeeze = {"energy": lambda w: 5.0 * w.u[0], "where": "right"}
+    load = [sk.EdgeLoad("right", (-1.0, 0.0, 0.0))]
+    with pytest.raises(sk.InputError, match=r"do not grow with the load factor.*load=True.*sk.trace"):
+        sk.buckling(on([sk.FormTerm(**squeeze)], loads=load), 1)
+    own = on([sk.FormTerm(**squeeze, load=True)], loads=load), on(loads=[sk.EdgeLoad("right", (-6.0, 0.0, 0.0))])
+    found, expected = (sk.buckling(system, 1).load_factors[0] for system in own)
+    assert np.isclose(found, expected, rtol=1e-8)
+    # A tension that the supports hold strains nothing, and stiffens: it counts.
+    held = {"supports": [sk.Clamp("boundary")], "loads": [sk.SurfaceLoad((1.0, 0.0, 0.0))]}
+    tense = [sk.buckling(on(terms, **held), 1).load_factors[0] for terms in ([sk.FormTerm(energy=lambda w: 90.0 * w.J)], [])]
+    assert tense[0] > 1.1 * tense[1]
 
 
 class Damper(Addition):

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import Noted, is_ours
-from skancf.history import Case
+from skancf.history import Case, no_case
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
 from skancf.linear import Constraints
@@ -39,6 +39,8 @@ class PrescribedMotion:
 
     def values(self, case: Case) -> np.ndarray:
         """(n_dofs,); in statics at full amplitude, and at rest where there is none: see ``without_time``."""
+        if not isinstance(case, Case):
+            raise no_case(case)
         total = np.zeros(self.n_dofs)
         for change, history in self.parts:
             total += case.amplitude(history) * change

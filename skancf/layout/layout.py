@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError
+from skancf.errors import InputError, finite
 from skancf.kernels.constants import AXES, BLOCK, VECTORS, R
 
 EVERY = slice(None)
@@ -49,11 +49,13 @@ class Part:
     nodal: bool = False
 
     def __post_init__(self) -> None:
-        n = len(self.undeformed)
+        if not isinstance(self.name, str):
+            raise InputError(f"name of a part = {self.name!r}: give a text")
+        n = np.size(self.undeformed) // BLOCK
         shapes = {"undeformed": (n, VECTORS, AXES), "scales": (n, BLOCK), "places": (n, AXES)}
         for name, shape in shapes.items():
-            value = np.asarray(getattr(self, name), float)
-            if value.shape != shape or not np.isfinite(value).all():
+            value = finite(f"{name} of part {self.name!r}", getattr(self, name))
+            if value.shape != shape:
                 raise InputError(f"{name} of part {self.name!r}, of shape {value.shape}: give finite numbers, {shape}")
             object.__setattr__(self, name, value)
         if not (self.scales > 0).all():

@@ -40,7 +40,7 @@ from skancf.statics.validity import warn_without_time
 from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
-from skancf.tolerances import ZERO_EIGENVALUE
+from skancf.tolerances import AT_REST, ZERO_EIGENVALUE
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
@@ -124,7 +124,7 @@ def buckling(
     Raises
     ------
     InputError
-        When a rigid motion is free, or nothing loads the structure.
+        When a rigid motion is free, nothing loads the structure, or its own terms strain it without a load.
     SingularMatrix
         When some part is a mechanism.
 
@@ -150,6 +150,7 @@ def buckling(
         answer = change_by(system, solver)
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
+        _require_rest(system, solver, answer)
         geometric = geometric_stiffness(system, answer)
         pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
         inverse, shapes, cut, count = pencil.lowest(n, signs)
@@ -163,6 +164,18 @@ def buckling(
     result = BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
     warn_of_changes("buckling load", result.theory_errors)
     return result
+
+
+def _require_rest(system: System, solver: DirectSolver, answer: np.ndarray) -> None:
+    """InputError where terms of the structure strain it before any load: their stresses do not grow with the load factor."""
+    at_rest = getattr(system, "others", None)
+    if not at_rest:
+        return
+    change = solver.solve(-at_rest.force(system.undeformed))
+    if np.abs(change).max() > AT_REST * np.abs(answer).max():
+        raise InputError("no buckling: terms of the structure have forces in its undeformed state, which do not grow with "
+                         "the load factor. Where they belong to the loads, give them load=True; else follow the path with "
+                         "sk.trace, which finds where it loses stability")  # fmt: skip
 
 
 def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:

@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 
 from skancf.errors import DidNotConverge, OutOfDepth
+from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
@@ -47,7 +48,7 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
 
 def small_deflection(system: System, load_factor: float = 1.0, *, backend: str = "auto") -> Solution:
     """:func:`solve_linear` for a system that is known to be supported, without a judgement of its theory."""
-    change = load_factor * small_change(system, backend)
+    change = small_change(system, backend, load_factor)
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
     sizes = np.abs(system.stiffness().diagonal())
@@ -61,17 +62,18 @@ def small_deflection(system: System, load_factor: float = 1.0, *, backend: str =
     return Solution.of(Linearised(system), change, load_factor)
 
 
-def small_change(system: System, backend: str = "auto") -> np.ndarray:
-    """The change of the undeformed state under the whole load, (n_dofs,)."""
+def small_change(system: System, backend: str = "auto", load_factor: float = 1.0) -> np.ndarray:
+    """The change of the undeformed state under so much of the load, (n_dofs,)."""
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         solver.factor(system.stiffness())
-        return change_by(system, solver)
+        return change_by(system, solver, load_factor)
 
 
-def change_by(system: System, solver: DirectSolver) -> np.ndarray:
-    """The same by a solver that has the factors of the stiffness."""
-    model = Linearised(system)
-    moved = model.held(1.0)
-    change = solver.solve(model.external_force(moved) - model.internal_force(moved)) + moved
+def change_by(system: System, solver: DirectSolver, load_factor: float = 1.0) -> np.ndarray:
+    """The same by a solver that has the factors of the stiffness. Forces that the structure's own terms have at rest count
+    whole."""
+    model, case = Linearised(system), Case(load_factor)
+    moved = model.held(load_factor)
+    change = solver.solve(model.external_force(moved, case) - model.internal_force(moved, None, case)) + moved
     solver.warn_if_lost()
     return change

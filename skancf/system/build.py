@@ -15,6 +15,7 @@ from skancf.layout.layout import Layout, Part
 from skancf.loads.acting import Acting
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
+from skancf.terms.own import part_of, term_of
 from skancf.terms.protocols import Assembly
 from skancf.terms.shell import Shell
 from skancf.terms.shells.assemble import assemble
@@ -28,7 +29,7 @@ PLATE = "plate"
 def build(problem: Any, geometry: Geometry) -> System:
     """The system of a problem on a mesh: its layout, its terms, and what supports hold."""
     assembly = assemble(geometry, problem.section)
-    own = [part for part in (addition.part(geometry) for addition in problem.terms) if part is not None]
+    own = [part for part in (part_of(addition, geometry) for addition in problem.terms) if part is not None]
     layout = Layout([Part(PLATE, geometry.undeformed, geometry.scales, geometry.undeformed[:, 0]), *own])
     acting = [_acting(load, assembly) for load in problem.loads]
     heats = [load for load in acting if load.initial_stresses(FULL) is not None]
@@ -36,7 +37,7 @@ def build(problem: Any, geometry: Geometry) -> System:
     springs, dashpots = (_matrices(name, problem.supports, assembly) for name in ("springs", "dashpots"))
     terms: list[Term] = [Springs(springs, shell)] if springs else []
     terms += [Dashpots(dashpots, shell)] if dashpots else []
-    terms += [addition.on(shell, layout) for addition in problem.terms]
+    terms += [term_of(addition, shell, layout) for addition in problem.terms]
     terms += [LoadTerm(load, shell) for load in acting]
     constraints, prescription = constrain(geometry, problem.supports, layout)
     return System(layout, shell, terms, constraints, prescription, problem)

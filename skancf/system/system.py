@@ -110,15 +110,13 @@ class System:
         self.shell.add_tangent(q, v, case, blocks, stresses, stiffer)
         if stiffer != 1:
             blocks.values *= stiffer
-        for term in self.terms[1:]:
-            term.add_tangent(q, v, case, blocks)
+        self.terms.add_tangents(q, v, case, blocks, first=1)
         return blocks.matrix()
 
     def skew(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> sp.csr_matrix | None:
         """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
         blocks = SkewBlocks(self.pattern)
-        for term in self.terms[1:]:
-            term.add_tangent(q, v, case, blocks)
+        self.terms.add_tangents(q, v, case, blocks, first=1)
         return blocks.skew_matrix()
 
     def stiffness(self) -> BlockMatrix:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.errors import InputError
+from skancf.errors import InputError, shown
 from skancf.kernels import gather
 from skancf.kernels.constants import AXES, BLOCK, FUNCTIONS
 from skancf.kernels.schedule import Schedule
@@ -132,8 +132,10 @@ def nodal_matrices(geometry: Geometry, elements: np.ndarray, matrices: np.ndarra
 
 def _split(cells: np.ndarray, matrices: np.ndarray) -> np.ndarray:
     """Blocks (m, n, n, 12, 12) of matrices of cells (m, n)."""
+    if cells.ndim != 2 or cells.dtype.kind not in "iu":
+        raise InputError(f"cells {shown(cells)}: give an array (m, n) of whole numbers, a row of blocks for each matrix")
     m, n = cells.shape
-    if np.shape(matrices) != (m, n * BLOCK, n * BLOCK):
+    if np.shape(matrices) != (m, n * BLOCK, n * BLOCK) or np.asarray(matrices).dtype.kind not in "fiu":
         raise InputError(f"matrices of shape {np.shape(matrices)} for cells of shape {(m, n)}: give "
-                         f"{(m, n * BLOCK, n * BLOCK)}, {BLOCK} unknowns a block")  # fmt: skip
+                         f"{(m, n * BLOCK, n * BLOCK)}, {BLOCK} unknowns a block, of real numbers")  # fmt: skip
     return np.asarray(matrices).reshape(m, n, BLOCK, n, BLOCK).transpose(0, 1, 3, 2, 4)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.history import FULL, Case
+from skancf.history import FULL, Case, no_case
 from skancf.linear import BlockMatrix
 from skancf.terms.blocks import Blocks
 from skancf.terms.term import Term
@@ -28,6 +28,8 @@ class Terms(Sequence[Term]):
 
     def force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """On the left side of the equations, (n_dofs,)."""
+        if not isinstance(case, Case):
+            raise no_case(case)
         return sum((term.force(q, v, case) for term in self._terms), np.zeros(self.n_dofs))
 
     def between(self, q0: np.ndarray, q1: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
@@ -42,9 +44,15 @@ class Terms(Sequence[Term]):
     def tangent(self, q: np.ndarray, case: Case = FULL) -> BlockMatrix | None:
         """Derivative of :meth:`force`, its symmetric part; None where it is zero."""
         blocks = self._blocks()
-        for term in self._terms:
-            term.add_tangent(q, None, case, blocks)
+        self.add_tangents(q, None, case, blocks)
         return None if blocks.is_zero else blocks.matrix()
+
+    def add_tangents(self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Blocks, first: int = 0) -> None:
+        """Add those of all from the ``first`` one on."""
+        if not isinstance(case, Case):
+            raise no_case(case)
+        for term in self._terms[first:]:
+            term.add_tangent(q, v, case, blocks)
 
     def damping(self, q: np.ndarray, v: np.ndarray, case: Case) -> BlockMatrix | None:
         """Derivative of :meth:`force` with respect to v, its symmetric part, without constant matrices; None where it is
@@ -56,6 +64,8 @@ class Terms(Sequence[Term]):
 
     def energy(self, q: np.ndarray, case: Case = FULL) -> float:
         """Of those that have one (J)."""
+        if not isinstance(case, Case):
+            raise no_case(case)
         return sum((term.energy(q, case) or 0.0 for term in self._terms), 0.0)
 
     def turnover(self, q0: np.ndarray, q: np.ndarray, case: Case) -> float:
@@ -89,6 +99,8 @@ class Loads(Terms):
         self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL, potential: bool | None = None
     ) -> np.ndarray:
         """Forces on the body, (n_dofs,): of all, of those that have a potential energy, or of those that have none."""
+        if not isinstance(case, Case):
+            raise no_case(case)
         out = np.zeros(self.n_dofs)
         for term in self._terms:
             if potential is None or potential == (term.energy(q, case) is not None):

@@ -44,6 +44,12 @@ class Vector(np.ndarray):
     def __getitem__(self, key: Any) -> Any:
         return np.asarray(self)[key]
 
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        raise UnknownField(f"{name}: a vector field has grad, hess (theory 'kirchhoff') and d (theory 'full') alone; the "
+                           "fields are those of w, the last argument of a form")  # fmt: skip
+
     @property
     def grad(self) -> np.ndarray:
         return np.stack([self._derivative("_x"), self._derivative("_y")], axis=1)

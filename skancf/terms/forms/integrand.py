@@ -78,7 +78,7 @@ class Integrand:
         shape = chunk.weights.shape
         try:
             value = np.asarray(found)
-            fits = value.dtype.kind in "biufc" and np.broadcast_shapes(value.shape, shape) == shape
+            fits = value.dtype.kind in "iufc" and np.broadcast_shapes(value.shape, shape) == shape
         except ValueError:
             value, fits = np.asarray(0.0), False
         if not fits:

@@ -8,7 +8,7 @@ from skancf.tolerances import HALF_TURN
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Vector product over the first axis; `numpy.cross` takes longer to see that it has three components."""
     first = a[1] * b[2] - a[2] * b[1]
-    out = np.empty((3, *np.shape(first)), first.dtype)
+    out = np.empty((3, *first.shape), first.dtype)
     out[0], out[1], out[2] = first, a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
     return out
 

@@ -155,7 +155,8 @@ class Geometry(Places):
 
     def normal_at(self, mesh_node: int) -> np.ndarray:
         """Unit normal of the undeformed surface at a node of the mesh, (3,)."""
-        return np.asarray(self._normals[mesh_node])
+        normal: np.ndarray = self._normals[mesh_node]
+        return normal
 
     @cached_property
     def _normals(self) -> np.ndarray:
@@ -164,7 +165,8 @@ class Geometry(Places):
 
     def normal_slopes_at(self, mesh_node: int) -> np.ndarray:
         """Its derivatives n_x and n_y, (2, 3); zero at a pole, where they have no meaning."""
-        return np.asarray(self._normal_slopes[mesh_node])
+        slopes: np.ndarray = self._normal_slopes[mesh_node]
+        return slopes
 
     @cached_property
     def _normal_slopes(self) -> np.ndarray:

@@ -12,8 +12,7 @@ of (x, y) where it is true at both ends of one: slopes along them are held too. 
 nodes inside as well, as one with a wide tolerance is, is warned of too, unless it is true everywhere.
 """
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -126,8 +125,7 @@ def space_tangent(geometry: Geometry, node: int, along: np.ndarray) -> np.ndarra
     return np.asarray(tangent / np.linalg.norm(tangent))
 
 
-@dataclass(frozen=True)
-class SpotOfMesh:
+class SpotOfMesh(NamedTuple):
     """The undeformed surface at a node of a mesh: see :class:`skancf.theories.rows.Spot`."""
 
     geometry: Geometry

@@ -1,6 +1,7 @@
 """The plate or shell as a term: strain energy, inertia and free strains of one part of a layout."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,11 @@ class Shell(Term):
         Temperature changes, loads with ``initial_stresses`` and ``temperature``.
     retardation : float
         Factor of the strain rate in the stress (s).
+
+    Attributes
+    ----------
+    nodal, flat : callable
+        Its vectors (n_nodes, 4, 3) of all unknowns (n_dofs,), and such forces of those on its nodes.
     """
 
     def __init__(
@@ -35,14 +41,7 @@ class Shell(Term):
         self.assembly, self.layout, self.name, self.heats = assembly, layout, name, tuple(heats)
         self.geometry, self.retardation = assembly.geometry, retardation
         self.cells = self.geometry.nodes + layout.part(name).start
-
-    def nodal(self, q: np.ndarray) -> np.ndarray:
-        """Its vectors (n_nodes, 4, 3) of all unknowns."""
-        return self.layout.nodal(q, self.name)
-
-    def flat(self, nodal: np.ndarray) -> np.ndarray:
-        """Forces (n_dofs,) of those on its nodes (n_nodes, 4, 3)."""
-        return self.layout.flat(nodal, self.name)
+        self.nodal, self.flat = partial(layout.nodal, name=name), partial(layout.flat, name=name)
 
     def on_elements(self, blocks: Any) -> OnElements:
         """Where matrices of its elements are added."""

@@ -60,13 +60,13 @@ class HermiteNodes:
     def no_turn(self, spot: Spot, edges: Sequence[np.ndarray]) -> list[Row]:
         """The slope across an edge stays in the tangent plane, n . r_,x = 0 all along it: the stretch of the surface at the
         edge is free. Its derivative along the edge is n . r_,xy + n_,y . r_,x = 0. At a point n . r_,x = n . r_,y = 0."""
+        n = spot.normal
         if not edges:
-            return [Row(spot.node, condition({kind: 1.0}, spot.normal), own=spot.own) for kind in self.turns]
+            return [Row(spot.node, condition({kind: 1.0}, n), own=spot.own) for kind in self.turns]
         rows = []
         for along in edges:
             kind = across(along)
-            rows.append(Row(spot.node, condition({kind: 1.0}, spot.normal)))
-            rows.append(Row(spot.node, _along_edge(spot, kind)))
+            rows += [Row(spot.node, condition({kind: 1.0}, n)), Row(spot.node, _along_edge(spot, n, kind))]
         return rows
 
     def symmetric(self, spot: Spot, along: np.ndarray) -> list[Row] | None:
@@ -101,10 +101,10 @@ class HermiteNodes:
             kind = across(along)
             sign = along[2 - kind]  # the derivative by the parameter itself
             rows.append(Row(node, condition({kind: 1.0}, n), float(values[kind])))
-            rows.append(Row(node, _along_edge(spot, kind), rates[kind][k] / sign))
+            rows.append(Row(node, _along_edge(spot, n, kind), rates[kind][k] / sign))
         return rows
 
 
-def _along_edge(spot: Spot, kind: int) -> np.ndarray:
+def _along_edge(spot: Spot, n: np.ndarray, kind: int) -> np.ndarray:
     """Coefficients (12,) of the derivative along the edge of n . r_,x, x across it."""
-    return condition({FOURTH: 1.0, kind: spot.normal_slopes[kind - 1 ^ 1]}, spot.normal)
+    return condition({FOURTH: 1.0, kind: spot.normal_slopes[kind - 1 ^ 1]}, n)

@@ -18,6 +18,8 @@ class Acting:
     """A load on a given mesh; a kind of load overrides what it has. ``q`` has the shape (n_nodes, 4, 3)."""
 
     history: History | None = None
+    follows: bool = True
+    """Whether its force depends on the configuration."""
 
     def histories(self) -> list[Any]:
         """Its functions of time, among them None for one that is constant."""
@@ -67,6 +69,8 @@ class Acting:
 
 class DeadLoad(Acting):
     """A force (n_nodes, 4, 3) that does not depend on the configuration; spread over points (2, n) if it is at some only."""
+
+    follows = False
 
     def __init__(
         self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None, singular: Sequence[Singularity] = ()

@@ -21,6 +21,8 @@ class DeadLoadOnNormals(DeadLoad):
         r_{,\lambda}).
     """
 
+    follows = True
+
     def __init__(self, assembly: Assembly, nodal: np.ndarray, s: np.ndarray, history: History | None):
         super().__init__(nodal, history)
         self.geometry, self.s, sections = assembly.geometry, s, assembly.sections

@@ -22,7 +22,8 @@ class LoadTerm(Term):
         return -self.shell.flat(self.acting.force(self.shell.nodal(q), case))
 
     def add_tangent(self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Any) -> None:
-        self.acting.add_stiffness(self.shell.nodal(q), case, self.shell.on_elements(blocks))
+        if self.acting.follows:
+            self.acting.add_stiffness(self.shell.nodal(q), case, self.shell.on_elements(blocks))
 
     def energy(self, q: np.ndarray, case: Case) -> float | None:
         """The potential energy of weight; other loads have none that is booked."""

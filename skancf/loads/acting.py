@@ -1,6 +1,6 @@
 """What a load is on a mesh, and the ways that forces get to the nodes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -68,20 +68,24 @@ class Acting:
 
 
 class DeadLoad(Acting):
-    """A force (n_nodes, 4, 3) that does not depend on the configuration; spread over points (2, n) if it is at some only."""
+    """A force (n_nodes, 4, 3) that does not depend on the configuration; spread over points (2, n) if it is at some only.
+
+    Its singularities may be a function that finds them when they are asked for.
+    """
 
     follows = False
 
     def __init__(
-        self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None, singular: Sequence[Singularity] = ()
-    ):
+        self, nodal: np.ndarray, history: History | None, at: np.ndarray | None = None,
+        singular: Sequence[Singularity] | Callable[[], Sequence[Singularity]] = (),
+    ):  # fmt: skip
         self.nodal, self.history, self.at, self.singular = nodal, history, at, singular
 
     def force(self, q: np.ndarray, case: Case) -> np.ndarray:
         return np.asarray(case.amplitude(self.history) * self.nodal)
 
     def singularities(self, case: Case) -> list[Singularity]:
-        return list(self.singular)
+        return list(self.singular() if callable(self.singular) else self.singular)
 
     def places(self, case: Case) -> np.ndarray:
         return super().places(case) if self.at is None else self.at

@@ -1,6 +1,7 @@
 """Dead forces per length, on edges and along lines."""
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from typing import Any
 
@@ -32,7 +33,7 @@ class EdgeLoad:
 
     def on(self, assembly: Assembly) -> DeadLoad:
         geometry = assembly.geometry
-        ends = at_place(geometry, self.where, "force", "an EdgeLoad", single=False)
+        ends = partial(at_place, geometry, self.where, "force", "an EdgeLoad", single=False)
         return DeadLoad(on_edges(geometry, self.where, self.force).nodal(geometry), self.history, singular=ends)
 
 

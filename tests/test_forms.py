@@ -362,6 +362,28 @@ def test_the_books_of_a_motion_balance(theory):
     assert np.abs(ledger.balance).max() < 1e-8 * ledger.turnover[-1]
 
 
+@theories
+def test_a_tangent_that_is_not_symmetric_counts_whole_in_small_deflections(theory):
+    """A pressure along the slope in a stream: as the large deflections of a small load, and eigenvalues warn."""
+    surface = sk.Rectangle(1.0, 0.5)
+    mesh, load = sk.meshes.uniform(surface, 3, 2), [sk.SurfaceLoad((0.0, 0.0, -1e-4))]
+    stream = sk.FormTerm(residual=lambda v, w: 8.0 * w.r_x[2] * v[2])
+    found = []
+    for terms in ([stream], [sk.FormTerm(residual=lambda v, w: 0.0 * v[2])]):
+        system = problem(surface, terms, [sk.Clamp("left")], load).on(mesh, theory)
+        small, large = sk.solve_linear(system), sk.solve(system, rtol=1e-10).unwrap()
+        assert close(small.change, large.change, 1e-5)
+        assert np.allclose(small.reactions(), large.reactions(), rtol=1e-5, atol=1e-12)
+        found.append(small.displacement((1.0, 0.5))[2])
+    assert abs(found[0] / found[1] - 1) > 0.05, "the stream counts"
+    streaming = problem(surface, [stream], [sk.Clamp("left")], load)
+    with pytest.warns(sk.OutOfDepth, match="terms of one's own, have no potential"):
+        sk.modes(streaming.on(mesh, theory), 1)
+    small, large = (sk.adapt(streaming, sk.Displacement((1.0, 0.5), (0, 0, 1)), rtol=1e-2, linear=linear, mesh=mesh,
+                             theory=theory, max_dofs=3000) for linear in (True, False))  # fmt: skip
+    assert np.isclose(small.value, large.value, rtol=1e-4) and np.isclose(small.error_bar, large.error_bar, rtol=1e-2)
+
+
 # --- what is refused -------------------------------------------------------------------------------------------------
 
 WRONG = {

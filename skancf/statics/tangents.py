@@ -14,8 +14,8 @@ from skancf.system.system import System
 # A skew part so small against the stiffness is rounding, of edges that are held or lie in a plane of symmetry.
 ROUNDING = 1e-12
 SYMMETRIC_ONLY = (
-    "Loads that follow a free edge have no potential, so that the tangent is not symmetric: only its symmetric part is "
-    "counted, and flutter is not found; a run of simulate(system) shows it"
+    "Loads that follow a free edge, or terms of one's own, have no potential, so that the tangent is not symmetric: only "
+    "its symmetric part is counted, and flutter is not found; a run of simulate(system) shows it"
 )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import charts
-from benchmarks.bars import judge
+from benchmarks.bars import assessment
 from benchmarks.machine import RESULTS
 from benchmarks.rst import machine, table, title
 
@@ -72,9 +72,9 @@ BARS = """\
 ``python -m benchmarks.bars.run`` asks ``adapt`` for the numbers in ``benchmarks/bars/scenes.json``, each to up to three
 tolerances, and compares its bars with right values by formulas, series, or extrapolation of meshes that no estimate has made
 (``benchmarks/bars/references.py``). The scenes were written before the first run. The rule: on no mesh is a bar below
-{judge.LEAST:g} of the true error, on a first mesh {judge.LEAST_FIRST:g}; the median is at most {judge.MEDIAN:g}, and at most
-one of twenty ends above {judge.LARGE:g}. Errors below {judge.KNOWN:g} times the uncertainty of the right value are not
-judged.
+{assessment.LEAST:g} of the true error, on a first mesh {assessment.LEAST_FIRST:g}; the median is at most
+{assessment.MEDIAN:g}, and at most one of twenty ends above {assessment.LARGE:g}. Errors below {assessment.KNOWN:g} times the
+uncertainty of the right value are not assessed.
 
 {told}
 """
@@ -83,11 +83,11 @@ judged.
 def bars(stored: dict[str, Any], folder: Path) -> str:
     """The error bars of ``adapt`` against right values, by kinds of scenes."""
     runs = stored["runs"]
-    total = judge.summary(runs)
-    text = BARS.format(judge=judge, told=judge.told(total))
+    total = assessment.summary(runs)
+    text = BARS.format(assessment=assessment, told=assessment.told(total))
     rows = []
     for kind in dict.fromkeys(kind for run in runs for kind in run["kinds"]):
-        found = judge.summary([run for run in runs if kind in run["kinds"]])
+        found = assessment.summary([run for run in runs if kind in run["kinds"]])
         rows.append([kind, str(found.runs), str(found.reached), *(f"{v:.2f}" for v in found[6:9]),
                      f"{found.share_large:.0%}", str(len(found.broken))])  # fmt: skip
     header = ["kind", "runs", "reached", "least on first meshes", "least later", "median", "above 3", "break the rule"]

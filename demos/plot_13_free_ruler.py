@@ -86,16 +86,16 @@ class Figures:
 
 
 def figures(motion: sk.Motion) -> Figures:
-    """What the book of a run says."""
-    book = motion.ledger
-    free = book.times > min(UNTIL, book.times[-1]) * (1 - 1e-9)
-    energy, angular = book.energy[free], book.angular[free]
+    """What the ledger of a run says."""
+    ledger = motion.ledger
+    free = ledger.times > min(UNTIL, ledger.times[-1]) * (1 - 1e-9)
+    energy, angular = ledger.energy[free], ledger.angular[free]
     ratio = energy / energy[0]
     over = np.flatnonzero(ratio > 2)
     return Figures(
-        book.times[free], ratio, float(energy[0]), float(np.abs(ratio - 1).max()),
-        float(book.times[free][over[0]]) if over.size else None,
-        float(np.linalg.norm(angular - angular[0], axis=1).max() / np.linalg.norm(angular[0])), float(book.times[-1]),
+        ledger.times[free], ratio, float(energy[0]), float(np.abs(ratio - 1).max()),
+        float(ledger.times[free][over[0]]) if over.size else None,
+        float(np.linalg.norm(angular - angular[0], axis=1).max() / np.linalg.norm(angular[0])), float(ledger.times[-1]),
         sum(step.accepted for step in motion.steps), sum(not step.accepted for step in motion.steps), motion.iterations,
         sum(step.factorisations for step in motion.steps),
     )  # fmt: skip

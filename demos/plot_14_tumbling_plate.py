@@ -72,10 +72,10 @@ def throw(system: object, bending: float, rho_inf: float = 1.0, dt: float = STEP
 
 def kept(motion: sk.Motion) -> dict[str, np.ndarray]:
     """How far energy and momenta are from their first values, relatively."""
-    book = motion.ledger
-    out = {"energy": np.abs(book.energy / book.energy[0] - 1)}
+    ledger = motion.ledger
+    out = {"energy": np.abs(ledger.energy / ledger.energy[0] - 1)}
     for name in ("linear", "angular"):
-        values = getattr(book, name)
+        values = getattr(ledger, name)
         out[f"{name} momentum"] = np.linalg.norm(values - values[0], axis=1) / np.linalg.norm(values[0])
     return out
 
@@ -88,13 +88,13 @@ def kept(motion: sk.Motion) -> dict[str, np.ndarray]:
 def draw(motions: dict[str, sk.Motion], spectra: dict[str, sk.Spectrum], modes: sk.Modes, file: Path) -> None:
     """Energies and what is left of them, how the plate bends, and its spectrum."""
     figure, axes = plt.subplots(2, 2, figsize=(13, 8.5), layout="constrained")
-    book = motions["hard"].ledger
-    for name, values in (("kinetic", book.kinetic), ("strain", book.strain), ("both", book.energy)):
-        axes[0, 0].plot(1000 * book.times, values, label=name, lw=1.4)
+    ledger = motions["hard"].ledger
+    for name, values in (("kinetic", ledger.kinetic), ("strain", ledger.strain), ("both", ledger.energy)):
+        axes[0, 0].plot(1000 * ledger.times, values, label=name, lw=1.4)
     axes[0, 0].legend(frameon=True, loc="center right")
     axes[0, 0].set(xlabel="time (ms)", xlim=(0, 50), ylabel="energy (J)", title="Hard throw: energies")
     for name, values in kept(motions["hard"]).items():
-        axes[0, 1].semilogy(1000 * book.times[1:], np.maximum(values[1:], 1e-17), label=name, lw=1.2)
+        axes[0, 1].semilogy(1000 * ledger.times[1:], np.maximum(values[1:], 1e-17), label=name, lw=1.2)
     axes[0, 1].legend(frameon=False, loc="upper left", ncols=3)
     axes[0, 1].set(xlabel="time (ms)", ylabel="relative deviation", ylim=(1e-17, 1e-9), title="Hard throw: what is kept")
     for name, motion in motions.items():
@@ -147,12 +147,12 @@ def main(size: str = "full", out: str = "out") -> dict[str, sk.Motion]:
             # The check of what the rule takes out fails, and is right: it is what is looked at here.
             warnings.simplefilter("ignore", sk.OutOfDepth)
             damped = throw(system, BENDING["hard"], 0.8, dt)
-        book, most = damped.ledger, {key: float(deviation.max()) for key, deviation in kept(damped).items()}
-        lost.append(book.numerical[-1] / book.energy[0])
+        ledger, most = damped.ledger, {key: float(deviation.max()) for key, deviation in kept(damped).items()}
+        lost.append(ledger.numerical[-1] / ledger.energy[0])
         print(f"\nhard, by the default rule in steps of {1000 * dt:g} ms: {lost[-1]:.1%} of the energy dissipated; largest "
               f"deviation: linear momentum {most['linear momentum']:.1e}, angular momentum {most['angular momentum']:.1e}\n"
               f"{damped.checks[-1]}")  # fmt: skip
-        assert book.energy.max() <= book.energy[0] * (1 + 1e-10), book.energy.max()
+        assert ledger.energy.max() <= ledger.energy[0] * (1 + 1e-10), ledger.energy.max()
         assert max(most["linear momentum"], most["angular momentum"]) < 1e-10, most
     assert lost[1] < 0.5 * lost[0] < 0.25, lost
     draw(motions, spectra, modes, folder / "tumbling.png")

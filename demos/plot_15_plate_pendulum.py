@@ -96,11 +96,11 @@ def draw(motions: dict[str, sk.Motion], damped: sk.Motion, file: Path) -> None:
         panel.legend(frameon=False, fontsize=9, loc="center", bbox_to_anchor=(0.6, 0.55))
     undamped = [motion for name, motion in motions.items() if name.startswith(f"{STIFFER:.0e}")][-1]
     for motion, style in ((undamped, "-"), (damped, "--")):
-        book = motion.ledger
-        rows = (("kinetic", book.kinetic, "#0072B2"), ("strain", book.strain, "#D55E00"),
-                ("of the weight", book.potential, "#009E73"), ("all", book.energy, "#202020"))
+        ledger = motion.ledger
+        rows = (("kinetic", ledger.kinetic, "#0072B2"), ("strain", ledger.strain, "#D55E00"),
+                ("of the weight", ledger.potential, "#009E73"), ("all", ledger.energy, "#202020"))
         for key, values, colour in rows:
-            axes[2].plot(book.times, values, style, color=colour, lw=1.5, label=key if style == "-" else None)
+            axes[2].plot(ledger.times, values, style, color=colour, lw=1.5, label=key if style == "-" else None)
     axes[2].set(xlabel="time (s)", ylabel="energy (J)", title=f"Energies, E = {STIFFER:.0e} Pa; with damping broken")
     axes[2].legend(frameon=False, fontsize=9, loc="lower right")
     for panel in axes:

@@ -1,15 +1,14 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
+import importlib
 from typing import TYPE_CHECKING, Any
 
-from skancf import meshes
+from skancf import adaptive, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
 from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
     Below,
     BucklingLoad,
-    Carried,
-    Change,
     Displacement,
     Doerfler,
     Eigenfrequency,
@@ -19,17 +18,19 @@ from skancf.adaptive import (
     Maximum,
     Never,
     Reaction,
+    RemapChange,
+    Remapped,
     Rotation,
     SectionForce,
     StrainEnergy,
     TheoryError,
     adapt,
-    carried,
     find_regions,
     goal_estimate,
     nodal_measure,
-    recovery,
-    residual,
+    recovery_indicator,
+    remap,
+    residual_indicator,
     stress_indicator,
     stress_regions,
     theory_error,
@@ -123,7 +124,7 @@ from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
 if TYPE_CHECKING:
-    from skancf import output
+    from skancf import output, testing
 
 __all__ = [
     "AdaptiveResult",
@@ -134,9 +135,7 @@ __all__ = [
     "Below",
     "BucklingLoad",
     "BucklingResult",
-    "Carried",
     "Case",
-    "Change",
     "Check",
     "Checkpoint",
     "Clamp",
@@ -207,6 +206,8 @@ __all__ = [
     "Ramp",
     "Reaction",
     "Rectangle",
+    "RemapChange",
+    "Remapped",
     "RigidVelocity",
     "Roller",
     "Rotation",
@@ -230,23 +231,33 @@ __all__ = [
     "Trapezoidal",
     "__version__",
     "adapt",
+    "adaptive",
     "buckling",
-    "carried",
+    "dynamics",
     "find_regions",
     "goal_estimate",
+    "loads",
+    "materials",
     "meshes",
     "modes",
     "nodal_measure",
     "output",
     "read_motion",
-    "recovery",
-    "residual",
+    "recovery_indicator",
+    "remap",
+    "residual_indicator",
     "simulate",
     "solve",
     "solve_linear",
     "spectrum",
+    "statics",
     "stress_indicator",
     "stress_regions",
+    "supports",
+    "surfaces",
+    "terms",
+    "testing",
+    "theories",
     "theory_error",
     "through_thickness",
     "trace",
@@ -255,11 +266,9 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """``output`` is loaded when it is first used: many runs show nothing."""
-    if name == "output":
-        import skancf.output
-
-        return skancf.output
+    """``output`` and ``testing`` are loaded when they are first used: many runs show nothing, and few test terms."""
+    if name in ("output", "testing"):
+        return importlib.import_module(f"skancf.{name}")
     raise AttributeError(f"module 'skancf' has no attribute {name!r}")
 
 

@@ -12,11 +12,9 @@ import numpy as np
 from skancf.arguments import choice, function, plain
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.functions import called
+from skancf.tolerances import ONE_TIME
 
 History = Callable[[float], float]
-
-SLACK = 1e-9
-"""Part of a table's range by which a time may be outside it: the rounding of a sum of time steps."""
 
 
 def check_history(history: object) -> None:
@@ -114,7 +112,7 @@ def check_cover(history: Any, begin: float, end: float) -> None:
     if span is None:
         return
     first, last = span
-    slack = SLACK * (last - first)
+    slack = ONE_TIME * (last - first)
     if begin < first - slack or end > last + slack:
         name = getattr(history, "name", type(history).__name__)
         raise InputError(f"{name} from t = {first:.6g} to {last:.6g} s does not cover the run from t = "
@@ -159,7 +157,7 @@ class Tabulated:
 
     def _inside(self, time: float) -> float:
         time, (first, last) = time if type(time) is float else number("time", time), self.span
-        slack = SLACK * (last - first)
+        slack = ONE_TIME * (last - first)
         if not first - slack <= time <= last + slack:
             raise InputError(f"{type(self).__name__} at t = {time} s: its values are from t = {first} to {last} s; give it "
                              "values over the whole run")  # fmt: skip

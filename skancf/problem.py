@@ -17,7 +17,7 @@ from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.supports import Support
 from skancf.surfaces import Surface
-from skancf.surfaces.asked import require_surface, require_vectors
+from skancf.surfaces.checks import require_surface, require_vectors
 from skancf.system.build import build
 from skancf.system.system import System
 from skancf.terms import Addition

@@ -25,10 +25,9 @@ from skancf.materials import Section
 from skancf.system.regularity import singularities
 from skancf.system.system import System
 from skancf.terms.shells.full import BENDING
+from skancf.tolerances import SAME_POINT
 
 IN_PLANE = [0, 1, 5]
-ON = 1e-8
-"""Of the extent of the mesh: nodes this near to a line or a point are on it."""
 TURNS_IN = np.radians(210)
 """Material about a node of the boundary beyond which it is a re-entrant corner, not a vertex of a curved hole's polygon."""
 _patches: "WeakKeyDictionary[System, Patches]" = WeakKeyDictionary()
@@ -144,7 +143,7 @@ def _along(geometry: Geometry, start: np.ndarray, end: np.ndarray) -> np.ndarray
 def _near(geometry: Geometry, apart: np.ndarray) -> np.ndarray:
     """Which differences (n, 2) of places are none, across a seam too."""
     apart = apart - geometry.whole_turns(apart.T).T
-    return np.asarray(np.abs(apart / np.ptp(geometry.mesh.p, axis=1)).max(axis=1) < ON)
+    return np.asarray(np.abs(apart / np.ptp(geometry.mesh.p, axis=1)).max(axis=1) < SAME_POINT)
 
 
 def reentrant_corners(geometry: Geometry) -> dict[int, float]:

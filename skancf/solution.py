@@ -18,11 +18,12 @@ from skancf.recovered import section_forces, strain_excess
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
-from skancf.thinness import BILINEAR, FREE, Fields, ShearForm, share_of, shear_forces
+from skancf.thinness import BILINEAR, Fields, ShearForm, share_of, shear_forces
+from skancf.tolerances import ONE_PLACE, SAME_VALUE
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 # Strains of both faces that differ by no more than this part of the largest are one: there is no depth to choose.
-SAME = 1e-3
+ONE_STRAIN = 1e-3
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,7 @@ class Solution:
         bottom, top = section.z[[0, -1]].tolist()
         low, high = (self.strains(points, face) for face in (bottom, top))
         one_law = (section.stiffness == section.stiffness[0]).all() and (section.expansion == section.expansion[0]).all()
-        if not one_law or np.abs(high - low).max(initial=0.0) > SAME * np.abs([low, high]).max(initial=0.0):
+        if not one_law or np.abs(high - low).max(initial=0.0) > ONE_STRAIN * np.abs([low, high]).max(initial=0.0):
             raise InputError(f"z: stress and strain differ from face to face; say where, as in z='top' ({top:.6g} m), "
                              f"z='bottom' ({bottom:.6g} m), z='middle' or a number between (m)")  # fmt: skip
         return depth
@@ -200,7 +201,7 @@ class Solution:
     def _inside(self, points: Any) -> np.ndarray:
         """Local points (2, n) of the reference square, checked."""
         local = finite("points", points)
-        if local.ndim != 2 or local.shape[0] != 2 or np.abs(local - 0.5).max(initial=0.0) > 0.5 + 1e-9:
+        if local.ndim != 2 or local.shape[0] != 2 or np.abs(local - 0.5).max(initial=0.0) > 0.5 + ONE_PLACE:
             raise InputError(f"points of shape {local.shape}: give points of the reference square as an array (2, n), "
                              "from 0 to 1; at places of the parameter plane there are displacement and position")
         return self.system.geometry.inside(local)
@@ -306,7 +307,7 @@ class Solution:
         thin: Any = system.assembly
         rest = self._of_state(lambda q: thin.membrane_rest(system.shell.nodal(q)))
         energy = self.strain_energy
-        return 0.0 if energy <= FREE * heat else float(thin.rest_energy(rest) / energy)
+        return 0.0 if energy <= SAME_VALUE * heat else float(thin.rest_energy(rest) / energy)
 
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).

@@ -22,6 +22,7 @@ from skancf.problem import Problem
 from skancf.system import System
 from skancf.terms.blocks import Blocks, SkewBlocks
 from skancf.terms.own import check_cells, check_energy, check_force
+from skancf.tolerances import ROUNDED_FORCE, ROUNDED_VALUE, SAME_VALUE
 from skancf.vectors import rotation
 
 STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
@@ -29,7 +30,6 @@ STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 rounding."""
 TURN = (0.7, -1.6, 1.1)
 """Rotation vector of the turned state (rad)."""
-ROUNDING, EXACT = 1e-10, 1e-9
 CASE = Case(factor=0.7, time=0.3)
 VECTORS = ("r", "r_x", "r_y", "the fourth vector")
 
@@ -261,7 +261,7 @@ class _Check:
             up, down = (self._force(q + sign * h * of[0] * way, v + sign * h * of[1] * way) for sign in (1, -1))
             wrong.append(((up - down) / (2 * h) - product) * scales)
         best = min(wrong, key=lambda row: float(np.abs(row).max()))
-        size = max(np.abs(product * scales).max(), ROUNDING * np.abs(self._force(q, v) * scales).max() / STEPS[0])
+        size = max(np.abs(product * scales).max(), ROUNDED_FORCE * np.abs(self._force(q, v) * scales).max() / STEPS[0])
         self._judge(f"{name} against force", float(np.abs(best).max()), float(size),
                     lambda: self._worst_row(name, best, product))  # fmt: skip
         return _part(skew, matrix)
@@ -298,9 +298,9 @@ class _Check:
         if np.shape(force) != (self.n,):
             raise WrongTerm(f"between(): of shape {np.shape(force)}; give {self.n} numbers, one for each unknown")
         change, work = energies[1] - energies[0], float(force @ (q1 - q0))
-        error = max(0.0, abs(work - change) - 1e-13 * abs(energies[1]))
+        error = max(0.0, abs(work - change) - ROUNDED_VALUE * abs(energies[1]))
         self._judge("work between two states against energy", error, float(np.abs(force) @ np.abs(q1 - q0)),
-                    lambda: f"it does the work {work:.9g}, and the energy changes by {change:.9g}", EXACT)  # fmt: skip
+                    lambda: f"it does the work {work:.9g}, and the energy changes by {change:.9g}", SAME_VALUE)  # fmt: skip
 
     def mass(self) -> None:
         """Mass and constant damping are symmetric, mass has no negative part."""
@@ -336,7 +336,7 @@ class _Check:
         except InputError:
             return
         change = np.abs(self._force(q, None)) @ np.abs(turned.ravel() - q)
-        self.report.unchanged = bool(abs(after - energy) <= 1e-9 * max(abs(energy), change))
+        self.report.unchanged = bool(abs(after - energy) <= SAME_VALUE * max(abs(energy), change))
 
 
 MOST_EIGENVALUES = 1500

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from skancf.tolerances import HALF_TURN
+
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Vector product over the first axis; `numpy.cross` takes longer to see that it has three components."""
@@ -33,7 +35,7 @@ def rotation_vector(R: np.ndarray) -> np.ndarray:
     """The vector of :func:`rotation` of a matrix (3, 3), of a length from 0 to pi."""
     axis = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
     sine, cosine = float(np.linalg.norm(axis)), 0.5 * (float(np.trace(R)) - 1)
-    if sine > 1e-7:
+    if sine > HALF_TURN:
         return np.asarray(np.arctan2(sine, cosine) / sine * axis)
     if cosine > 0:
         return axis

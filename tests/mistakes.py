@@ -444,17 +444,17 @@ def add_adaptive(add: Any, s: Scene) -> None:
         kinds={"max_seconds": "optional", "marking": "optional"}, aliases={"indicator": "indicators"},
         takes="mesh:none")  # fmt: skip
     add("adapt by", sk.adapt, problem=s.problem, quantity=sk.Displacement(at), rtol=0.1, mesh=s.plain, linear=True,
-        indicator=sk.recovery, max_levels=1, kinds={"indicator": "any"},
+        indicator=sk.recovery_indicator, max_levels=1, kinds={"indicator": "any"},
         takes="mesh:none", aliases={"indicator": "indicators"})  # fmt: skip
     add("transfer", sk.transfer, state=s.solution, system=s.finer)
-    add("carried", sk.carried, state=s.solution, system=s.finer, acceleration=0 * s.solution.q, settle=True, backend="auto",
+    add("remap", sk.remap, state=s.solution, system=s.finer, acceleration=0 * s.solution.q, settle=True, backend="auto",
         takes="acceleration:none")  # fmt: skip
     add("goal_estimate", sk.goal_estimate, state=s.solution, quantity=sk.Displacement(at), backend="auto",
         halvings=Halvings(np.empty((2, 0)), np.empty(0)))  # fmt: skip
     add("theory_error", sk.theory_error, solution=s.solution, quantity=sk.Displacement(at), backend="auto",
         takes="quantity:none")  # fmt: skip
-    add("residual", sk.residual, state=s.solution, backend="auto")
-    add("recovery", sk.recovery, solution=s.solution)
+    add("residual_indicator", sk.residual_indicator, state=s.solution, backend="auto")
+    add("recovery_indicator", sk.recovery_indicator, solution=s.solution)
     for name in ("stress_indicator", "nodal_measure"):
         add(name, getattr(sk, name), solution=s.solution, components="in_plane", z=0.001, kinds={"z": "optional"})
     add("stress_regions", sk.stress_regions, solution=s.solution, components=["S11"], z=0.001, radius=2.0, size=1.0, cap=2.0,
@@ -484,8 +484,8 @@ def add_adaptive(add: Any, s: Scene) -> None:
     add("SectionForce.value", sk.SectionForce("M11").value, state=s.solution)
     add("Eigenfrequency", sk.Eigenfrequency, number=0, loaded=True)
     add("BucklingLoad", sk.BucklingLoad, number=0)
-    add("Follow", sk.Follow, rtol=0.2, every=10, indicator=sk.recovery, max_dofs=1000, smallest=0.1, coarsest=0, energy=1.0,
-        kinds={"indicator": "function", "energy": "optional"}, takes="max_dofs:half")  # fmt: skip
+    add("Follow", sk.Follow, rtol=0.2, every=10, indicator=sk.recovery_indicator, max_dofs=1000, smallest=0.1, coarsest=0,
+        energy=1.0, kinds={"indicator": "function", "energy": "optional"}, takes="max_dofs:half")  # fmt: skip
 
 
 def add_output(add: Any, s: Scene) -> None:
@@ -518,9 +518,9 @@ def add_output(add: Any, s: Scene) -> None:
         aliases={"path": "file", "modes": "natural"}, takes="modes:none,limit:none")  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),
         colours=np.ones((1, 4)), light=(0.5, -0.4, 0.8), stretch=(1.0, 1.0, 1.0))  # fmt: skip
-    from skancf.output.pictures import Look
+    from skancf.output.pictures import Style
 
-    add("Look", Look, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
+    add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
         show_undeformed=False, title="a", subdivisions=2, size=(300, 200),
         takes="limits:none,subdivisions:none,z:none")  # fmt: skip
 

@@ -94,7 +94,7 @@ def run(name, folder, **more):
 
 def arrays(motion):
     """All that a motion has, as arrays."""
-    parts = {f"{name}_{i}": getattr(part, name) for i, part in enumerate(motion.stretches)
+    parts = {f"{name}_{i}": getattr(part, name) for i, part in enumerate(motion.segments)
              for name in ("times", "q", "v", "outputs")}  # fmt: skip
     records = {f"record_{name}_{i}": a for name, pair in motion.records.items() for i, a in enumerate(pair)}
     events = np.array([astuple(event) for event in motion.ledger.events])

@@ -345,7 +345,7 @@ def test_an_error_that_is_all_at_a_corner_is_no_alarm_while_it_falls():
 
 
 def by_recovery(state):
-    return sk.recovery(state)
+    return sk.recovery_indicator(state)
 
 
 @pytest.mark.parametrize("indicator", ["goal", "residual", "recovery", "stress", by_recovery])
@@ -484,7 +484,7 @@ def test_a_state_in_motion_has_no_such_error():
     plate = hard_plate()
     system = plate.on(quadtree(sk.meshes.uniform(plate.surface, 2, 2)), "kirchhoff")
     moving = sk.Solution(system, system.undeformed, velocity=np.zeros(system.n_dofs), time=0.1)
-    for judged in (lambda: sk.goal_estimate(moving, sk.StrainEnergy()), lambda: sk.residual(moving)):
+    for judged in (lambda: sk.goal_estimate(moving, sk.StrainEnergy()), lambda: sk.residual_indicator(moving)):
         with pytest.raises(InputError, match="state of a motion"):
             judged()
     bare = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 2, 2), "kirchhoff"))

@@ -78,8 +78,8 @@ def test_the_old_scale_would_have_called_a_false_state_converged(monkeypatch):
     """The largest energy of a diverging iteration is no scale: with it alone the same film ends far from balance."""
     from skancf.statics import stopping
 
-    monkeypatch.setattr(stopping.StopRule, "_scale", lambda self, q, load_factor: np.inf)
-    monkeypatch.setattr(stopping.StopRule, "_is_small", lambda self, change, way: True)
+    monkeypatch.setattr(stopping.ConvergenceTest, "_scale", lambda self, q, load_factor: np.inf)
+    monkeypatch.setattr(stopping.ConvergenceTest, "_is_small", lambda self, change, way: True)
     from skancf.linear import DirectSolver
     from skancf.statics import newton
 

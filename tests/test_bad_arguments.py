@@ -11,7 +11,7 @@ import pytest
 from mistakes import Call, Fault, Scene, answer, calls, fault, faults, mistakes, parameters
 
 import skancf as sk
-from skancf.output.pictures import Look
+from skancf.output.pictures import Style
 
 LEAST = 1500
 
@@ -41,15 +41,14 @@ def test_valid_calls_succeed(scene, capsys):
 
 ELSEWHERE = {
     # Results, which the library makes.
-    "AdaptiveResult", "BucklingResult", "Carried", "Change", "Check", "Ledger", "Modes", "Motion", "PathResult", "Spectrum",
-    "TheoryError",
-    "StaticResult", "Samples", "MeshQuadTree", "Status",
+    "AdaptiveResult", "BucklingResult", "Check", "Ledger", "Modes", "Motion", "PathResult", "RemapChange", "Remapped",
+    "Spectrum", "TheoryError", "StaticResult", "Samples", "MeshQuadTree", "Status",
     # Without arguments.
     "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
     "ElementQuadHermite", "Plane",
     # Its functions are asked on a mesh, see test_forms.py.
     "FormTerm",
-    # By the arguments of Look.
+    # By the arguments of Style.
     "picture", "animation",
 }  # fmt: skip
 
@@ -135,7 +134,7 @@ def test_what_a_user_s_function_raises_must_come_with_a_note(scene):
         (lambda s: sk.solve(s.solution), r"system = .*has one as its \.system"),
         (lambda s: sk.solve(sk.Problem), r"system = .*class Problem"),
         (lambda s: s.problem.on(s.system), r"mesh = .*has one as its \.mesh"),
-        (lambda s: sk.recovery(s.result), r"solution = .*has one as its \.solution"),
+        (lambda s: sk.recovery_indicator(s.result), r"solution = .*has one as its \.solution"),
         (lambda s: sk.adapt(s.system, sk.Displacement((0.5, 0.5))), r"problem = .*has one as its \.problem"),
         (lambda s: sk.Isotropic("0.01", 0.3, 1.0), r"young = '0\.01': not a number, but text"),
         (lambda s: sk.Isotropic(1e6, 0.3, np.ma.array(1.0, mask=True)), "density.*masked"),
@@ -144,7 +143,7 @@ def test_what_a_user_s_function_raises_must_come_with_a_note(scene):
         (lambda s: sk.output.picture(s.result, s.folder / "p.png"), r"solution = .*\.solution"),
         (lambda s: sk.output.animation(s.solution, s.folder / "p.gif"), "states = .*motion.states"),
         (lambda s: sk.output.animation([s.result], s.folder / "p.gif"), "solution = .*"),
-        (lambda s: Look(size=(10**6, 10)), "size = .*16384"),
+        (lambda s: Style(size=(10**6, 10)), "size = .*16384"),
         (lambda s: sk.output.read(b"kept.vtu"), "file = b'kept.vtu'"),
         (lambda s: sk.meshes.load("a\0b"), "no path"),
         (lambda s: s.solution.reactions("lefft"), r"where = 'lefft': no boundary 'lefft' on this mesh; it has .*'left'"),

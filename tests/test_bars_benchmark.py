@@ -1,4 +1,4 @@
-"""The benchmark of error bars: its scenes, their right values, and the judge's rule."""
+"""The benchmark of error bars: its scenes, their right values, and the rule for them."""
 
 import json
 from dataclasses import replace
@@ -9,7 +9,7 @@ import pytest
 from reference import two_membranes
 
 import skancf as sk
-from benchmarks.bars import judge, references, run
+from benchmarks.bars import assessment, references, run
 from benchmarks.bars.formulas import FORMULAS
 from benchmarks.bars.statement import FOLDER, kirsch, made, scenes
 from benchmarks.bars.two_membranes import Plate
@@ -101,31 +101,31 @@ def test_data_are_objects():
 
 def test_the_rule_sees_a_bar_that_is_too_small():
     good = stored([1.1, 1.01], [0.09, 0.0095], 1.0)
-    assert judge.summary([good]).holds and not list(judge.broken(good))
-    assert "on mesh 1 of 10 dofs" in next(judge.broken(stored([1.1, 1.01], [0.079, 0.01], 1.0)))
-    assert "on mesh 2 of 10 dofs" in next(judge.broken(stored([1.1, 1.01], [0.1, 0.0089], 1.0)))
+    assert assessment.summary([good]).holds and not list(assessment.broken(good))
+    assert "on mesh 1 of 10 dofs" in next(assessment.broken(stored([1.1, 1.01], [0.079, 0.01], 1.0)))
+    assert "on mesh 2 of 10 dofs" in next(assessment.broken(stored([1.1, 1.01], [0.1, 0.0089], 1.0)))
     rejected = stored([1.1, 1.05, 1.01], [0.1, 0.01, 0.01], 1.0)
     rejected["levels"][1]["rejected"] = True
-    assert not list(judge.broken(rejected))
+    assert not list(assessment.broken(rejected))
 
 
 def test_the_rule_sees_bars_that_are_too_large():
     good, large = stored([1.01], [0.01], 1.0), stored([1.01], [0.031], 1.0)
-    assert judge.summary([good] * 19 + [large]).holds
-    assert not judge.summary([good] * 18 + [large]).holds
-    assert not judge.summary([stored([1.01], [0.016], 1.0)] * 3).holds
+    assert assessment.summary([good] * 19 + [large]).holds
+    assert not assessment.summary([good] * 18 + [large]).holds
+    assert not assessment.summary([stored([1.01], [0.016], 1.0)] * 3).holds
 
 
 def test_errors_below_the_uncertainty_count_apart():
-    found = judge.summary([stored([1.0004], [1e-6], 1.0, uncertainty=1e-4), stored([1.01], [0.01], 1.0)])
-    assert (found.unknown, found.judged) == (1, 1) and found.holds
+    found = assessment.summary([stored([1.0004], [1e-6], 1.0, uncertainty=1e-4), stored([1.01], [0.01], 1.0)])
+    assert (found.unknown, found.assessed) == (1, 1) and found.holds
 
 
 def test_zeros_must_be_held_and_reached():
-    assert not list(judge.broken(stored([1e-18], [1e-17], 0.0)))
-    assert "bar" in next(judge.broken(stored([1e-18], [1e-19], 0.0)))
-    assert "zero" in next(judge.broken(stored([1e-18], [1e-17], 0.0, outcome="BUDGET")))
-    assert "NO_LIMIT" in next(judge.broken(stored([1.01], [0.01], 1.0, outcome="NO_LIMIT")))
+    assert not list(assessment.broken(stored([1e-18], [1e-17], 0.0)))
+    assert "bar" in next(assessment.broken(stored([1e-18], [1e-19], 0.0)))
+    assert "zero" in next(assessment.broken(stored([1e-18], [1e-17], 0.0, outcome="BUDGET")))
+    assert "NO_LIMIT" in next(assessment.broken(stored([1.01], [0.01], 1.0, outcome="NO_LIMIT")))
 
 
 def test_a_run_is_stored_with_the_bar_of_each_mesh():
@@ -138,6 +138,6 @@ def test_a_run_is_stored_with_the_bar_of_each_mesh():
     assert looser["outcome"] == "REACHED" and len(looser["levels"]) < len(found["levels"])
     again = run.run(scene, asked, 1e-2, RIGHT[scene.name]["energy"], 20.0, 20_000)
     assert [again[key] for key in ("value", "bar", "outcome")] == [looser[key] for key in ("value", "bar", "outcome")]
-    assert "| square, clamped | energy |" in judge.markdown([found])
+    assert "| square, clamped | energy |" in assessment.markdown([found])
     failed = run.run(replace(scene, theory="none"), asked, 1e-3, RIGHT[scene.name]["energy"], 20.0, 20_000)
-    assert "InputError" in failed["failed"] and not judge.summary([failed]).holds
+    assert "InputError" in failed["failed"] and not assessment.summary([failed]).holds

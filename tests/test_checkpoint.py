@@ -241,7 +241,7 @@ def test_another_start_is_refused(folder):
 
 
 def test_another_version_is_refused_but_read(folder, monkeypatch):
-    monkeypatch.setattr("skancf.dynamics.asked.__version__", "99.0")
+    monkeypatch.setattr("skancf.dynamics.fingerprint.__version__", "99.0")
     with pytest.raises(sk.InputError, match=r"version = .*, this one 99.0"):
         start(folder)
     assert sk.read_motion(small()[0], folder).status is Status.UNFINISHED
@@ -389,10 +389,10 @@ def test_a_full_disk_ends_the_run_and_keeps_what_there_is(n, tmp_path, monkeypat
     for words in (str(tmp_path / "run"), "No space left on device", "what was computed is kept", "Make room", "resume=True"):
         assert words in cut.message
     assert "Error" not in cut.message and "[Errno" not in cut.message
-    assert cut.stretches[-1].times[-1] == pytest.approx([0.02, 0.02, 0.04, 0.04][n])
+    assert cut.segments[-1].times[-1] == pytest.approx([0.02, 0.02, 0.04, 0.04][n])
     assert not list((tmp_path / "run").glob(".*"))
     read = sk.read_motion(small()[0], tmp_path / "run")
-    assert read.stretches[-1].times[-1] == pytest.approx([0.0, 0.0, 0.02, 0.02][n])
+    assert read.segments[-1].times[-1] == pytest.approx([0.0, 0.0, 0.02, 0.02][n])
     assert same(arrays(start(tmp_path / "whole")), arrays(start(tmp_path / "run"))) == []
     assert files_of(tmp_path / "whole") == files_of(tmp_path / "run")
 
@@ -424,7 +424,7 @@ def test_a_folder_that_is_removed_on_the_way(again, tmp_path):
         return restarts.tip(state)
 
     cut = start(tmp_path / "run", record={"tip": remove})
-    assert cut.status is Status.FAILED and cut.stretches[-1].times[-1] == pytest.approx(0.04)
+    assert cut.status is Status.FAILED and cut.segments[-1].times[-1] == pytest.approx(0.04)
     assert f"folder '{tmp_path / 'run'}' cannot be written any more (it is gone" in cut.message
     assert "until t = 0.02 s" in cut.message
     assert not again or not list((tmp_path / "run").iterdir())
@@ -469,7 +469,7 @@ def test_what_a_stopped_run_computed_is_read_to_its_end(tmp_path):
     cut = start(tmp_path / "run", record={"tip": stop})
     read = sk.read_motion(small()[0], tmp_path / "run")
     assert read.status is Status.INTERRUPTED and read.message == cut.message
-    assert same(arrays(cut), arrays(read)) == [] and read.stretches[-1].times[-1] == pytest.approx(0.035)
+    assert same(arrays(cut), arrays(read)) == [] and read.segments[-1].times[-1] == pytest.approx(0.035)
     assert start(tmp_path / "run").ok
     start(tmp_path / "whole")
     assert files_of(tmp_path / "run") == files_of(tmp_path / "whole")
@@ -478,7 +478,7 @@ def test_what_a_stopped_run_computed_is_read_to_its_end(tmp_path):
 def test_read_on_several_meshes(tmp_path):
     motion = run("meshes", tmp_path / "run")
     read = sk.read_motion(RUNS["meshes"]()[0], tmp_path / "run")
-    assert same(arrays(motion), arrays(read)) == [] and len(read.stretches) > 3
+    assert same(arrays(motion), arrays(read)) == [] and len(read.segments) > 3
     assert read.at(0.09).strain_energy == motion.at(0.09).strain_energy
 
 
@@ -486,7 +486,7 @@ def test_an_event_where_the_run_was_just_written(tmp_path):
     """The output at that time is the state after it; the piece that was written before has the one before it."""
     what = {"loads": [sk.Impulse((1.0, 1.0), (0, 0, 0.1), 0.02)], "outputs": [0.0, 0.02, 0.05]}
     motion = start(tmp_path / "run", **what)
-    assert motion.times.tolist() == [0.0, 0.02, 0.05] and len(motion.stretches) == 2
+    assert motion.times.tolist() == [0.0, 0.02, 0.05] and len(motion.segments) == 2
     assert same(arrays(motion), arrays(sk.read_motion(small(**what)[0], tmp_path / "run"))) == []
     assert same(arrays(motion), arrays(start(tmp_path / "run", **what))) == []
 

@@ -9,7 +9,7 @@ from problems import PULLED, hemisphere
 from reference import elastica, navier
 
 import skancf as sk
-from skancf.adaptive import goal_estimate, residual
+from skancf.adaptive import goal_estimate, residual_indicator
 from skancf.adaptive.singular import touching
 from skancf.meshes import quadtree
 from skancf.statics.linear import small_deflection
@@ -214,13 +214,13 @@ def test_residual_is_a_constant_part_of_the_error_in_energy_norm():
     """The bubbles of nodes, each by itself, take up a nearly constant part of the energy of the error."""
     levels = run("L energy").levels[:5]
     errors = np.sqrt(CASES["L energy"][2] - np.array([level.value for level in levels]))
-    parts = np.sqrt([residual(state).sum() for state in states_on(levels)]) / errors
+    parts = np.sqrt([residual_indicator(state).sum() for state in states_on(levels)]) / errors
     assert BAND[0] < parts.min() and parts.max() < BAND[1], parts
 
 
 
 @pytest.mark.parametrize("n", [4, 8, 16])
-@pytest.mark.parametrize("indicator", [residual, sk.recovery])
+@pytest.mark.parametrize("indicator", [residual_indicator, sk.recovery_indicator])
 def test_indicators_are_largest_at_the_reentrant_corner(indicator, n):
     """On uniform meshes; adaptive ones make them all about as large."""
     system = l_shape().on(uniform_l(n), "kirchhoff")

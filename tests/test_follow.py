@@ -1,4 +1,4 @@
-"""Meshes that follow a motion: fronts and loads are followed, nothing is lost on the way, and it is all in the book."""
+"""Meshes that follow a motion: fronts and loads are followed, nothing is lost on the way, and it is all in the ledger."""
 
 import dataclasses
 import itertools
@@ -72,7 +72,7 @@ def test_following_costs_less_than_the_fine_mesh_and_finds_its_answer(running):
 
 def test_every_change_is_in_the_ledger(running):
     motion, _ = running
-    ledger, parts = motion.ledger, motion.stretches
+    ledger, parts = motion.ledger, motion.segments
     assert len(ledger.events) == sum(a.system is not b.system for a, b in itertools.pairwise(parts)) > 3
     for event, before, after in zip(ledger.events, parts, parts[1:], strict=False):
         assert (event.before, event.after) == (before.system.geometry.n_elements, after.system.geometry.n_elements)
@@ -89,7 +89,7 @@ def test_a_front_that_was_outrun_is_computed_again():
     motion = followed(blow, 0.05, follow=sk.Follow(0.3, every=5))
     again = [event for event in motion.ledger.events if event.again]
     assert again and all(event.after > event.before for event in again)
-    # What was computed in vain counts as rejected, and the times of the book ascend.
+    # What was computed in vain counts as rejected, and the times of the ledger ascend.
     assert sum(not step.accepted for step in motion.steps) >= 5
     assert (np.diff(motion.ledger.times) >= 0).all() and (np.diff(motion.times) > 0).all()
     accepted = sum(step.dt for step in motion.steps if step.accepted)

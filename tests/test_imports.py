@@ -14,10 +14,10 @@ import skancf
 PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
-    "version", "errors", "functions", "arguments", "memory", "checks", "atomic", "history", "progress", "compiled",
-    "threads", "vectors", "elements", "surfaces", "linear", "kernels", "solving", "materials", "meshes", "theories",
-    "layout", "terms", "supports", "loads", "system", "thinness", "problem", "testing", "recovered", "solution", "statics",
-    "dynamics", "adaptive", "output",
+    "version", "tolerances", "errors", "functions", "arguments", "memory", "checks", "atomic", "history", "progress",
+    "compiled", "threads", "vectors", "elements", "surfaces", "linear", "kernels", "solving", "materials", "meshes",
+    "theories", "layout", "terms", "supports", "loads", "system", "thinness", "problem", "testing", "recovered",
+    "solution", "statics", "dynamics", "adaptive", "output",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.name != "__init__.py")
@@ -152,3 +152,16 @@ def test_the_count_of_lines_can_fail():
     body = "\n".join(f"    x{k} = {k}" for k in range(FUNCTION))
     assert long_functions(f"def f():\n{body}") == [f"f: {FUNCTION + 1}"]
     assert long_functions(f'def f():\n    """{"doc" + chr(10) * 90}"""\n    return 1') == []
+
+
+@pytest.mark.parametrize("room", ["adaptive", "dynamics", "loads", "materials", "meshes", "output", "statics", "supports",
+                                  "surfaces", "terms", "testing", "theories"])  # fmt: skip
+def test_rooms_are_names_of_the_package(room):
+    assert room in skancf.__all__ and room in dir(skancf)
+    assert getattr(skancf, room).__name__ == f"skancf.{room}" and getattr(skancf, room).__doc__
+
+
+def test_rooms_are_there_without_another_import():
+    code = "import skancf as sk; sk.loads.Load, sk.supports.Pin, sk.adaptive.Marking, sk.dynamics.MeshEvent, sk.terms.Term"
+    assert "skancf.testing" not in loaded_after(code)
+    assert "skancf.testing" in loaded_after("import skancf as sk; sk.testing.check_term")

@@ -1,4 +1,4 @@
-"""The book of a run with everything on, what is seen when an entry is left out, and runs that do not balance."""
+"""The ledger of a run with everything on, what is seen when an entry is left out, and runs that do not balance."""
 
 from dataclasses import replace
 from functools import cache
@@ -90,8 +90,8 @@ def test_other_rules_balance_to_order_two(rule, theory, own):
 
 def test_at_output_times_it_is_between_the_steps_and_balances_there():
     motion = booked("kirchhoff")
-    ledger, book = motion.ledger, motion.book()
-    assert np.array_equal(book.times, motion.times) and len(book.times) == 7
+    ledger, outputs = motion.ledger, motion.output_ledger()
+    assert np.array_equal(outputs.times, motion.times) and len(outputs.times) == 7
     between = ledger.at(0.5 * (ledger.times[3] + ledger.times[4]))
     for name in COLUMNS:
         values = getattr(ledger, name)

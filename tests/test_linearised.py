@@ -66,7 +66,7 @@ def test_energies_are_quadratic_and_their_derivative_is_the_force(system, change
     energies = [linear.strain_energy(factor * change, CASE) for factor in (-1.0, 0.0, 1.0, 2.0)]
     # A parabola through three of them predicts the fourth.
     assert energies[3] == pytest.approx(3 * energies[2] - 3 * energies[1] + energies[0], rel=1e-9)
-    held = system.shell.held_back_force(system.undeformed, CASE)
+    held = system.shell.initial_stress_force(system.undeformed, CASE)
     slope = (energies[2] - energies[0]) / 2
     assert slope == pytest.approx(float(-held @ change), rel=1e-6)
     assert linear.work(change, CASE) == pytest.approx(0.35 * float(system.applied_force(system.undeformed) @ change))

@@ -94,11 +94,11 @@ def test_impulses_make_velocities_jump(theory):
     assert np.isclose(lengths, 0.01).sum() == len(lengths) - 2 and sum(lengths) == pytest.approx(0.1)
 
 
-def test_stretches_meet_at_an_impulse():
+def test_segments_meet_at_an_impulse():
     times = (0.0337, 0.06)
     loads = [sk.Impulse((1.0, 0.5), (0.0, 0.0, 1.0), t) for t in times]
     motion = quiet(free("kirchhoff", *loads), 0.1, dt=0.01, outputs=11, balance=None)
-    parts = motion.stretches
+    parts = motion.segments
     assert [part.times[0] for part in parts] == pytest.approx([0.0, *times])
     assert [part.times[-1] for part in parts] == pytest.approx([*times, 0.1])
     for one, two in pairwise(parts):
@@ -113,7 +113,7 @@ def test_two_halves_at_one_time_are_one():
     half, whole = (0.0, 0.1, 0.5), (0.0, 0.2, 1.0)
     runs = [quiet(free("full", *loads), 0.05, dt=0.005, outputs=2, balance=None)
             for loads in ([sk.Impulse((1.0, 0.5), half, 0.02)] * 2, [sk.Impulse((1.0, 0.5), whole, 0.02)])]  # fmt: skip
-    assert np.allclose(runs[0].q[-1], runs[1].q[-1], rtol=0, atol=1e-12) and len(runs[0].stretches) == 2
+    assert np.allclose(runs[0].q[-1], runs[1].q[-1], rtol=0, atol=1e-12) and len(runs[0].segments) == 2
 
 
 # --- a moving force --------------------------------------------------------------------------------------------------

@@ -141,11 +141,12 @@ def test_terms_that_remember_do_not_follow_meshes():
 def test_files_hold_arrays_with_names(tmp_path):
     n = sum(step.accepted for step in simulated(tmp_path, term=Remembers, steps=Counting).steps)
     with np.load(tmp_path / "state.npz", allow_pickle=False) as data:
-        names = {"run.now.q", "run.solver.energy", "run.book.sums.work", "run.impulses.missed", "run.steps.count", "run.dt"}
+        names = {"run.now.q", "run.solver.energy", "run.ledger.sums.work", "run.impulses.missed", "run.steps.count",
+                 "run.dt"}  # fmt: skip
         assert names < set(data.files) and data["run.steps.count"] == n
         assert [name for name in data.files if name.endswith("wear.worn")] and data["run.steps.last"].size == 0
     with np.load(tmp_path / "piece_000002.npz", allow_pickle=False) as data:
-        assert data["steps.accepted"].dtype == bool and len(data["book.kinetic"]) == 4 == len(data["steps.dt"])
+        assert data["steps.accepted"].dtype == bool and len(data["ledger.kinetic"]) == 4 == len(data["steps.dt"])
 
 
 @pytest.mark.parametrize(("changes", "words"), [

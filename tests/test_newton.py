@@ -41,7 +41,7 @@ class Until:
     energy: float
     status: Status = Status.CONVERGED
 
-    def judge(self, x, change, energies):
+    def assess(self, x, change, energies):
         return (self.status, "small") if energies[-1] < self.energy else None
 
 

@@ -14,7 +14,7 @@ from skancf import atomic, output
 from skancf.errors import InputError, SkancfError
 from skancf.output.fields import place, readable_unit, unit, values, von_mises
 from skancf.output.files import FILE_ORDER
-from skancf.output.pictures import Look, _title
+from skancf.output.pictures import Style, _title
 from skancf.output.plane import subdivided
 from skancf.output.rendering import check_rendering
 from skancf.output.sampling import grid
@@ -429,8 +429,8 @@ def test_titles_say_at_which_depth_and_of_what_kind_a_state_is():
     plate = sk.Problem(surface, 0.02, law, [sk.Clamp("left")], [load])
     system = plate.on(sk.meshes.uniform(surface, 4, 2), "kirchhoff")
 
-    def title(state, **look):
-        style = Look(**look)
+    def title(state, **options):
+        style = Style(**options)
         return _title(state, style, place(style.field, plate.section, style.z)[1])
 
     small, large = sk.solve_linear(system), sk.solve(system).unwrap()
@@ -458,10 +458,10 @@ def test_samples_take_depths_by_name():
 
 def test_edges_and_undeformed_outline_are_drawn(rested, tmp_path):
     state = moved(rested, by=(0, 0, 1.0))
-    looks = {"full": {}, "no mesh": {"show_mesh": False}, "no outline": {"show_undeformed": False}}
+    choices = {"full": {}, "no mesh": {"show_mesh": False}, "no outline": {"show_undeformed": False}}
     images = {
-        name: pixels(output.picture(state, tmp_path / "a.png", title="", view=(0, -0.01, 1), **look))
-        for name, look in looks.items()
+        name: pixels(output.picture(state, tmp_path / "a.png", title="", view=(0, -0.01, 1), **options))
+        for name, options in choices.items()
     }
     inside = (slice(300, 700), slice(300, 900))
     # Two lines across the middle of the plate, and one along it that may be blended with what is beside it.

@@ -11,7 +11,7 @@ import pytest
 import skancf as sk
 from skancf.loads.acting import Acting
 from skancf.supports.conditions import Row, Support
-from skancf.surfaces.asked import require_surface
+from skancf.surfaces.checks import require_surface
 
 MATERIAL = sk.Isotropic(1e7, 0.3, 1e3)
 PLATE = sk.Rectangle(1.0, 1.0)

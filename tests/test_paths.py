@@ -454,7 +454,7 @@ def test_thin_hinged_roof_snaps_back():
     assert -controlled.displacement((0, 0))[-1, 2] == pytest.approx(centre[turn], rel=2e-2)
 
 
-# --- causes that load steps name -------------------------------------------------------------------------------------
+# --- diagnoses that load steps name -----------------------------------------------------------------------------------
 
 
 def test_load_steps_name_a_limit_point():

@@ -140,7 +140,7 @@ def test_a_gradient_without_skew_stiffness_or_heat_would_be_seen(rng):
     held_part = system.constraints.fixed_part(reaction._motion(system))
     skew = system.skew(solution.q, sk.Case(0.7)) @ held_part
     assert abs(skew @ along) > 1e-5 * np.linalg.norm(reaction.gradient(solution) * along)
-    heat = 0.7 * system.shell.held_back_force(solution.q, sk.Case())
+    heat = 0.7 * system.shell.initial_stress_force(solution.q, sk.Case())
     assert abs(heat @ along) > 1e-5 * np.linalg.norm(energy.gradient(solution) * along)
 
 

@@ -8,7 +8,7 @@ import pytest
 from reference import navier
 
 import skancf as sk
-from skancf.adaptive import Doerfler, nodal_measure, recovery, stress_indicator
+from skancf.adaptive import Doerfler, nodal_measure, recovery_indicator, stress_indicator
 from skancf.adaptive.recovery import recovered
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
@@ -150,7 +150,7 @@ BANDS = {"kirchhoff": [(1.3, 1.7), (1.0, 1.2), (0.97, 1.05)], "full": [(0.8, 1.0
 
 @pytest.mark.parametrize("theory, rate", [("kirchhoff", 2), ("full", 1)])
 def test_effectivity_and_rate_on_a_smooth_problem(theory, rate):
-    estimates = [recovery(simply_supported(theory, n)) for n in (4, 8, 16)]
+    estimates = [recovery_indicator(simply_supported(theory, n)) for n in (4, 8, 16)]
     errors = [true_errors(simply_supported(theory, n)) for n in (4, 8, 16)]
     for estimate, error, (low, high) in zip(estimates, errors, BANDS[theory], strict=True):
         assert low < np.sqrt(estimate.sum() / error.sum()) < high
@@ -200,7 +200,7 @@ def test_a_shallow_shell_in_bending_and_stretching(theory):
         state = solved(roof, [sk.Clamp("boundary")], [PRESSURE], mesh, theory, thickness=0.02)
         energy[n] = state.strain_energy
         if n == 8:
-            estimate = recovery(state).sum()
+            estimate = recovery_indicator(state).sum()
     assert 0.5 < np.sqrt(estimate / (energy[24] - energy[8])) < 1.5
 
 
@@ -210,7 +210,7 @@ def test_a_shallow_shell_in_bending_and_stretching(theory):
 @pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 def test_the_reentrant_corner_of_an_l_has_the_largest_error(theory):
     mesh = sk.meshes.uniform(L_SHAPE, 12, 12, openings=[((0.0, 1.0), (0.0, 1.0))])
-    indicators = recovery(solved(L_SHAPE, [sk.Clamp("boundary")], [PRESSURE], mesh, theory))
+    indicators = recovery_indicator(solved(L_SHAPE, [sk.Clamp("boundary")], [PRESSURE], mesh, theory))
     at_corner = (np.abs(mesh.p[:, mesh.t]).max(axis=0) < 1e-12).any(axis=0)
     assert at_corner.sum() == 3
     assert at_corner[np.argmax(indicators)]
@@ -221,7 +221,7 @@ def test_the_reentrant_corner_of_an_l_has_the_largest_error(theory):
 @pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 def test_symmetric_problems_mark_symmetric_elements(theory):
     solution = simply_supported(theory, 8)
-    indicators, mesh = recovery(solution), solution.system.mesh
+    indicators, mesh = recovery_indicator(solution), solution.system.mesh
     marked = {tuple(np.round(c, 9)) for c in mesh.p[:, mesh.t].mean(axis=1)[:, Doerfler(0.5).marked(indicators)].T}
     assert 0 < len(marked) < 64
     assert marked == {(y, x) for x, y in marked} == {(np.round(1 - x, 9), y) for x, y in marked}
@@ -232,7 +232,7 @@ def test_rings_of_a_disc_have_one_error(theory):
     """Across the seam and about the pole."""
     disc = sk.AnnulusSector(0.0, 1.0, 2 * pi, closed=True)
     mesh = sk.meshes.uniform(disc, 6, 16)
-    indicators = recovery(solved(disc, [sk.Clamp("outer")], [PRESSURE], mesh, theory))
+    indicators = recovery_indicator(solved(disc, [sk.Clamp("outer")], [PRESSURE], mesh, theory))
     ring = np.rint(mesh.p[0, mesh.t].mean(axis=0) * 6 - 0.5).astype(int)
     for k in range(6):
         assert np.ptp(indicators[ring == k]) < 1e-6 * indicators.max()
@@ -245,7 +245,7 @@ def test_constant_moments_have_no_error():
     for theory in ("kirchhoff", "full"):
         problem = sk.Problem(SQUARE, THICKNESS, material, supports, loads)
         solution = sk.solve_linear(problem.on(uneven(), theory))
-        assert recovery(solution).sum() < 1e-10 * solution.strain_energy
+        assert recovery_indicator(solution).sum() < 1e-10 * solution.strain_energy
 
 
 def test_forces_of_a_temperature_change_that_is_held_back_have_no_error():
@@ -254,7 +254,7 @@ def test_forces_of_a_temperature_change_that_is_held_back_have_no_error():
     system = problem.on(uneven(), "kirchhoff")
     held = sk.Solution(system, system.undeformed)
     # Without expansion, forces that are linear in x, and known to the elements.
-    assert recovery(held).sum() < 1e-12 * system.shell.thermal_energy()
+    assert recovery_indicator(held).sum() < 1e-12 * system.shell.thermal_energy()
     assert np.abs(held.section_forces()).max() > 1e-7
 
 
@@ -266,11 +266,11 @@ def test_large_deflections_turned_as_a_whole(theory):
     problem = sk.Problem(SQUARE, THICKNESS, MATERIAL, [sk.Clamp("left")], [sk.EdgeLoad("right", (0, 0, 0.3 * RIGIDITY))])
     state = sk.solve(problem.on(sk.meshes.uniform(SQUARE, 6, 6), theory)).unwrap()
     assert np.abs(state.displacements).max() > 0.05
-    indicators = recovery(state)
+    indicators = recovery_indicator(state)
     c, s = np.cos(1.1), np.sin(1.1)
     turn = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]) @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     turned = sk.Solution(state.system, (state.q.reshape(-1, 3) @ turn.T).ravel())
-    assert recovery(turned) == pytest.approx(indicators, rel=1e-6, abs=1e-9 * indicators.max())
+    assert recovery_indicator(turned) == pytest.approx(indicators, rel=1e-6, abs=1e-9 * indicators.max())
     # Errors are of the size that a mesh of this fineness has, and finite.
     assert 1e-6 < indicators.sum() / state.strain_energy < 0.1
 

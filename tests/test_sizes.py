@@ -10,7 +10,8 @@ import skfem
 
 import skancf as sk
 from skancf import memory
-from skancf.output.pictures import Look
+from skancf.output.pictures import Style
+from skancf.theories import theory_named
 
 GIGABYTE = 10**9
 SURFACE = sk.Rectangle(1.0, 1.0)
@@ -76,7 +77,7 @@ def test_what_does_not_fit_is_refused_at_once(what, system, little):
 def test_with_enough_memory_the_same_is_made(monkeypatch):
     """The bound is what is measured, to half: not a guard that refuses what would fit."""
     for n, theory in ((40, "kirchhoff"), (40, "full")):
-        needed = n * n * memory.SYSTEM[theory]
+        needed = n * n * theory_named(theory).bytes_per_element
         problem = cantilever().problem
         mesh = sk.meshes.uniform(SURFACE, n, n)
         monkeypatch.setattr(memory, "SMALL", 0)
@@ -99,7 +100,7 @@ def test_memory_of_a_set_up_is_what_is_predicted(theory):
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert 2 / 3 < peak / (n * n * memory.SYSTEM[theory]) < 3 / 2
+    assert 2 / 3 < peak / (n * n * theory_named(theory).bytes_per_element) < 3 / 2
 
 
 def test_elements_of_many_shapes_need_more(monkeypatch):
@@ -116,7 +117,7 @@ def test_elements_of_many_shapes_need_more(monkeypatch):
 @pytest.mark.parametrize("size", [(10**5, 10), (10, 10**9), (0, 10), (10.5, 10), (10,)])
 def test_pictures_have_a_size_that_can_be_drawn(size):
     with pytest.raises(sk.InputError, match="size"):
-        Look(size=size)
+        Style(size=size)
 
 
 def test_modes_as_many_as_there_are(system):

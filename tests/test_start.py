@@ -30,7 +30,7 @@ for module in [module for name, module in sys.modules.items() if name.startswith
 print(json.dumps(kernels))
 """
 FORCES = {
-    "kirchhoff": ("thin.kernels", "thin.between_kernel.force_between"),
+    "kirchhoff": ("kirchhoff.kernels", "kirchhoff.between_kernel.force_between"),
     "full": ("full.residual_kernel", "full.tangent_kernel.tangent"),
 }
 
@@ -51,5 +51,5 @@ def test_a_second_process_compiles_nothing(theory):
     # Types of arguments do not differ between callers: each is compiled, and loaded, once.
     assert all(signatures == 1 for _, _, signatures in used.values()), used
     names = " ".join(used)
-    for wanted in (*FORCES[theory], "assembly.local.mass", "linear.kernels.multiply"):
+    for wanted in (*FORCES[theory], "kernels.gather.mass", "linear.kernels.multiply"):
         assert wanted in names, (wanted, names)

@@ -41,10 +41,10 @@ def test_states_at_the_end_of_every_step(theory):
     assert np.array_equal(motion.times, [0.0, *ends])
     # At the time of the impulse the state is the one after it; velocities jump there, places do not.
     (k,) = np.flatnonzero(motion.times == 0.041)
-    assert len(motion.stretches) == 2
-    before, after = motion.stretches[0].v[-1], motion.stretches[1].v[0]
+    assert len(motion.segments) == 2
+    before, after = motion.segments[0].v[-1], motion.segments[1].v[0]
     assert np.array_equal(motion.v[k], after) and np.abs(after - before).max() > 0.1 * np.abs(after).max()
-    assert np.array_equal(motion.stretches[0].q[-1], motion.stretches[1].q[0])
+    assert np.array_equal(motion.segments[0].q[-1], motion.segments[1].q[0])
     times, tip = motion.records["tip"]
     assert np.array_equal(np.unique(times), motion.times) and np.array_equal(motion.displacement((0.5, 0.2))[-1], tip[-1])
     # These are the states that a run with other outputs has at its end.

@@ -7,7 +7,7 @@ import pytest
 
 import skancf as sk
 from skancf.dynamics.step_solver import StepOutcome
-from skancf.solving import kept
+from skancf.solving import run_steps
 from skancf.statics import NewtonResult
 
 WORKED = {sk.Status.CONVERGED, sk.Status.FINISHED, sk.Status.REACHED}
@@ -64,7 +64,9 @@ def run(end, keeps=True):
             return end
         done.append(len(done))
 
-    said = kept(step, lambda: f" after {len(done)}" if keeps else None, lambda error: f"kept: {error}" if keeps else None)
+    said = run_steps(
+        step, lambda: f" after {len(done)}" if keeps else None, lambda error: f"kept: {error}" if keeps else None
+    )
     return done, said
 
 

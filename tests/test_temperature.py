@@ -176,11 +176,11 @@ def test_energy_is_that_of_the_stress(theory):
     """None in a plate that expands freely, E alpha^2 T^2 V / 2 in a bar between walls; a quarter at half the load."""
     change = 50.0
     load = sk.Temperature(change)
-    held_back = E * ALPHA**2 * change**2 / (1 - NU) * 0.6 * T  # of the plate
+    prevented = E * ALPHA**2 * change**2 / (1 - NU) * 0.6 * T  # of the plate
     for solve in (sk.solve_linear, lambda system: sk.solve(system, rtol=1e-12).unwrap()):
         free = solve(system_on(theory, PLATE, JUST_HELD, load))
         # The rounding of its parts, each as large as what is held back.
-        assert abs(free.strain_energy) < 1e-12 * held_back
+        assert abs(free.strain_energy) < 1e-12 * prevented
         assert free.work == 0 and free.shear_share == 0
     supports = [sk.Roller(["left", "right"], (1, 0, 0)), sk.Prescribed((0.0, 0.0), (None, 0.0, None)),
                 sk.Roller("boundary")]  # fmt: skip

@@ -1,5 +1,8 @@
 """Terms and unknowns of the user's own, in every solver: a body on a spring, and a second block at each node."""
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
@@ -454,3 +457,19 @@ def test_the_work_of_a_force_against_the_velocity_is_booked(rule):
     assert ledger.work[-1] < free.ledger.work[-1], "its work is negative"
     tolerance = 1e-6 if isinstance(rule, sk.EnergyMomentum) else 0.05
     assert np.abs(ledger.balance).max() < tolerance * ledger.turnover[-1]
+
+
+def test_a_system_lives_as_long_as_it_is_used():
+    """Nothing of it refers back to it, so that meshes of a long run do not pile up until a collection."""
+    system = on([Second(mass=1.0)], supports=[sk.Clamp("left"), sk.Foundation(10.0)], n=2)
+    results = [sk.solve(system), sk.solve_linear(system), sk.modes(system, 1),
+               sk.simulate(system, 0.01, dt=0.005, progress=False)]  # fmt: skip
+    assert system.to_mesh.shape[1] == system.n_dofs and system.inertia.total > 0 and results[1].strain_energy > 0
+    alive = [weakref.ref(each) for each in (system, system.pattern, system.layout, system.shell)]
+    gc.collect()
+    gc.disable()
+    try:
+        del system, results
+        assert [each() for each in alive] == 4 * [None]
+    finally:
+        gc.enable()

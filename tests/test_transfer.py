@@ -9,8 +9,8 @@ from problems import SURFACES
 
 import skancf as sk
 from skancf.adaptive import transfer
-from skancf.adaptive.between import Interpolation, prolongation
-from skancf.adaptive.carry import carried
+from skancf.adaptive.interpolation import Interpolation, prolongation
+from skancf.adaptive.remap import remap
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.errors import InputError
 from skancf.meshes import quadtree, uniform
@@ -223,7 +223,7 @@ def test_the_projection_is_orthogonal(change, rng):
     mesh = tree("flat")
     old, new = (system_on("flat", "kirchhoff", m, [sk.Pin("left")]) for m in (mesh, change(mesh)))
     state = random_state(old, rng)
-    values = carried(state, new, state.velocity).a
+    values = remap(state, new, state.velocity).a
     everywhere = mesh.refined()
     _, at, weights = points_in(everywhere)
     elements = new.mesh.element_finder()(*at)
@@ -250,7 +250,7 @@ def test_a_plain_projection_keeps_the_momenta_of_the_undeformed_place(theory, ch
     mesh = tree("flat")
     old, new = (system_on("flat", theory, m) for m in (mesh, change(mesh)))
     state = random_state(old, rng)
-    v = carried(state, new, state.velocity).a
+    v = remap(state, new, state.velocity).a
     there = sk.Solution(new, new.undeformed, v)
     if theory == "kirchhoff":
         assert np.abs(momentum(there) - momentum(state)).max() < 1e-12 * np.abs(momentum(state)).max()
@@ -337,7 +337,7 @@ def test_on_curved_surfaces_the_projection_changes_the_momentum_with_the_areas(t
         velocity = np.zeros((old.geometry.n_nodes, 4, 3))
         velocity[:, 0] = (1.0, 2.0, 3.0)
         state = sk.Solution(old, old.undeformed, velocity.ravel())
-        plain = sk.Solution(new, new.undeformed, carried(state, new, state.velocity).a)
+        plain = sk.Solution(new, new.undeformed, remap(state, new, state.velocity).a)
         before, after = momentum(state)[:3], momentum(plain)[:3]
         errors.append(np.abs(after - before).max() / np.abs(before).max())
         assert np.abs(momentum(transfer(state, new))[:3] - before).max() < 1e-12 * np.abs(before).max()

@@ -19,7 +19,7 @@ import numpy as np
 
 import skancf as sk
 from benchmarks.bars.formulas import FORMULAS, Value
-from benchmarks.bars.statement import FOLDER, Asked, Scene, scenes
+from benchmarks.bars.statement import FOLDER, Goal, Scene, scenes
 from benchmarks.bars.two_membranes import Plate
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.atomic import replacing
@@ -77,7 +77,7 @@ def values_on(scene: Scene, quantities: list[Any], mesh: Any) -> np.ndarray:
     return np.array([value(quantity) for quantity in quantities])
 
 
-def uniform(scene: Scene, asked: list[Asked]) -> list[Value]:
+def uniform(scene: Scene, asked: list[Goal]) -> list[Value]:
     by = asked[0].by
     (nx, ny, times), along = by["uniform"], by.get("along", "xy")
     counts = [(nx * 2**k if "x" in along else nx, ny * 2**k if "y" in along else ny) for k in range(times)]
@@ -98,7 +98,7 @@ def limit_of(scene: Scene, quantity: Any, values: list[float]) -> tuple[float, f
     return limit, doubt
 
 
-def graded(scene: Scene, asked: list[Asked]) -> list[Value]:
+def graded(scene: Scene, asked: list[Goal]) -> list[Value]:
     """For each fineness the limit in the number of levels; of these the limit in the fineness."""
     by, limits = asked[0].by, []
     for times in range(TIMES):
@@ -127,7 +127,7 @@ def graded_mesh(scene: Scene, by: dict[str, Any], levels: int, times: int) -> An
     return mesh
 
 
-def polygon(scene: Scene, asked: list[Asked]) -> list[Value]:
+def polygon(scene: Scene, asked: list[Goal]) -> list[Value]:
     (x, y), corner = asked[0].by["polygon"], asked[0].by.get("corner", False)
     surface, found = scene.problem.surface, []
 
@@ -146,19 +146,19 @@ def polygon(scene: Scene, asked: list[Asked]) -> list[Value]:
     return [(two, abs(two - one), source) for one, two in zip(*found, strict=True)]
 
 
-def formula(scene: Scene, asked: list[Asked]) -> list[Value]:
+def formula(scene: Scene, asked: list[Goal]) -> list[Value]:
     return [FORMULAS[one.by["formula"][0]](*one.by["formula"][1:]) for one in asked]
 
 
-def given(scene: Scene, asked: list[Asked]) -> list[Value]:
+def given(scene: Scene, asked: list[Goal]) -> list[Value]:
     return [(one.by["value"], 0.0, one.by["source"]) for one in asked]
 
 
-def zero(scene: Scene, asked: list[Asked]) -> list[Value]:
+def zero(scene: Scene, asked: list[Goal]) -> list[Value]:
     return [(0.0, 0.0, one.by["zero"]) for one in asked]
 
 
-WAYS: dict[str, Callable[[Scene, list[Asked]], list[Value]]] = {
+WAYS: dict[str, Callable[[Scene, list[Goal]], list[Value]]] = {
     "formula": formula, "polygon": polygon, "uniform": uniform, "graded": graded, "value": given, "zero": zero,
 }  # fmt: skip
 

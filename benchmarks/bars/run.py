@@ -1,9 +1,9 @@
-"""Asks ``adapt`` for every number of the scenes, and judges its error bars against the right values.
+"""Asks ``adapt`` for every number of the scenes, and assesses its error bars by the right values.
 
     python -m benchmarks.bars.run [--only TEXT ...] [--jobs 1] [--seconds 60] [--max-dofs 25000] [--name bars]
 
 Writes ``results/bars.json`` with every mesh of every run, and ``bars.md`` beside it. The exit code is 1 where the rule is
-broken: see ``judge.py``.
+broken: see ``assessment.py``.
 """
 
 import argparse
@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 import skancf as sk
-from benchmarks.bars import judge
-from benchmarks.bars.statement import FOLDER, Asked, Scene, scenes
+from benchmarks.bars import assessment
+from benchmarks.bars.statement import FOLDER, Goal, Scene, scenes
 from benchmarks.machine import RESULTS, facts, with_threads, write
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,7 +32,7 @@ def references() -> dict[str, Any]:
     return dict(json.loads((FOLDER / "references.json").read_text(encoding="utf-8")))
 
 
-def head(scene: Scene, asked: Asked, rtol: float, right: dict[str, Any]) -> dict[str, Any]:
+def head(scene: Scene, asked: Goal, rtol: float, right: dict[str, Any]) -> dict[str, Any]:
     """What is known of a run before it is begun."""
     return {
         "scene": scene.name, "asked": asked.name, "kinds": list(scene.kinds), "rtol": rtol, "right": right["value"],
@@ -40,7 +40,7 @@ def head(scene: Scene, asked: Asked, rtol: float, right: dict[str, Any]) -> dict
     }  # fmt: skip
 
 
-def run(scene: Scene, asked: Asked, rtol: float, right: dict[str, Any], seconds: float, max_dofs: int) -> dict[str, Any]:
+def run(scene: Scene, asked: Goal, rtol: float, right: dict[str, Any], seconds: float, max_dofs: int) -> dict[str, Any]:
     """One run as it is stored."""
     out = head(scene, asked, rtol, right)
     begun = time.perf_counter()
@@ -93,7 +93,7 @@ def of_scene(name: str, only: list[str], seconds: float, max_dofs: int) -> Itera
         yield strict
 
 
-def wanted(scene: Scene, asked: Asked, only: list[str]) -> bool:
+def wanted(scene: Scene, asked: Goal, only: list[str]) -> bool:
     """Is one of the texts in the names, or a kind of the scene?"""
     title = f"{scene.name}: {asked.name}"
     return not only or any(text in title or text in scene.kinds for text in only)
@@ -124,14 +124,14 @@ def in_process(scene: Scene, arguments: argparse.Namespace) -> list[dict[str, An
 
 
 def tell(found: dict[str, Any]) -> None:
-    what = "; ".join(judge.broken(found))
+    what = "; ".join(assessment.broken(found))
     if not found.get("failed"):
-        end = judge.last(found)
+        end = assessment.last(found)
         size = "   -" if end.efficiency is None else f"{end.efficiency:4.3g}"
         what = f"{size} {found['outcome']:<9}{end.dofs:>7} dofs {found['seconds']:>5.1f} s" + (
             f"  BROKEN {what}" if what else ""
         )
-    print(f"{judge.title(found):<70.70} {what}", flush=True)
+    print(f"{assessment.title(found):<70.70} {what}", flush=True)
 
 
 def main() -> int:
@@ -157,9 +157,9 @@ def main() -> int:
         f"{arguments.name}.json",
         {"machine": machine, "seconds": arguments.seconds, "max_dofs": arguments.max_dofs, "runs": runs},
     )
-    (RESULTS / f"{arguments.name}.md").write_text(judge.markdown(runs), encoding="utf-8")
-    total = judge.summary(runs)
-    print(judge.told(total), RESULTS / f"{arguments.name}.md", sep="", end=os.linesep)
+    (RESULTS / f"{arguments.name}.md").write_text(assessment.markdown(runs), encoding="utf-8")
+    total = assessment.summary(runs)
+    print(assessment.told(total), RESULTS / f"{arguments.name}.md", sep="", end=os.linesep)
     return 0 if total.holds else 1
 
 

@@ -83,7 +83,7 @@ def made(data: Any) -> Any:
     return make(*(made(value) for value in (given if isinstance(given, list) else [given])))
 
 
-class Asked(NamedTuple):
+class Goal(NamedTuple):
     """A quantity of a scene, with the tolerances it is asked to, and how its right value is found."""
 
     name: str
@@ -98,7 +98,7 @@ class Scene:
 
     name: str
     problem: sk.Problem
-    asked: tuple[Asked, ...]
+    asked: tuple[Goal, ...]
     first: tuple[int, int] | None
     openings: tuple[Any, ...]
     linear: bool
@@ -128,7 +128,7 @@ def scene(data: dict[str, Any], stored: dict[str, Any]) -> Scene:
     """A scene of a file's data."""
 
     asked = tuple(
-        Asked(
+        Goal(
             name,
             made(one["quantity"]),
             tuple(one.get("rtol", data.get("rtol", stored["rtol"]))),

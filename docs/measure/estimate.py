@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 import skancf as sk
-from skancf.adaptive.between import prolongation
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.grow import SMALLEST, may_be_quartered
+from skancf.adaptive.interpolation import prolongation
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.singular import singular_points, touching
 from skancf.adaptive.transfer import transfer

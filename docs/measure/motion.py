@@ -15,8 +15,8 @@ import numpy as np
 from tables import write
 
 import skancf as sk
-from skancf.adaptive.between import Interpolation
-from skancf.adaptive.carry import carried
+from skancf.adaptive.interpolation import Interpolation
+from skancf.adaptive.remap import remap
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import StepSolver
 from skancf.linear import DirectSolver
@@ -95,7 +95,7 @@ def energies() -> list[list[Any]]:
             mesh, total = state.system.mesh, state.strain_energy + state.kinetic_energy
             for other in (mesh.coarsened(np.arange(mesh.nelements)), half(mesh), mesh.refined()):
                 new = on(state.system, other)
-                plain, settled = (carried(state, new, settle=settle) for settle in (False, True))
+                plain, settled = (remap(state, new, settle=settle) for settle in (False, True))
                 finer = other.nelements > 2 * mesh.nelements
                 found = [plain.q, None if finer else projected(state, new), settled.q]
                 rises = [None if q is None else (new.strain_energy(q) - state.strain_energy) / total for q in found]
@@ -137,7 +137,7 @@ def run(system: System, place: tuple[float, float], settle: bool | None, stretch
             ends = np.flatnonzero(along > 0.75 if k % 4 == 0 else along < 0.25)
             other = mesh.refined(np.flatnonzero(mesh.levels == 0)) if k % 2 else mesh.coarsened(ends)
             new = on(system, other)
-            found = carried(state, new, settle=settle)
+            found = remap(state, new, settle=settle)
             state = sk.Solution(new, found.q, found.v, state.time)
     return (state.strain_energy + state.kinetic_energy) / first - 1
 
@@ -161,8 +161,8 @@ def costs() -> list[list[Any]]:
 
         calls: list[Callable[[], Any]] = [
             lambda problem=problem, theory=theory: problem.on(other, theory).mass,
-            lambda state=state, new=new, a=a: carried(state, new, a, settle=False),
-            lambda state=state, new=new, a=a: carried(state, new, a),
+            lambda state=state, new=new, a=a: remap(state, new, a, settle=False),
+            lambda state=state, new=new, a=a: remap(state, new, a),
             lambda step=step: step(True),
             lambda step=step: step(False),
         ]  # fmt: skip

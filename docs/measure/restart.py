@@ -48,7 +48,7 @@ def one(folder: Path) -> None:
     """A whole process: the run, and its results beside its files."""
     motion = run(folder).unwrap()
     np.savez(folder / "results.npz", times=motion.times, **motion.ledger.table(), tip=motion.records["tip"][1],
-             **{f"{name}_{k}": getattr(s, name) for k, s in enumerate(motion.stretches) for name in ("q", "v")})  # fmt: skip
+             **{f"{name}_{k}": getattr(s, name) for k, s in enumerate(motion.segments) for name in ("q", "v")})  # fmt: skip
 
 
 def process(folder: Path) -> subprocess.Popen:
@@ -75,7 +75,7 @@ def kills(rng: random.Random) -> list[tuple[int, float, float, str]]:
             running.kill()
             running.wait()
             begun_once = (cut / "state.npz").exists()
-            reached = float(sk.read_motion(system, cut).stretches[-1].times[-1]) if begun_once else 0.0
+            reached = float(sk.read_motion(system, cut).segments[-1].times[-1]) if begun_once else 0.0
             rows.append((k, wait, reached, "yes" if equal(cut, whole, "piece*") else "no"))
             print(rows[-1], flush=True)
         begun = time.perf_counter()

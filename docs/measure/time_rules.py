@@ -139,13 +139,13 @@ def run(case: Case, rule: object) -> sk.Motion:
 
 def row(name: str, case: Case, rule: str) -> list[str]:
     motion = run(case, RULES[rule])
-    book = motion.ledger
+    ledger = motion.ledger
     accepted = sum(step.accepted for step in motion.steps)
-    turned = np.linalg.norm(book.momentum_balance[:, 1], axis=1).max() / np.linalg.norm(book.angular, axis=1).max()
+    turned = np.linalg.norm(ledger.momentum_balance[:, 1], axis=1).max() / np.linalg.norm(ledger.angular, axis=1).max()
     return [
-        name, f"{1e3 * case.dt:g}", rule, f"{book.times[-1]:.3g}", str(accepted), str(len(motion.steps) - accepted),
-        f"{motion.iterations / max(accepted, 1):.1f}", f"{max(book.balance.max() / book.turnover[-1], 0.0):.1e}",
-        f"{book.numerical[-1] / book.turnover[-1]:.1e}", f"{turned:.0e}" if case.free else "",
+        name, f"{1e3 * case.dt:g}", rule, f"{ledger.times[-1]:.3g}", str(accepted), str(len(motion.steps) - accepted),
+        f"{motion.iterations / max(accepted, 1):.1f}", f"{max(ledger.balance.max() / ledger.turnover[-1], 0.0):.1e}",
+        f"{ledger.numerical[-1] / ledger.turnover[-1]:.1e}", f"{turned:.0e}" if case.free else "",
         case.seen(motion) if case.seen else "",
     ]  # fmt: skip
 

@@ -48,9 +48,9 @@ class Record:
         self.energy, self.strain, self.linear, self.angular = (np.zeros((0, *shape)) for shape in ((), (), (3,), (3,)))
 
     def add(self, motion: sk.Motion) -> None:
-        book, begin = motion.ledger, 1 if len(self.energy) else 0
+        ledger, begin = motion.ledger, 1 if len(self.energy) else 0
         for name in ("energy", "strain", "linear", "angular"):
-            setattr(self, name, np.concatenate([getattr(self, name), getattr(book, name)[begin:]]))
+            setattr(self, name, np.concatenate([getattr(self, name), getattr(ledger, name)[begin:]]))
         self.iterations += motion.iterations
 
     def row(self) -> list[str]:

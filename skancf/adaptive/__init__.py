@@ -1,14 +1,14 @@
 """Meshes that refine themselves: quantities of interest, indicators, marking, transfer, and the loop."""
 
-from skancf.adaptive.carry import Carried, Change, carried
-from skancf.adaptive.estimate import Estimate, goal_estimate, residual
+from skancf.adaptive.estimate import Estimate, goal_estimate, residual_indicator
 from skancf.adaptive.follow import Follow
 from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.loop import adapt
 from skancf.adaptive.marking import AllElements, Below, Doerfler, Even, FixedFraction, Marking, Maximum, Never
 from skancf.adaptive.quantities import Displacement, Quantity, Reaction, Rotation, SectionForce, StrainEnergy
-from skancf.adaptive.recovery import recovery
+from skancf.adaptive.recovery import recovery_indicator
 from skancf.adaptive.regions import find_regions
+from skancf.adaptive.remap import RemapChange, Remapped, remap
 from skancf.adaptive.result import AdaptiveResult, Level
 from skancf.adaptive.stability import BucklingLoad
 from skancf.adaptive.stress import nodal_measure, stress_indicator, stress_regions
@@ -17,9 +17,9 @@ from skancf.adaptive.transfer import transfer
 from skancf.adaptive.vibration import Eigenfrequency
 
 __all__ = [
-    "AdaptiveResult", "AllElements", "Below", "BucklingLoad", "Carried", "Change", "Displacement", "Doerfler",
-    "Eigenfrequency", "Estimate", "Even", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never",
-    "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy", "TheoryError", "adapt", "carried", "drift",
-    "find_regions", "goal_estimate", "no_limit", "nodal_measure", "recovery", "residual", "stress_indicator",
-    "stress_regions", "theory_error", "transfer",
+    "AdaptiveResult", "AllElements", "Below", "BucklingLoad", "Displacement", "Doerfler", "Eigenfrequency", "Estimate",
+    "Even", "FixedFraction", "Follow", "Level", "Marking", "Maximum", "Never", "Quantity", "Reaction", "RemapChange",
+    "Remapped", "Rotation", "SectionForce", "StrainEnergy", "TheoryError", "adapt", "drift", "find_regions",
+    "goal_estimate", "no_limit", "nodal_measure", "recovery_indicator", "remap", "residual_indicator",
+    "stress_indicator", "stress_regions", "theory_error", "transfer",
 ]  # fmt: skip

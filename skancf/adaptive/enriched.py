@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.between import Interpolation, ancestors_in
 from skancf.adaptive.energies import Strained, energies, virtual_work
 from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE, may_be_quartered
+from skancf.adaptive.interpolation import Interpolation, ancestors_in
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
 from skancf.adaptive.singular import images, singular_points, touching
@@ -31,6 +31,7 @@ from skancf.statics.newton import newton, skew_part
 from skancf.statics.stopping import work
 from skancf.system.system import System
 from skancf.theories import left_per_halving
+from skancf.tolerances import CANCELLED, ROUNDED_ROW
 
 AT_POLES = 1 / 4
 """Part of an error that is left on quartered elements at a pole, whose membrane strains are no assumed ones."""
@@ -40,10 +41,6 @@ MOST = 12
 """Elements of the refined mesh per element of the mesh."""
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
-ROUNDING = np.finfo(float).eps / 4
-"""Of the product of a row of a matrix, relative to the sum of the sizes of its terms."""
-NOTHING = 1e-6
-"""Part of the largest that a number can be, by the energies of answer and weight, below which it is zero."""
 NEAR = 1e-4
 """A correction of this size, in energy norm relative to the first, is the last one."""
 
@@ -235,10 +232,10 @@ class Enriched(Refined):
         stiffness, change = self.stiffness, self._change
         left = self.system.constraints.free_part(self.unresolved)
         if stiffness.form is not None:
-            noise = 2 * ROUNDING * np.sqrt(abs(stiffness.energy(change) * stiffness.energy(weight)))
+            noise = 2 * ROUNDED_ROW * np.sqrt(abs(stiffness.energy(change) * stiffness.energy(weight)))
         else:
-            noise = ROUNDING * np.abs(weight) @ self.system.constraints.free_part(stiffness.sizes() @ np.abs(change))
-        return abs(float(weight @ left)) + float(noise + ROUNDING * np.abs(gradient) @ np.abs(self._end))
+            noise = ROUNDED_ROW * np.abs(weight) @ self.system.constraints.free_part(stiffness.sizes() @ np.abs(change))
+        return abs(float(weight @ left)) + float(noise + ROUNDED_ROW * np.abs(gradient) @ np.abs(self._end))
 
     def scale(self, smooth: np.ndarray, weight: Strained, answer: Strained) -> float:
         r"""Sum of the sizes of what makes a quantity, the work of the answer's stresses on the strains of the dual weight in
@@ -254,7 +251,7 @@ class Enriched(Refined):
         force = self.model.external_force(self._end)
         sizes = [np.linalg.norm(system.layout.nodal(v), axis=2) for v in (smooth, force)]
         most = [2 * np.sqrt(energies(answer).sum() * energies(weight).sum()), factor * (sizes[0] * sizes[1]).sum()]
-        return max(float(np.abs(virtual_work(answer, weight)).sum()), NOTHING * float(max(most)))
+        return max(float(np.abs(virtual_work(answer, weight)).sum()), CANCELLED * float(max(most)))
 
     @property
     def corrected(self) -> Solution:
@@ -311,7 +308,7 @@ class _Shrinking:
 
     largest: float
 
-    def judge(self, step: np.ndarray, more: np.ndarray, energies: list[float]) -> End | None:
+    def assess(self, step: np.ndarray, more: np.ndarray, energies: list[float]) -> End | None:
         size, last = energies[-1], energies[-2] if len(energies) > 1 else np.inf
         if size <= NEAR**2 * self.largest:
             return Status.CONVERGED, ""

@@ -150,7 +150,7 @@ def goal_estimate(
         )  # fmt: skip
 
 
-def residual(state: Solution, *, backend: str = "auto") -> np.ndarray:
+def residual_indicator(state: Solution, *, backend: str = "auto") -> np.ndarray:
     r"""Energy that the residual has on the bubbles of elements and edges, (n_elements,) (J).
 
     .. math:: \eta_K^2 = \tfrac12 \sum_{i \in K} R_i \cdot K_{ii}^{-1} R_i

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adaptive.carry import carried
 from skancf.adaptive.grow import may_be_quartered
 from skancf.adaptive.marking import check_indicators
-from skancf.adaptive.recovery import recovery
+from skancf.adaptive.recovery import recovery_indicator
+from skancf.adaptive.remap import remap
 from skancf.arguments import function, plain, whole
 from skancf.dynamics import MeshEvent
 from skancf.dynamics.named_state import flat
@@ -26,35 +26,36 @@ from skancf.system.system import System
 from skancf.theories import left_per_halving
 
 EARLY, AIM = 0.5, 0.25
-"""Of the asked squared error: how much there may be before elements are quartered, and how much should be left then."""
+"""Of the allowed squared error: how much there may be before elements are quartered, and how much should be left then."""
 SMALLEST = 2.0**-13
 """Of the extent of the surface: large motions round strains as the squares of positions are rounded."""
 LATE = 2.0
-"""So many times the asked squared error came without being seen: the run goes back."""
+"""So many times the allowed squared error came without being seen: the run goes back."""
 SURE = 0.01
-"""Of the asked squared error: what merging may add to it; what it loses goes on as vibrations of the coarser mesh."""
+"""Of the allowed squared error: what merging may add to it; what it loses goes on as vibrations of the coarser mesh."""
 PLACES = 5
-"""Times until the next look at which places of loads are asked for."""
+"""Times until the next check at which places of loads are asked for."""
 
 
 @dataclass(frozen=True)
 class Follow:
-    r"""Elements are quartered and merged while the body moves, so that the error stays below an asked one.
+    r"""Elements are quartered and merged while the body moves, so that the error stays below an allowed one.
 
-    Every so many steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with an asked error,
+    Every so many steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with an allowed error,
 
     .. math:: \sum_K \eta_K^2 \le \tau^2 E
 
     with the largest strain energy E in the run so far, or a given one. When half of it is reached, the fewest elements that
     bring it down to a quarter are quartered, and those around them, into which the motion goes on. Where twice as much has
-    come between two looks, the run goes back to the last one and starts there with the finer mesh. Elements where loads will
-    be until the next look are as fine as those where they are. Elements are merged where that adds no more than a hundredth.
+    come between two checks of the mesh, the run goes back to the last one and starts there with the finer mesh. Elements
+    where loads will be until the next check are as fine as those where they are. Elements are merged where that adds no
+    more than a hundredth.
 
     What an element lost of the motion before it was quartered, or loses when it is merged, goes on as a small vibration of
     the other elements, which error-controlled steps may follow at great cost. A little damping of the material,
     :class:`~skancf.Damping`, takes it out.
 
-    Positions, velocities and accelerations go from mesh to mesh by :func:`~skancf.carried`: momenta are kept, and elements
+    Positions, velocities and accelerations go from mesh to mesh by :func:`~skancf.remap`: momenta are kept, and elements
     are not merged where that would raise the energy. Every change is an event in the ledger.
 
     Parameters
@@ -62,9 +63,10 @@ class Follow:
     rtol : float
         :math:`\tau`, the error in the energy norm: the square root of the sum of the indicators over the energy.
     every : int
-        Steps from look to look.
+        Steps from one check of the mesh to the next.
     indicator : function of a Solution
-        Squared errors of the elements (J), (n_elements,): :func:`~skancf.recovery` or :func:`~skancf.residual`.
+        Squared errors of the elements (J), (n_elements,): :func:`~skancf.recovery_indicator` or
+        :func:`~skancf.residual_indicator`.
     max_dofs : int
         No element is quartered beyond so many unknowns; it is warned of.
     smallest : float
@@ -73,8 +75,8 @@ class Follow:
         Level, counted from the coarse mesh, to which elements are merged at most.
     energy : float, optional
         E (J), where the run so far says too little of it: at its beginning, when a load has done hardly any work yet, a
-        small part of a small energy would be asked for. Without it the mesh stays while the energy doubles from look to
-        look.
+        small part of a small energy would be asked for. Without it the mesh stays while the energy doubles from check to
+        check.
 
     Raises
     ------
@@ -84,7 +86,7 @@ class Follow:
 
     rtol: float = 0.2
     every: int = 10
-    indicator: Callable[[Solution], np.ndarray] = recovery
+    indicator: Callable[[Solution], np.ndarray] = recovery_indicator
     max_dofs: int = 200_000
     smallest: float = SMALLEST
     coarsest: int = 0
@@ -100,7 +102,7 @@ class Follow:
             raise InputError(f"smallest = {self.smallest}: give a part of the extent, at most 1")
         if self.energy is not None:
             positive("energy", self.energy, "J")
-        function("indicator", self.indicator, "a function of a Solution, for example sk.recovery")
+        function("indicator", self.indicator, "a function of a Solution, for example sk.recovery_indicator")
 
     def check(self, system: System) -> None:
         """InputError for a mesh that cannot be refined, and for terms that remember something."""
@@ -113,22 +115,22 @@ class Follow:
     def change(
         self, system: System, before: State, now: State, end: float, energy: float, again: bool
     ) -> NewMesh | None:
-        """The mesh to go on with and the state there, from the states at the last look and now; None to keep the mesh.
+        """The mesh to go on with and the state there, from the states at the last check and now; None to keep the mesh.
 
         ``end`` is that of the run (s), ``energy`` the largest strain energy so far, ``again`` whether the run may go back
-        to the last look.
+        to the last check.
         """
         state = Solution(system, now.q, now.v, now.time)
         if self.energy is None and self._begins(Solution(system, before.q, before.v, before.time), state, energy):
             return None
-        asked = self.rtol**2 * (energy if self.energy is None else self.energy)
+        allowed = self.rtol**2 * (energy if self.energy is None else self.energy)
         values = check_indicators(called("indicator", self.indicator, state))
         ahead = min(2 * now.time - before.time, end)
-        fine = self._marked(system, values, asked, (now.time, ahead))
+        fine = self._marked(system, values, allowed, (now.time, ahead))
         target = self._finer(system, fine)
-        if again and values.sum() > LATE * asked and target is not system.mesh:
+        if again and values.sum() > LATE * allowed and target is not system.mesh:
             return self._moved(system, before, target, again=True)
-        merged = self._merged(system, target, values, asked)
+        merged = self._merged(system, target, values, allowed)
         if merged is not None:
             new = self._moved(system, now, merged, again=False)
             if new is None or new.raised <= 0:
@@ -136,27 +138,27 @@ class Follow:
         return self._moved(system, now, target, again=False)
 
     def _begins(self, before: Solution, now: Solution, most: float) -> bool:
-        """Whether the strain energy is the largest so far and still doubles from look to look: it says nothing yet."""
+        """Whether the strain energy is the largest so far and still doubles from check to check: it says nothing yet."""
         return now.strain_energy > 0.999 * most and now.strain_energy > 2 * before.strain_energy
 
     def _room(self, system: System, marked: np.ndarray) -> np.ndarray:
         """Marked elements that may be quartered, a mask."""
         return marked & may_be_quartered(system.mesh.leaves, system.geometry.surface, self.smallest)
 
-    def _marked(self, system: System, values: np.ndarray, asked: float, span: tuple[float, float]) -> np.ndarray:
+    def _marked(self, system: System, values: np.ndarray, allowed: float, span: tuple[float, float]) -> np.ndarray:
         """Elements to quarter, a mask: those that have most of the error, those around them, those in the way of loads."""
         mesh, own = system.mesh, np.zeros(len(values), dtype=bool)
-        if values.sum() > EARLY * asked:
+        if values.sum() > EARLY * allowed:
             order = np.argsort(-values, kind="stable")
             gained = np.cumsum(values[order]) * (1 - left_per_halving(system.geometry.theory))
-            own[order[: np.searchsorted(gained, values.sum() - AIM * asked) + 1]] = True
+            own[order[: np.searchsorted(gained, values.sum() - AIM * allowed) + 1]] = True
         finest = np.full(mesh.p.shape[1], -1)
         np.maximum.at(finest, mesh.t[:, own].ravel(), np.tile(mesh.levels[own], 4))
         around = finest[mesh.t].max(axis=0) >= mesh.levels
         return self._room(system, around | self._in_the_way(system, *span))
 
     def _in_the_way(self, system: System, now: float, ahead: float) -> np.ndarray:
-        """Elements where loads will be until the next look, if they are coarser than where these are now."""
+        """Elements where loads will be until the next check, if they are coarser than where these are now."""
         out, here = np.zeros(system.geometry.n_elements, dtype=bool), system.loads.places(Case(time=now))
         if not here.shape[1]:
             return out
@@ -183,14 +185,14 @@ class Follow:
         return finer
 
     def _merged(
-        self, system: System, target: MeshQuadTree, values: np.ndarray, asked: float
+        self, system: System, target: MeshQuadTree, values: np.ndarray, allowed: float
     ) -> MeshQuadTree | None:
         """The target with elements merged that will have little of the error; None where there are none."""
         leaves: Leaves = system.mesh.leaves
         # The merged element has what its quarters have over what a quartering leaves.
         added = values * (1 / left_per_halving(system.geometry.theory) - 1)
         order = np.argsort(added, kind="stable")
-        small = order[: np.searchsorted(np.cumsum(added[order]), SURE * asked)]
+        small = order[: np.searchsorted(np.cumsum(added[order]), SURE * allowed)]
         cells = leaves.cells.take(small[leaves.cells.level[small] > self.coarsest])
         found = target.leaves.find(cells)
         merged = target.coarsened(found[found >= 0])
@@ -200,7 +202,7 @@ class Follow:
         if mesh is system.mesh:
             return None
         new = system.problem.on(mesh, system.geometry.theory)
-        there = carried(Solution(system, state.q, state.v, state.time), new, state.a)
+        there = remap(Solution(system, state.q, state.v, state.time), new, state.a)
         assert there.v is not None and there.a is not None
         change = there.change
         event = MeshEvent(

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.between import ancestors_in
+from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
-from skancf.adaptive.singular import SAME_POINT, images
+from skancf.adaptive.singular import images
 from skancf.errors import InputError, shown
 from skancf.functions import called
 from skancf.layout.geometry import Geometry
@@ -16,6 +16,7 @@ from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.surfaces import Surface
 from skancf.theories import left_per_halving
+from skancf.tolerances import SAME_POINT
 
 AGAIN, AT_MOST = 3, 8
 """Largest number of times that an element is quartered from one mesh to the next; at singular points until no more than

@@ -12,9 +12,7 @@ from skancf.layout.singularities import Singularity
 from skancf.recovered import reentrant_corners
 from skancf.system.regularity import singularities
 from skancf.system.system import System
-
-ALONG_TOO = 1e-6
-"""Product of the parts of two unit vectors that counts."""
+from skancf.tolerances import ONE_DIRECTION
 
 
 def no_limit(quantity: Quantity, system: System) -> str | None:
@@ -111,7 +109,7 @@ def _displacement(quantity: Displacement, geometry: Geometry, said: list[Singula
         n, force = normal_at(geometry, point), unit_vector("force", load.vector)
         along = (direction - (direction @ n) * n) @ (force - (force @ n) * n)
         across = (direction @ n) * (force @ n) if geometry.theory.shear else 0.0
-        if max(abs(along), abs(across)) > ALONG_TOO:
+        if max(abs(along), abs(across)) > ONE_DIRECTION:
             return (f"Displacement(at={_at(quantity.at)}) has no limit as the mesh is refined: {load.words} there sinks "
                     f"into theory {geometry.theory.name!r} with the logarithm of the element size; "
                     f"{_spread(geometry, [(load, point)])}")  # fmt: skip
@@ -124,7 +122,7 @@ def _rotation(quantity: Rotation, geometry: Geometry, said: list[Singularity]) -
     for load, point in _acting(said, "moment"):
         if same_point(geometry, point, quantity.at):
             turned = np.cross(unit_vector("moment", load.vector), normal_at(geometry, point))
-            if abs(turned @ towards) > ALONG_TOO:
+            if abs(turned @ towards) > ONE_DIRECTION:
                 return f"Rotation(at={_at(quantity.at)}) has no limit as the mesh is refined: {_turns(load, 'there')}"
     return None
 

@@ -10,11 +10,11 @@ import numpy as np
 import skfem
 
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
-from skancf.adaptive.asked import INDICATORS, Asked, check, first_system, newton_rtol
-from skancf.adaptive.between import ancestors_in
+from skancf.adaptive.arguments import INDICATORS, AdaptArguments, check, first_system, newton_rtol
+from skancf.adaptive.assessment import assess
 from skancf.adaptive.estimate import Estimate, check_quantity
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth
-from skancf.adaptive.judge import judge
+from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.marking import Below, Even, Marking, check_indicators
 from skancf.adaptive.nested import Nested
 from skancf.adaptive.quantities import Quantity
@@ -32,9 +32,10 @@ from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
 from skancf.progress import Progress
 from skancf.solution import Solution
-from skancf.solving import End, Status, kept
+from skancf.solving import End, Status, run_steps
 from skancf.system.system import System
 from skancf.theories import Theory
+from skancf.tolerances import ABOVE_ZERO
 
 BELOW = Below(0.01)
 EVEN = Even(0.65)
@@ -131,13 +132,13 @@ def adapt(
     statics = StaticAnalysis(quantity, linear, number("load_factor", load_factor), newton_rtol(rtol), backend)
     analysis = quantity.analysis(statics) if hasattr(quantity, "analysis") else statics
     first = quadtree(starting_mesh(problem, quantity) if mesh is None else mesh, problem.surface)
-    asked = Asked(rtol, atol, max_dofs, max_seconds, max_levels)
+    arguments = AdaptArguments(rtol, atol, max_dofs, max_seconds, max_levels)
     with Progress("adapt", 1.0, shown=progress) as bar:
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
         system = first_system(problem, first, theory, quantity, analysis, max_dofs)
         even = indicator == "goal" and system.geometry.theory.order == 2
         growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening, analysis.smallest)
-        return _Run(system, quantity, analysis, growth, by, asked, bar).go()
+        return _Run(system, quantity, analysis, growth, by, arguments, bar).go()
 
 
 class _Found(NamedTuple):
@@ -167,10 +168,10 @@ class _Run:
 
     def __init__(
         self, system: System, quantity: Any, analysis: Analysis, growth: Growth,
-        indicator: Callable[[Solution], np.ndarray] | None, asked: Asked, bar: Progress,
+        indicator: Callable[[Solution], np.ndarray] | None, arguments: AdaptArguments, bar: Progress,
     ) -> None:  # fmt: skip
         self.system, self.quantity, self.analysis, self.growth = system, quantity, analysis, growth
-        self.indicator, self.asked, self.bar = indicator, asked, bar
+        self.indicator, self.arguments, self.bar = indicator, arguments, bar
         self.levels: list[Level] = []
         self.best: _Found | None = None
         self.start: Solution | None = None
@@ -179,13 +180,13 @@ class _Run:
         self.begun = time.perf_counter()
 
     def go(self) -> AdaptiveResult:
-        status, message = kept(self._step, lambda: self._unless_first("; the last finished mesh is kept"), self._failed)
+        status, message = run_steps(self._step, lambda: self._unless_first("; the last finished mesh is kept"), self._failed)
         assert self.best is not None
         _, answer, estimate = self.best
         if not status.ok and abs(answer.value) < estimate.bar:
             message += ". The value is zero within its error bar: say by atol how near to zero is near enough"
         left_out = self.analysis.theory_error(answer) if hasattr(self.analysis, "theory_error") else None
-        judge(answer.state, left_out, answer.found is None)
+        assess(answer.state, left_out, answer.found is None)
         return AdaptiveResult(
             answer.value, estimate.bar, answer.value + estimate.error, answer.state, tuple(self.levels), status,
             ". ".join(part for part in (message, self._met()) if part), self.quantity.unit, answer.checks, left_out,
@@ -226,7 +227,7 @@ class _Run:
     def _start_finer(self, failed: DidNotConverge) -> None:
         """Go on with a mesh of quarters, where the first one is too coarse to have an answer; or with the failure."""
         mesh = self.system.mesh.refined()
-        if BLOCK * mesh.p.shape[1] > self.asked.max_dofs or self.finer_starts == FINER_STARTS:
+        if BLOCK * mesh.p.shape[1] > self.arguments.max_dofs or self.finer_starts == FINER_STARTS:
             raise failed
         self.finer_starts += 1
         self.system = self.system.problem.on(mesh, self.system.geometry.theory)
@@ -265,7 +266,7 @@ class _Run:
         else:
             self.best = found
         self.levels.append(level)
-        wanted = self.asked.tolerance(level.value) / max(found.estimate.bar, 1e-300)
+        wanted = self.arguments.tolerance(level.value) / max(found.estimate.bar, ABOVE_ZERO)
         note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
         self.bar.at(min(1.0, wanted) ** 0.5, note)
 
@@ -274,9 +275,9 @@ class _Run:
         assert self.best is not None
         found, accepted = self.best, [level for level in self.levels if not level.rejected]
         level = found.level
-        if found.estimate.bar <= self.asked.tolerance(level.value):
+        if found.estimate.bar <= self.arguments.tolerance(level.value):
             return Status.REACHED, ""
-        if zero := self.asked.zero(found.estimate):
+        if zero := self.arguments.zero(found.estimate):
             return Status.REACHED, zero
         if found.estimate.bar < 2 * found.estimate.rounding:
             return Status.ROUNDING, (f"rounding, {found.estimate.rounding:.1g}, is as large as the estimated error; a "
@@ -285,8 +286,8 @@ class _Run:
             return Status.NO_LIMIT, why
         if stuck := self._in_smallest(found):
             return Status.ROUNDING, stuck
-        if len(self.levels) >= self.asked.max_levels:
-            return Status.BUDGET, f"max_levels = {self.asked.max_levels} meshes are spent"
+        if len(self.levels) >= self.arguments.max_levels:
+            return Status.BUDGET, f"max_levels = {self.arguments.max_levels} meshes are spent"
         return None
 
     def _in_smallest(self, found: _Found) -> str:
@@ -314,18 +315,18 @@ class _Run:
 
     def _too_much(self, level: Level, mesh: MeshQuadTree) -> End | None:
         """Why not to begin with the next mesh."""
-        asked = self.asked
+        arguments = self.arguments
         if np.array_equal(mesh.leaves.keys, level.mesh.leaves.keys):
             return Status.UNMARKED, "no element is marked; take another indicator, or a marking that takes more"
         n_dofs = BLOCK * (mesh.p.shape[1] - len(mesh.hanging))
-        if n_dofs > asked.max_dofs:
-            return Status.BUDGET, f"max_dofs = {asked.max_dofs}: the next mesh has {n_dofs} nodal coordinates"
-        if asked.max_seconds is not None:
+        if n_dofs > arguments.max_dofs:
+            return Status.BUDGET, f"max_dofs = {arguments.max_dofs}: the next mesh has {n_dofs} nodal coordinates"
+        if arguments.max_seconds is not None:
             spent = time.perf_counter() - self.begun
             expected = level.total_seconds * (n_dofs / level.n_dofs) ** COST
-            if spent + expected > asked.max_seconds:
-                return Status.BUDGET, (f"max_seconds = {asked.max_seconds:g}: {spent:.2g} s are spent, and the next mesh "
-                                        f"would take some {expected:.2g} s")  # fmt: skip
+            if spent + expected > arguments.max_seconds:
+                return Status.BUDGET, (f"max_seconds = {arguments.max_seconds:g}: {spent:.2g} s are spent, and the next "
+                                        f"mesh would take some {expected:.2g} s")  # fmt: skip
         return None
 
 

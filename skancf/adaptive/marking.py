@@ -11,9 +11,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, finite, number
-
-# Indicators of elements that are mirror images differ by rounding only.
-SAME = 1e-9
+from skancf.tolerances import ABOVE_ZERO, SAME_VALUE
 
 
 class Marking(Protocol):
@@ -59,7 +57,7 @@ class Doerfler:
         largest = np.sort(values)[::-1]
         sums = np.cumsum(largest)
         # The sum's own rounding must not ask for one element more.
-        wanted = self.share * sums[-1:] * (1 - SAME)
+        wanted = self.share * sums[-1:] * (1 - SAME_VALUE)
         return _at_least(values, largest[np.searchsorted(sums, wanted)])
 
 
@@ -123,7 +121,7 @@ class FixedFraction:
         values = check_indicators(indicators)
         n = values.size
         # A product such as 0.07 * 100 is 7 and a rounding.
-        rank = n - int(np.ceil(self.fraction * n * (1 - SAME)))
+        rank = n - int(np.ceil(self.fraction * n * (1 - SAME_VALUE)))
         return _at_least(values, np.partition(values, rank)[rank] if n else 0.0)
 
 
@@ -175,7 +173,7 @@ class Even:
     def marked(self, indicators: Any) -> np.ndarray:
         """Numbers of the marked elements, ascending; none where all indicators are zero."""
         values = check_indicators(indicators)
-        relative = values / max(values.max(initial=0.0), 1e-300)
+        relative = values / max(values.max(initial=0.0), ABOVE_ZERO)
         if np.sqrt(relative).sum() ** 2 >= self.even * values.size * relative.sum() > 0:
             return np.arange(values.size)
         return self.part.marked(values)
@@ -210,7 +208,7 @@ class Below:
         """Numbers of the marked elements, ascending; none where all indicators are zero."""
         values = check_indicators(indicators)
         bound = self.factor * values.mean() if values.size else 0.0
-        return np.flatnonzero(values < bound * (1 - SAME))
+        return np.flatnonzero(values < bound * (1 - SAME_VALUE))
 
 
 @dataclass(frozen=True)
@@ -236,7 +234,7 @@ def check_indicators(indicators: Any) -> np.ndarray:
 
 def _at_least(values: np.ndarray, bound: Any) -> np.ndarray:
     """Numbers of the values that are at least a bound, to rounding, and not zero."""
-    return np.flatnonzero((values >= bound * (1 - SAME)) & (values > 0))
+    return np.flatnonzero((values >= bound * (1 - SAME_VALUE)) & (values > 0))
 
 
 def _check_share(name: str, value: float) -> None:

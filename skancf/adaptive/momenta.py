@@ -13,11 +13,7 @@ import numpy as np
 from skancf.dynamics.initial import rigid_rates
 from skancf.layout.layout import Layout
 from skancf.system.system import System
-
-ROUNDING = 1e-14
-"""Of momenta, relative to the sum of the sizes of their parts."""
-DEPENDENT = 1e-10
-"""Momenta that supports hold at zero leave singular values of less than this, relative."""
+from skancf.tolerances import DEPENDENT, ROUNDED_SUM
 
 
 class Momenta:
@@ -47,7 +43,7 @@ class Momenta:
         """The velocity next to v in the mass norm that has the wanted momenta (6,)."""
         flow = self.system.mass @ v
         missing = wanted - self._modes @ flow
-        if (np.abs(missing) <= ROUNDING * (np.abs(self._modes) @ np.abs(flow))).all():
+        if (np.abs(missing) <= ROUNDED_SUM * (np.abs(self._modes) @ np.abs(flow))).all():
             return v
         return v + self._least(missing)
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.analysis import Answer
-from skancf.adaptive.between import ancestors_in
 from skancf.adaptive.estimate import Estimate
+from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.rings import UNKNOWN
 from skancf.adaptive.singular import images, singular_points
 from skancf.meshes import MeshQuadTree

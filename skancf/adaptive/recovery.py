@@ -15,12 +15,10 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.patches import averaging_nodes
 from skancf.solution import Solution
 from skancf.theories.kirchhoff.theory import legendre
-
-SINGULAR = 1e-8
-"""Of the largest eigenvalue of a fit: a smaller one is of a polynomial that vanishes at all places around the node."""
+from skancf.tolerances import SINGULAR_FIT
 
 
-def recovery(solution: Solution) -> np.ndarray:
+def recovery_indicator(solution: Solution) -> np.ndarray:
     r"""Estimated error of each element, an energy (J): its section forces against recovered ones, (n_elements,).
 
     .. math::
@@ -107,7 +105,7 @@ def _fits(geometry: Geometry, own: np.ndarray, raw: np.ndarray, degree: int) -> 
     matrices = _summed(nodes, powers @ powers.swapaxes(1, 2), n)
     sides = _summed(nodes, np.tile(at_best, (4, 1, 1)) @ powers.swapaxes(1, 2), n)
     # Too few places leave a power undetermined; of the polynomials that fit, the smallest is taken.
-    return scale, sides @ np.linalg.pinv(matrices, rcond=SINGULAR, hermitian=True)
+    return scale, sides @ np.linalg.pinv(matrices, rcond=SINGULAR_FIT, hermitian=True)
 
 
 def _blended(geometry: Geometry) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -6,9 +6,7 @@ import numpy as np
 
 from skancf.errors import InputError, finite, number, positive
 from skancf.meshes.region import Region
-
-# Values and distances that differ by less are equal: in a symmetric problem they differ by rounding only.
-SAME = 1e-9
+from skancf.tolerances import SAME_VALUE
 
 
 def find_regions(
@@ -89,13 +87,13 @@ def find_peaks(positions: np.ndarray, sigma: np.ndarray, reach: np.ndarray) -> l
     """Nodes above the mean whose value is the largest within their ``reach``: (d, n), (n,), (n,) -> indices."""
     from scipy.spatial import cKDTree  # not at the top: it is slow to load
 
-    above = np.flatnonzero(sigma > sigma.mean() * (1 + SAME))
-    around = cKDTree(positions.T).query_ball_point(positions[:, above].T, reach[above] * (1 + SAME))
+    above = np.flatnonzero(sigma > sigma.mean() * (1 + SAME_VALUE))
+    around = cKDTree(positions.T).query_ball_point(positions[:, above].T, reach[above] * (1 + SAME_VALUE))
     is_peak = np.zeros(sigma.size, bool)
     for i, others in zip(above, around, strict=True):
-        larger = sigma[others] > sigma[i] * (1 + SAME)
+        larger = sigma[others] > sigma[i] * (1 + SAME_VALUE)
         # On a plateau (of equals) that already has a peak within reach, no second one.
-        equal_peak = is_peak[others] & (sigma[others] >= sigma[i] * (1 - SAME))
+        equal_peak = is_peak[others] & (sigma[others] >= sigma[i] * (1 - SAME_VALUE))
         is_peak[i] = not (larger.any() or equal_peak.any())
     return [int(i) for i in np.flatnonzero(is_peak)]
 

@@ -17,11 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adaptive.between import ancestors_in
-from skancf.adaptive.singular import SAME_POINT, images, touching
+from skancf.adaptive.interpolation import ancestors_in
+from skancf.adaptive.singular import images, touching
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.system.system import System
+from skancf.tolerances import SAME_POINT
 
 UNKNOWN = 1 / 2
 """Where nothing is measured, and at a quantity's own point: the largest of what clamped corners and point loads leave."""

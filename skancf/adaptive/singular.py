@@ -8,15 +8,13 @@ import numpy as np
 from skancf.adaptive.quantities import SectionForce
 from skancf.errors import finite, unit_vector
 from skancf.layout.geometry import Geometry
-from skancf.layout.singularities import SAME_POINT, Singularity, nodes_at
+from skancf.layout.singularities import Singularity, nodes_at
 from skancf.meshes.forest import Leaves
 from skancf.supports.conditions import R_X, R_Y
 from skancf.surfaces import normal
 from skancf.system.regularity import facets_of, singularities
 from skancf.system.system import System
-
-ALONG = 1e-6
-"""Part of a unit vector that counts, cosine of a right angle."""
+from skancf.tolerances import ONE_DIRECTION, SAME_POINT
 
 
 def singular_points(system: System, quantity: Any = None) -> np.ndarray:
@@ -108,7 +106,7 @@ def _mirrors_fit(geometry: Geometry, pole: int) -> bool:
     order = np.lexsort(geometry.mesh.p[:, nodes])
     steps = along[order]
     angle = np.arccos(np.clip((steps[1:] * steps[:-1]).sum(axis=1), -1.0, 1.0)).sum()
-    return bool(angle < np.pi / 2 + ALONG or abs(angle - np.pi) < ALONG)
+    return bool(angle < np.pi / 2 + ONE_DIRECTION or abs(angle - np.pi) < ONE_DIRECTION)
 
 
 def holding(low: np.ndarray, high: np.ndarray, point: np.ndarray, extent: np.ndarray) -> np.ndarray:
@@ -148,14 +146,14 @@ def at_free_right_angle(geometry: Geometry, said: list[Singularity], at: Any) ->
         guided = np.setdiff1d(facets_of(said, "normal"), facets_of(said, "position", "normal"))
         mirrors = np.concatenate([facets_of(said, "mirror"), guided])
         mirrored = bool(np.isin(node, geometry.ends(mirrors)))
-        return bool(abs(x @ y) < ALONG * np.linalg.norm(x) * np.linalg.norm(y)) and not mirrored
+        return bool(abs(x @ y) < ONE_DIRECTION * np.linalg.norm(x) * np.linalg.norm(y)) and not mirrored
     return False
 
 
 def has_part_along(geometry: Geometry, force: np.ndarray, at: Any) -> bool:
     """Does a force (3,) at a point have a part along the undeformed surface?"""
     force, n = unit_vector("force", force), normal_at(geometry, at)
-    return bool(np.linalg.norm(force - (force @ n) * n) > ALONG)
+    return bool(np.linalg.norm(force - (force @ n) * n) > ONE_DIRECTION)
 
 
 def normal_at(geometry: Geometry, at: Any) -> np.ndarray:

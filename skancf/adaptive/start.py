@@ -10,11 +10,11 @@ from skancf.meshes.counts import stretch
 from skancf.meshes.tensor import bounds_of
 from skancf.problem import Problem
 from skancf.surfaces import closed_directions
+from skancf.tolerances import ONE_PLACE
 
 ELEMENTS = 16
 AROUND = 8
 """Least number of elements around a closed direction."""
-SAME = 1e-9
 
 
 def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
@@ -62,7 +62,7 @@ def _points(where: object) -> list:
 def _row(low: float, high: float, count: int, held: list[float], loaded: list[float]) -> np.ndarray:
     """About ``count`` even steps that meet the coordinates that are held, and those loaded where no sliver comes of it."""
     fixed = np.array([low, high])
-    for points, least in ((held, SAME * (high - low)), (loaded, (high - low) / count / 4)):
+    for points, least in ((held, ONE_PLACE * (high - low)), (loaded, (high - low) / count / 4)):
         for x in sorted(points):
             if low < x < high and np.abs(fixed - x).min() > least:
                 fixed = np.sort(np.append(fixed, x))

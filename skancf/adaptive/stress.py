@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.regions import SAME, find_regions
+from skancf.adaptive.regions import find_regions
 from skancf.arguments import STATE, instance
 from skancf.errors import InputError, shown, warn
 from skancf.materials.heights import Depth
 from skancf.meshes import Regions
 from skancf.solution import STRESSES, Solution
+from skancf.tolerances import SAME_VALUE
 
 SEARCH = ("radius", "size", "cap")
 LITTLE = 0.01
@@ -80,7 +81,7 @@ def stress_indicator(
     """
     sigma = nodal_measure(solution, components, z)
     largest = sigma[solution.system.mesh.t].max(axis=0)
-    return np.where(largest > sigma.mean() * (1 + SAME), largest, 0.0)
+    return np.where(largest > sigma.mean() * (1 + SAME_VALUE), largest, 0.0)
 
 
 def face_stress(solution: Solution) -> np.ndarray:

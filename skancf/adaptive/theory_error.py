@@ -97,7 +97,7 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     change = form.product(fields, _dual(form, solution, quantity, backend))
     if isinstance(quantity, StrainEnergy):
         change -= 0.5 * form.product(fields, fields)
-    return judged(change, value_of(quantity, solution), _coarse(quantity, solution))
+    return assessed(change, value_of(quantity, solution), _coarse(quantity, solution))
 
 
 def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
@@ -110,10 +110,10 @@ def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) ->
 
 def of_eigenvalue(value: float, share: float) -> TheoryError:
     """That of a frequency or buckling load, of which a part changes."""
-    return judged(value * share, value) if np.isfinite(share) else unknown("the motion has no stiffness, or is not stable")
+    return assessed(value * share, value) if np.isfinite(share) else unknown("the motion has no stiffness, or is not stable")
 
 
-def judged(change: float, value: float, note: str = "") -> TheoryError:
+def assessed(change: float, value: float, note: str = "") -> TheoryError:
     """A change of a number as its error, said to be of an order of magnitude only where it is large."""
     if change == 0:
         return replace(NOTHING, sound=not note, note=note)
@@ -142,7 +142,7 @@ def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fiel
 def _is_loaded_alone(state: Solution) -> bool:
     """Is the dual weight of the energy the answer itself? In small deflections without moved supports and free strains."""
     system = state.system
-    return state.linear and not system.prescribed().any() and system.shell.held_back(FULL) is None
+    return state.linear and not system.prescribed().any() and system.shell.initial_stresses(FULL) is None
 
 
 def _weight(state: Solution, gradient: np.ndarray, backend: str) -> np.ndarray:

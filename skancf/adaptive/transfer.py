@@ -1,7 +1,7 @@
 """States on another mesh, for those who ask for a state."""
 
-from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
-from skancf.adaptive.carry import carried
+from skancf.adaptive.interpolation import Interpolation, is_finer, require_one_tree
+from skancf.adaptive.remap import remap
 from skancf.arguments import STATE, SYSTEM, instance
 from skancf.solution import Solution
 from skancf.system.system import System
@@ -20,7 +20,7 @@ def transfer(state: Solution, system: System) -> Solution:
     .. math:: \int \rho t\, (v_{new} - v) \cdot \delta v_{new} \, dA = 0,
 
     on what supports leave free. A free body keeps its momenta on every surface, and its energy does not rise: see
-    :func:`carried`, which also tells what changed. Supports hold exactly what they prescribe, at new nodes too.
+    :func:`remap`, which also tells what changed. Supports hold exactly what they prescribe, at new nodes too.
 
     Raises
     ------
@@ -36,6 +36,6 @@ def transfer(state: Solution, system: System) -> Solution:
         wanted = system.undeformed + system.prescribed(state.case)
         q, v = q + system.constraints.fixed_part(wanted - q), None
     else:
-        there = carried(state, system, settle=not is_finer(new.mesh.leaves, old.mesh.leaves))
+        there = remap(state, system, settle=not is_finer(new.mesh.leaves, old.mesh.leaves))
         q, v = there.q, there.v
     return Solution(system, q, v, time=state.time, load_factor=state.load_factor, linear=state.linear)

@@ -134,7 +134,7 @@ def softening(system: System, q: np.ndarray, shape: np.ndarray) -> np.ndarray:
     return np.asarray((ahead - 2 * at + behind) / step**2)
 
 
-RIGID = 6
+RIGID_MOTIONS = 6
 """Motions that a free body has."""
 STEP = 1e-4
 """Of a second difference, relative: rounding grows with its inverse square."""
@@ -143,7 +143,7 @@ STEP = 1e-4
 def _enough_modes(system: System, number: int, state: Any, backend: str) -> Modes:
     """So many that the asked one is among them, behind the motions without stiffness."""
     found = modes(system, number + 1, state=state, backend=backend)
-    if found.n_rigid > RIGID:
+    if found.n_rigid > RIGID_MOTIONS:
         raise InputError(f"number = {number}: {found.n_rigid} motions without stiffness come first; support the structure, "
                          "it is a mechanism")  # fmt: skip
     if found.n_rigid:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from skancf.tolerances import ROUNDED_PRODUCT
+
 WINDOW = 6
-SAME = 1e-12
-"""Of the largest eigenvalue: combinations of corrections that are smaller than this are rounding."""
 
 
 class Anderson:
@@ -42,7 +42,7 @@ class Anderson:
             products = -np.array([[g @ r for r in self.residuals] for g in self.corrections])
             sides = -np.array([g @ residual for g in self.corrections])
             sizes, vectors = np.linalg.eigh(0.5 * (products + products.T))
-            use = sizes > SAME * sizes[-1]
+            use = sizes > ROUNDED_PRODUCT * sizes[-1]
             factors = vectors[:, use] @ ((vectors[:, use].T @ sides) / sizes[use])
             for factor, step, change in zip(factors, self.steps, self.corrections, strict=True):
                 taken = taken - factor * (step + change)

@@ -14,8 +14,8 @@ import numpy as np
 
 from skancf.arguments import SYSTEM, instance, whole
 from skancf.atomic import AnyPath, as_path, check_folder, reason
-from skancf.dynamics.asked import Asked, asked_problem, difference
-from skancf.dynamics.ledger import Book
+from skancf.dynamics.fingerprint import Fingerprint, difference, fingerprint_of_problem
+from skancf.dynamics.ledger import LedgerRecorder
 from skancf.dynamics.log import Log
 from skancf.dynamics.motion import Motion, Step
 from skancf.dynamics.named_state import flat, nested
@@ -41,7 +41,7 @@ class Checkpoint:
         For this run alone, and for one process at a time: while one writes, a second is refused. A process that was killed
         is in nobody's way.
     every : int
-        Accepted steps between two writes. With meshes that follow the motion it is done at the next look at the mesh. The
+        Accepted steps between two writes. With meshes that follow the motion it is done at the next check of the mesh. The
         factors of the tangent are renewed then, so that a run that starts there does the same: not too often. On 1000
         elements a write takes as long as a third of a step, and new factors as ten: with the default a tenth of the time,
         or less where factors are renewed anyway.
@@ -81,14 +81,14 @@ class Writer:
         that was asked for something else.
     """
 
-    def __init__(self, checkpoint: Checkpoint, run: Run, asked: Asked, resume: bool):
+    def __init__(self, checkpoint: Checkpoint, run: Run, fingerprint: Fingerprint, resume: bool):
         self.files, self.every = RunFiles(check_folder(checkpoint.folder)), checkpoint.every
         self.pieces, self.since, self.counts = 0, 0, dict.fromkeys(run.logs, 0)
         self.spent, self.began, self.time, self.finished = 0.0, clock.perf_counter(), 0.0, False
         self.lock = RunLock(self.files.folder)
         self.lock.take()
         try:
-            self._attach(run, asked, resume)
+            self._attach(run, fingerprint, resume)
         except BaseException:
             self.close()
             raise
@@ -102,7 +102,7 @@ class Writer:
         """Let other processes write into the folder."""
         self.lock.release()
 
-    def _attach(self, run: Run, asked: Asked, resume: bool) -> None:
+    def _attach(self, run: Run, fingerprint: Fingerprint, resume: bool) -> None:
         files, folder = self.files, self.files.folder
         begun = (folder / STATE).exists()
         if begun and not resume:
@@ -113,19 +113,19 @@ class Writer:
                              "in another folder")  # fmt: skip
         files.clean()
         if begun:
-            self._resume(run, asked)
+            self._resume(run, fingerprint)
             return
         try:
-            files.write(RUN, asked)
+            files.write(RUN, fingerprint)
         except OSError as error:
             raise self._failed(error) from error
         self.write(run)
 
-    def _resume(self, run: Run, asked: Asked) -> None:
+    def _resume(self, run: Run, fingerprint: Fingerprint) -> None:
         """Put a run where the one in the folder is."""
         files = self.files
         arrays = files.read_state()
-        differs = difference(asked, files.read(RUN))
+        differs = difference(fingerprint, files.read(RUN))
         if differs:
             raise files.refused(STATE, differs)
         head = _read(files, arrays, run.logs, run.recorder, run.system)
@@ -133,7 +133,7 @@ class Writer:
             run.restore(nested(under("run", arrays), run.state()))
         except ValueError as error:
             raise files.refused(STATE, f"is no state of a run ({error})") from error
-        run.mark_here(run.tries)
+        run.set_rollback(run.tries)
         self.pieces, self.spent, self.finished = head["pieces"], head["seconds"], Status[head["status"]].ok
         self._written(run)
 
@@ -143,7 +143,7 @@ class Writer:
     def after_step(self, run: Run) -> None:
         """Write if it is time to: where a run need not go back any more."""
         self.since += 1
-        if self.since >= self.every and (run.settings.follow is None or run.looked == 0):
+        if self.since >= self.every and (run.settings.follow is None or run.since_check == 0):
             self.write(run)
 
     def write(self, run: Run, finished: bool = False) -> None:
@@ -193,7 +193,7 @@ class Writer:
 def _read(
     files: RunFiles, arrays: dict[str, np.ndarray], logs: dict[str, Log], recorder: Recorder, first: System
 ) -> dict[str, Any]:
-    """All that was kept, with the systems of all stretches, each of which begins with a knot; what else a state says."""
+    """All that was kept, with the systems of all segments, each of which begins with a knot; what else a state says."""
     try:
         head = {name: arrays[name].item() for name in ("pieces", "status", "message", "seconds")}
         names = [PIECE.format(k) for k in range(1, head["pieces"] + 1)]
@@ -209,7 +209,7 @@ def _read(
         raise files.refused(STATE, f"does not fit its pieces ({error!r})") from error
     if not fits:
         raise files.refused(STATE, "does not fit its pieces")
-    recorder.systems = files.read_systems(logs["knots"][-1].stretch + 1, first)
+    recorder.systems = files.read_systems(logs["knots"][-1].segment + 1, first)
     return head
 
 
@@ -247,13 +247,13 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     if (files.folder / STOPPED).exists():
         arrays = files.read_state(STOPPED)
     known = files.read(RUN)
-    differs = difference(asked_problem(system, float(known["begin"]), float(known["end"])), known)
+    differs = difference(fingerprint_of_problem(system, float(known["begin"]), float(known["end"])), known)
     if differs:
         raise InputError(f"folder '{files.folder}': {differs}; {PROBLEM}")
     outputs = known["outputs"] if known["outputs"].ndim else None
     names: dict[str, Any] = dict.fromkeys(known["record"].tolist())
-    steps, recorder, book = Log(Step), Recorder(outputs, names), Book()
-    head = _read(files, arrays, logs_of(steps, recorder, book), recorder, system)
+    steps, recorder, ledger = Log(Step), Recorder(outputs, names), LedgerRecorder()
+    head = _read(files, arrays, logs_of(steps, recorder, ledger), recorder, system)
     time, q, v = (arrays.get(f"run.now.{name}", np.empty(0)) for name in ("time", "q", "v"))
     if time.shape or not q.shape == v.shape == (recorder.systems[-1].n_dofs,):
         raise files.refused(STATE, "is no state of a run")
@@ -261,4 +261,4 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     status, message = Status[head["status"]], head["message"]
     if status is Status.UNFINISHED:
         message = f"written until t = {float(time):.6g} s of {float(known['end']):.6g} s"
-    return Motion(recorder.stretches, tuple(steps), book.ledger(), recorder.records, status, message, head["seconds"])
+    return Motion(recorder.segments, tuple(steps), ledger.as_ledger(), recorder.records, status, message, head["seconds"])

@@ -12,6 +12,7 @@ from skancf.history import Case
 from skancf.linear import BlockMatrix
 from skancf.system.system import System
 from skancf.terms.shell import Shell
+from skancf.tolerances import NEWTON_DAMPED, NEWTON_EXACT
 
 LEAST = 1 / 3
 """The smallest spectral radius that a real dissipation has."""
@@ -75,7 +76,7 @@ class EnergyMomentum(ImplicitMidpoint):
     @property
     def newton_rtol(self) -> float:  # type: ignore[override]
         """What is to keep energy goes to its last digits."""
-        return 1e-9 if self.rho_inf == 1 else 1e-6
+        return NEWTON_EXACT if self.rho_inf == 1 else NEWTON_DAMPED
 
     @property
     def error_constant(self) -> float:
@@ -83,7 +84,7 @@ class EnergyMomentum(ImplicitMidpoint):
 
     def end(self, u: np.ndarray, start: State, dt: float) -> State:
         end = super().end(u, start, dt)
-        return replace(end, kept={"step": (u, start.kept)})
+        return replace(end, cache={"step": (u, start.cache)})
 
     def tangent_at(self, u: np.ndarray, start: State) -> tuple[np.ndarray, np.ndarray]:
         """The discrete gradient is nearly that of the middle; the stresses change with the end."""
@@ -113,11 +114,11 @@ class EnergyMomentum(ImplicitMidpoint):
         """r times the change of the stresses in the step that led here; None after a jump or a change of the mesh."""
         if not self.chi or start.before is None:
             return None
-        if "last change" not in start.kept:
+        if "last change" not in start.cache:
             at_start = _at_start(system, start)
-            before = start.kept.pop("stresses before", None)
-            start.kept["last change"] = at_start - (system.stresses(start.before) if before is None else before)
-        return min(1.0, dt / start.dt) * start.kept["last change"]
+            before = start.cache.pop("stresses before", None)
+            start.cache["last change"] = at_start - (system.stresses(start.before) if before is None else before)
+        return min(1.0, dt / start.dt) * start.cache["last change"]
 
     def force_of(self, shell: Shell, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> np.ndarray:
         return shell.force_between(start.q, start.q + u, stresses)
@@ -127,9 +128,9 @@ class EnergyMomentum(ImplicitMidpoint):
         return system.others.between(start.q, start.q + u, self.rate(u, start, dt), case)
 
     def internal_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        stresses, held = self.stresses(system, u, start, dt), system.shell.held_back(Case(time=start.time))
-        if held is not None:
-            stresses = stresses - 0.5 * (held + system.shell.held_back(Case(time=start.time + dt)))
+        stresses, initial = self.stresses(system, u, start, dt), system.shell.initial_stresses(Case(time=start.time))
+        if initial is not None:
+            stresses = stresses - 0.5 * (initial + system.shell.initial_stresses(Case(time=start.time + dt)))
         force = self.force_of(system.shell, u, start, dt, stresses)
         return force + self.others_force(system, u, start, dt) if system.others else force
 
@@ -145,17 +146,17 @@ class EnergyMomentum(ImplicitMidpoint):
 
 def _at_start(system: System, start: State) -> np.ndarray:
     """Stresses of a state; those that the step to it has computed are not computed again."""
-    kept = start.kept
-    if "stresses" not in kept:
-        u, earlier = kept.pop("step", (None, {}))
+    cache = start.cache
+    if "stresses" not in cache:
+        u, earlier = cache.pop("step", (None, {}))
         known, stresses = earlier.get("end", (None, None))
-        kept["stresses before"] = earlier.get("stresses")
-        kept["stresses"] = system.stresses(start.q) if known is None or known is not u else stresses
-    return np.asarray(kept["stresses"])
+        cache["stresses before"] = earlier.get("stresses")
+        cache["stresses"] = system.stresses(start.q) if known is None or known is not u else stresses
+    return np.asarray(cache["stresses"])
 
 
 def _at_end(system: System, u: np.ndarray, start: State) -> np.ndarray:
     """Stresses after an increment, computed once for it."""
-    if start.kept.get("end", (None,))[0] is not u:
-        start.kept["end"] = u, system.stresses(start.q + u)
-    return np.asarray(start.kept["end"][1])
+    if start.cache.get("end", (None,))[0] is not u:
+        start.cache["end"] = u, system.stresses(start.q + u)
+    return np.asarray(start.cache["end"][1])

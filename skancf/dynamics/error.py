@@ -5,13 +5,12 @@ import numpy as np
 from skancf.dynamics.state import State
 from skancf.dynamics.step_solver import StepSolver
 from skancf.system.system import System
+from skancf.tolerances import KNOWN_START, ROUNDED_POSITION
 
 ADDING = np.pi / 2
 """Errors of an oscillation's steps add up all of a cosine without its sign, of which they measure 2 / pi."""
-ROUNDING, MANY = 2e-16, 50
-"""Of the size of the body: what a position is known to; and how many times that a motion is that is followed."""
-BENT = 1e-6
-"""Of the displacement at the start: vibrations about it that are smaller than that are not followed."""
+MANY = 50
+"""Times the rounding of positions: a motion that is smaller is not followed."""
 
 
 class Measure:
@@ -31,7 +30,7 @@ class Measure:
         self.weights = mass / mass.sum()
         self.free = not system.constraints.fixed.any() and system.foundation is None
         positions = system.layout.positions(system.undeformed)
-        self.rounding = ROUNDING * float(np.abs(positions - positions.mean(axis=0)).max())
+        self.rounding = ROUNDED_POSITION * float(np.abs(positions - positions.mean(axis=0)).max())
 
     def size(self, u: np.ndarray) -> float:
         """That of nodal vectors (n_dofs,)."""
@@ -46,7 +45,7 @@ class Measure:
 
         That of rounding, and a small part of the displacement at the start, which is known to the tolerance of statics.
         """
-        return max(MANY * self.rounding, BENT * self.size(q - self.system.undeformed))
+        return max(MANY * self.rounding, KNOWN_START * self.size(q - self.system.undeformed))
 
     def error(self, solver: StepSolver, start: State, end: State, span: float) -> float:
         r"""What a step adds to the error by the end of the run (m).

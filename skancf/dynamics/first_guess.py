@@ -4,6 +4,7 @@ import numpy as np
 
 from skancf.dynamics.state import State
 from skancf.system.system import System
+from skancf.tolerances import ROUNDED_PRODUCT
 from skancf.vectors import cross_matrix, rotation, sum_of_cross
 
 
@@ -25,7 +26,7 @@ def advanced(system: System, start: State, dt: float, easy: bool) -> tuple[np.nd
     arms = layout.arms(start.q, centre)
     of_arms, of_v, of_a = (layout.nodal(mass @ x) for x in (arms.ravel(), start.v, start.a))
     second = np.einsum("ngi,ngj->ij", arms, of_arms)
-    inverse = np.linalg.pinv(np.trace(second) * np.eye(3) - second, rcond=1e-12, hermitian=True)
+    inverse = np.linalg.pinv(np.trace(second) * np.eye(3) - second, rcond=ROUNDED_PRODUCT, hermitian=True)
     velocity, spin = of_v[moving, 0].sum(axis=0) / total, inverse @ sum_of_cross(arms, of_v)
     centripetal = cross_matrix(spin) @ cross_matrix(spin)
     acceleration = of_a[moving, 0].sum(axis=0) / total

@@ -8,7 +8,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, finite, vector
-from skancf.kernels.constants import FOURTH, R_X, R_Y, R
+from skancf.kernels.constants import R
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import EVERY, nodal
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
@@ -113,16 +113,13 @@ def _projected(system: System, q: np.ndarray, velocity: Callable[..., Any]) -> n
     with DirectSolver(system.pattern, Constraints(fixed)) as solver:
         solver.factor(_mass_of_positions(system))
         v = solver.solve(system.shell.flat(over_elements(geometry, momentum[:, None])), refinements=2)
-    if geometry.theory.directors:
-        nodal, rates = system.shell.nodal(q), system.shell.nodal(v)
-        rates[:, FOURTH] = _director_rates(nodal[:, FOURTH], nodal[:, [R_X, R_Y]], rates[:, [R_X, R_Y]])
-    return v
+    return system.shell.flat(geometry.theory.following(system.shell.nodal(q), system.shell.nodal(v)))
 
 
 def _mass_of_positions(system: System) -> BlockMatrix:
     """The mass matrix without directors."""
     sections, theory = system.assembly.sections, system.geometry.theory
-    if not theory.directors:
+    if all(theory.of_positions):
         return system.mass
     table = theory.position_table(theory.quadrature[0])[0]
     blocks = system.blocks()
@@ -131,17 +128,8 @@ def _mass_of_positions(system: System) -> BlockMatrix:
 
 
 def _massless(geometry: Geometry) -> np.ndarray:
-    """Coordinates of which positions do not depend, (n_nodes, 12) bool: directors, and r_xy of a pole, which has none."""
+    """Coordinates of which positions do not depend, (n_nodes, 12) bool: directors, and the last vector of a pole."""
     out = np.zeros_like(geometry.undeformed, dtype=bool)
-    out[slice(None) if geometry.theory.directors else list(geometry.ties.poles), FOURTH] = True
+    out[:, np.logical_not(geometry.theory.of_positions)] = True
+    out[list(geometry.ties.poles), -1] = True
     return out.reshape(geometry.n_nodes, -1)
-
-
-def _director_rates(director: np.ndarray, slopes: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """Rates (n, 3) of directors that keep their components in the frame of slopes (n, 2, 3) with rates, and their normal."""
-    normal = np.cross(slopes[:, 0], slopes[:, 1])
-    n = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    duals = np.linalg.solve(slopes @ slopes.swapaxes(1, 2), slopes)
-    turning = -np.einsum("ngi,ngj,nj->ni", duals, rates, n)
-    along = np.einsum("ni,ngi,ngj->nj", director, duals, rates)
-    return np.asarray(along + (director * n).sum(axis=1, keepdims=True) * turning)

@@ -1,4 +1,4 @@
-r"""The book of a run: energies, work, dissipation and momenta, and whether they balance.
+r"""The ledger of a run: energies, work, dissipation and momenta, and whether they balance.
 
 .. math:: T + U + V = (T + U + V)_0 + W - D - D_h + R
 
@@ -22,6 +22,7 @@ from skancf.dynamics.state import State
 from skancf.errors import InputError, finite
 from skancf.history import Case
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO
 from skancf.vectors import sum_of_cross
 
 
@@ -42,7 +43,7 @@ class MeshEvent:
 
 @dataclass(frozen=True)
 class Ledger:
-    """The book at times (n,); energies in J, momenta (n, 3) in N s and, about the origin, N m s.
+    """The ledger at times (n,); energies in J, momenta (n, 3) in N s and, about the origin, N m s.
 
     Attributes
     ----------
@@ -91,7 +92,7 @@ class Ledger:
         return np.asarray(left - left[0])
 
     def at(self, times: Any) -> "Ledger":
-        """The book at other times, linear between those of the steps, so that what balances there balances here."""
+        """The ledger at other times, linear between those of the steps, so that what balances there balances here."""
         wanted = np.atleast_1d(finite("times", times))
         if wanted.ndim != 1 or not wanted.size:
             raise InputError(f"times of shape {wanted.shape}: give one time, or some in a row")
@@ -115,10 +116,10 @@ AMOUNTS = ("kinetic", "strain", "potential", "work", "dissipation")
 SUMS = ("work", "dissipation", "numerical", "remeshing", "linear_impulse", "angular_impulse")
 
 
-def without_source(book: Mapping[str, Any]) -> Any:
+def without_source(ledger: Mapping[str, Any]) -> Any:
     """Energy less all that came in and went, of the columns of a ledger or of a row; what it changes by has no source."""
-    energy = book["kinetic"] + book["strain"] + book["potential"]
-    return energy - book["work"] + book["dissipation"] + book["numerical"] - book["remeshing"]
+    energy = ledger["kinetic"] + ledger["strain"] + ledger["potential"]
+    return energy - ledger["work"] + ledger["dissipation"] + ledger["numerical"] - ledger["remeshing"]
 
 
 def _interpolated(wanted: np.ndarray, times: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -150,12 +151,12 @@ class Forces:
 KINDS = tuple(field.name for field in fields(Forces) if field.name != "time")
 
 
-class Book:
+class LedgerRecorder:
     """Keeps the ledger of a run, step by step."""
 
     def __init__(self) -> None:
         self.rows, self.events = Log(), Log(MeshEvent)
-        self.logs = {"book": self.rows, "events": self.events}
+        self.logs = {"ledger": self.rows, "events": self.events}
         self.sums: dict[str, Any] = {name: np.zeros(3) if "impulse" in name else 0.0 for name in SUMS}
         self.turnover = 0.0
 
@@ -171,7 +172,7 @@ class Book:
     def restore(self, state: dict[str, Any]) -> None:
         self.turnover, self.sums, self.before = state["turnover"], state["sums"], Forces(**state["before"])
 
-    def ledger(self) -> Ledger:
+    def as_ledger(self) -> Ledger:
         columns = {name: np.array([row[name] for row in self.rows]) for name in ("time", *COLUMNS)}
         return Ledger(columns.pop("time"), **columns, events=tuple(self.events))
 
@@ -199,10 +200,10 @@ class Book:
     @property
     def imbalance(self) -> float:
         """Energy without a source so far, relative to the largest amount of any (signed)."""
-        return self.left / max(self.turnover, 1e-300)
+        return self.left / max(self.turnover, ABOVE_ZERO)
 
     def step(self, system: System, rule: Rule, start: State, u: np.ndarray, end: State, residual: Any) -> None:
-        """Book a step; ``residual()`` is that of the step's equations at its solution."""
+        """Enter a step; ``residual()`` is that of the step's equations at its solution."""
         dt = end.dt
         forces = self._forces(system, rule, start, u, dt, residual)
         middle = forces.at(start.time + 0.5 * dt, self.before)
@@ -238,7 +239,7 @@ class Book:
         return Forces(time, loads + working, supports, springs - working, viscous, material)
 
     def jump(self, system: System, before: State, after: State) -> None:
-        """Book an impulse: its work is that on the mean of the rates, and so is that of the supports."""
+        """Enter an impulse: its work is that on the mean of the rates, and so is that of the supports."""
         change = system.mass @ (after.v - before.v)
         self._add(
             work=float(change @ (0.5 * (before.v + after.v))), linear_impulse=_sum_of_forces(system, change),
@@ -248,7 +249,7 @@ class Book:
         self._write(system, after)
 
     def remeshed(self, event: MeshEvent, system: System, state: State) -> None:
-        """Book a change of the mesh."""
+        """Enter a change of the mesh."""
         first = self.rows[-1]
         self.before = forces_at_rest(system, state)
         self._write(system, state)

@@ -6,6 +6,7 @@ import numpy as np
 
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
+from skancf.tolerances import NEWTON_EXACT
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class ImplicitMidpoint(Rule):
     """
 
     stage = 0.5
-    newton_rtol = 1e-9
+    newton_rtol = NEWTON_EXACT
 
     @property
     def error_constant(self) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from skancf.arguments import function
 from skancf.checks import Check
-from skancf.dynamics.between import Between
+from skancf.dynamics.interpolation import StateInterpolation
 from skancf.dynamics.ledger import Ledger
 from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
@@ -37,7 +37,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Stretch:
+class Segment:
     """A part of a run on one mesh and without a jump of velocities: states (n, n_dofs) at times (n,).
 
     ``outputs`` (n,) says which of them are at output times; the others are its ends.
@@ -50,12 +50,12 @@ class Stretch:
     outputs: np.ndarray
 
     def at(self, time: float) -> Solution:
-        """The state at a time; between those that there are, a cubic of :class:`skancf.dynamics.between.Between`."""
+        """The state at a time, between the states here by :class:`~skancf.dynamics.interpolation.StateInterpolation`."""
         k = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
         if self.times[k] >= time or k == len(self.times) - 1:
             return Solution(self.system, self.q[k], self.v[k], time)
-        between = Between(self.system.layout, self.system.constraints)
-        q, v = between.cubic(time, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
+        interpolation = StateInterpolation(self.system.layout, self.system.constraints)
+        q, v = interpolation.cubic(time, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
         return Solution(self.system, q, v, time)
 
 
@@ -65,12 +65,13 @@ class Motion:
 
     Attributes
     ----------
-    stretches : tuple of Stretch
+    segments : tuple of Segment
         Parts of the run, each on one mesh.
     steps : tuple of Step
         Every attempted step.
     ledger : Ledger
-        Energies, work, dissipation and momenta at the end of every accepted step; :meth:`book` has them at output times.
+        Energies, work, dissipation and momenta at the end of every accepted step; at output times:
+        :meth:`output_ledger`.
     records : dict of name to (times, values)
         The quantities asked for, at every accepted step.
     checks : tuple of Check
@@ -81,7 +82,7 @@ class Motion:
         Wall time, of all processes that a restarted run has taken.
     """
 
-    stretches: tuple[Stretch, ...]
+    segments: tuple[Segment, ...]
     steps: tuple[Step, ...]
     ledger: Ledger
     records: dict[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
@@ -110,15 +111,15 @@ class Motion:
     @property
     def times(self) -> np.ndarray:
         """Output times (s), (n,)."""
-        return np.concatenate([part.times[part.outputs] for part in self.stretches])
+        return np.concatenate([part.times[part.outputs] for part in self.segments])
 
     @property
     def system(self) -> System:
         """The system of the run; for a run on several meshes, whose states have each their own, an error."""
-        if any(part.system is not self.stretches[0].system for part in self.stretches):
+        if any(part.system is not self.segments[0].system for part in self.segments):
             raise InputError("this motion has states on several meshes, each with its own system and nodal coordinates; "
                              "take them from motion.states, or motion.at(time)")  # fmt: skip
-        return self.stretches[0].system
+        return self.segments[0].system
 
     @property
     def q(self) -> np.ndarray:
@@ -132,26 +133,26 @@ class Motion:
 
     def _joined(self, name: str) -> np.ndarray:
         n = self.system.n_dofs
-        return np.concatenate([getattr(part, name)[part.outputs].reshape(-1, n) for part in self.stretches])
+        return np.concatenate([getattr(part, name)[part.outputs].reshape(-1, n) for part in self.segments])
 
     def at(self, time: float) -> Solution:
         """State at any time, by cubic interpolation between output times; after the event where one is at that time.
 
         What vibrates between two output times is lost: ask for as many ``outputs`` as the motion needs.
         """
-        t, first, last = number("time", time), self.stretches[0].times[0], self.stretches[-1].times[-1]
+        t, first, last = number("time", time), self.segments[0].times[0], self.segments[-1].times[-1]
         if not first <= t <= last:
             raise InputError(f"time = {t} s: the motion is known from {first} to {last} s")
-        return next(part for part in reversed(self.stretches) if part.times[0] <= t).at(t)
+        return next(part for part in reversed(self.segments) if part.times[0] <= t).at(t)
 
     @property
     def states(self) -> Iterator[Solution]:
         """The states at the output times, each with its own system."""
-        for part in self.stretches:
+        for part in self.segments:
             for t, q, v in zip(part.times[part.outputs], part.q[part.outputs], part.v[part.outputs], strict=True):
                 yield Solution(part.system, q.copy(), v.copy(), float(t))
 
-    def book(self) -> Ledger:
+    def output_ledger(self) -> Ledger:
         """The ledger at the output times."""
         return self.ledger.at(self.times)
 
@@ -160,7 +161,7 @@ class Motion:
         if number("z", z):
             return np.array([state.displacement(at, z) for state in self.states])
         parts = []
-        for part in self.stretches:
+        for part in self.segments:
             point = probe(part.system, at)
             change = (part.q[part.outputs] - part.system.undeformed).reshape(-1, part.system.n_dofs // 3, 3)
             moved = np.array([point @ nodal for nodal in change]).reshape(-1, point.shape[0], 3)

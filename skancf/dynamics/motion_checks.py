@@ -6,6 +6,7 @@ from skancf.checks import Check, failures
 from skancf.dynamics.ledger import Ledger
 from skancf.dynamics.motion import Motion
 from skancf.errors import warn
+from skancf.tolerances import SAME_VALUE
 
 MOMENTA = "momentum without a source"
 NOT_FOLLOWED = 0.1
@@ -54,7 +55,7 @@ def checks_of(
                 "Take shorter steps (a smaller rtol or dt), or rule=EnergyMomentum(), which keeps momenta.",
             ))  # fmt: skip
     found.append(Check(
-        "impulse of a load that the steps missed", missed, MISSED if rtol is None else max(2 * rtol, ROUNDED),
+        "impulse of a load that the steps missed", missed, MISSED if rtol is None else max(2 * rtol, SAME_VALUE),
         "The steps are too long for a load's function of time: take rtol instead of dt, or give the function knots where it "
         "jumps.",
     ))  # fmt: skip
@@ -65,10 +66,6 @@ def checks_of(
         "them.",
     ))  # fmt: skip
     return tuple(found)
-
-
-ROUNDED = 1e-9
-"""What sums of samples leave."""
 
 
 def warn_of(motion: Motion) -> None:

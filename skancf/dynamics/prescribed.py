@@ -6,6 +6,10 @@ from skancf.errors import InputError
 from skancf.history import Case
 from skancf.system.system import System
 
+RATE_STEP = 1e-7
+"""Of a time: over it prescribed coordinates are differenced for their rate. Rounding, 1e-16 over it, is smaller than the
+error of the difference."""
+
 
 def prescribed_rate(system: System, time: float, moment: float) -> np.ndarray:
     """The rate at a time, (n_dofs,), forwards over ``moment`` (s); backwards where a table ends."""

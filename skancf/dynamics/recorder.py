@@ -6,22 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from skancf.dynamics.between import Between
+from skancf.dynamics.interpolation import StateInterpolation
 from skancf.dynamics.log import Log
-from skancf.dynamics.motion import Stretch
+from skancf.dynamics.motion import Segment
 from skancf.dynamics.state import State
 from skancf.functions import called
 from skancf.solution import Solution
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO, ONE_TIME
 
 Quantity = Callable[[Solution], Any]
 
 
 @dataclass(frozen=True)
 class Knot:
-    """A kept state, the stretch of the run in which it lies, and whether it is one at an output time."""
+    """A kept state, the segment of the run in which it lies, and whether it is one at an output time."""
 
-    stretch: int
+    segment: int
     time: float
     q: np.ndarray
     v: np.ndarray
@@ -31,14 +32,14 @@ class Knot:
 class Recorder:
     """Keeps the states at ``times``, or at the ends of all steps, and the ``quantities``.
 
-    Every stretch of the run, on one mesh and without a jump, also keeps its first and its last state, so that times between
+    Every segment of the run, on one mesh and without a jump, also keeps its first and its last state, so that times between
     outputs can be interpolated.
     """
 
     def __init__(self, times: np.ndarray | None, quantities: Mapping[str, Quantity]):
         self.every = times is None
         self.times, self.quantities = np.zeros(1) if times is None else times, quantities
-        self.slack = 1e-9 * (self.times[-1] - self.times[0] + 1e-300)
+        self.slack = ONE_TIME * (self.times[-1] - self.times[0] + ABOVE_ZERO)
         self.done = 0
         self.systems: list[System] = []
         self.logs = {"knots": Log(Knot), "records": Log()}
@@ -51,12 +52,12 @@ class Recorder:
         self.done = state["done"]
 
     @property
-    def asked(self) -> list[float] | str:
+    def outputs(self) -> list[float] | str:
         """The output times, or "steps"."""
         return "steps" if self.every else self.times.tolist()
 
     def begin(self, system: System, state: State) -> None:
-        """A new stretch, on a mesh or after a jump: where the last state is an output, the first one is it instead."""
+        """A new segment, on a mesh or after a jump: where the last state is an output, the first one is it instead."""
         self.systems.append(system)
         last, due = self.logs["knots"][-1:], self._due(state.time)
         self.done += due
@@ -77,7 +78,7 @@ class Recorder:
             t = float(self.times[self.done])
             q, v = end.q, end.v
             if t < end.time - self.slack:
-                q, v = Between(self.systems[-1].layout, self.systems[-1].constraints).inside(t, start, end)
+                q, v = StateInterpolation(self.systems[-1].layout, self.systems[-1].constraints).inside(t, start, end)
             self._add(t, q, v, True)
             self.done += 1
 
@@ -90,21 +91,21 @@ class Recorder:
         self.logs["records"].append(row)
 
     def end(self, state: State) -> None:
-        """Closes a stretch with its last state."""
+        """Closes a segment with its last state."""
         if state.time > self.logs["knots"][-1].time + self.slack:
             self._add(state.time, state.q, state.v, False)
 
     @property
-    def stretches(self) -> tuple[Stretch, ...]:
-        """What was kept, by stretches."""
+    def segments(self) -> tuple[Segment, ...]:
+        """What was kept, by segments."""
         parts: list[list[Knot]] = [[] for _ in self.systems]
         knots = self.logs["knots"]
         for knot, after in zip(knots, [*knots[1:], None], strict=True):
             # At the time of an event the output is the state after it.
-            late = after is not None and after.stretch > knot.stretch and after.output and after.time == knot.time
-            parts[knot.stretch].append(replace(knot, output=False) if late else knot)
+            late = after is not None and after.segment > knot.segment and after.output and after.time == knot.time
+            parts[knot.segment].append(replace(knot, output=False) if late else knot)
         return tuple(
-            Stretch(system, *(np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output")))
+            Segment(system, *(np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output")))
             for system, part in zip(self.systems, parts, strict=True)
         )
 

@@ -100,14 +100,14 @@ class Rule(ABC):
         return system.others.force(at, self.rate(u, start, dt), Case(time=time))
 
     def internal_force(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        """Internal force, less that of held back free strains."""
+        """Internal force, less that of initial stresses."""
         at, time = self.at_stage(u, start, dt)
         if system.shell.retardation:
             force = self.force_of(system.shell, u, start, dt, self.stresses(system, u, start, dt))
         else:
             force = system.shell.internal_force(at)
-        held = system.shell.held_back_force(at, Case(time=time))
-        force = force if held is None else force - held
+        initial = system.shell.initial_stress_force(at, Case(time=time))
+        force = force if initial is None else force - initial
         return force + self.others_force(system, u, start, dt) if system.others else force
 
     def stiffness(

@@ -11,7 +11,7 @@ from skancf.atomic import reason
 from skancf.checks import Check, failures
 from skancf.dynamics.error import Measure
 from skancf.dynamics.impulses import LoadImpulses, Missed
-from skancf.dynamics.ledger import Book, MeshEvent
+from skancf.dynamics.ledger import LedgerRecorder, MeshEvent
 from skancf.dynamics.log import Log
 from skancf.dynamics.motion import Motion, Step
 from skancf.dynamics.motion_checks import MOMENTA, checks_of
@@ -26,15 +26,16 @@ from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
 from skancf.history import Case, knots_of
 from skancf.progress import Progress
-from skancf.solving import End, Status, kept
+from skancf.solving import End, Status, run_steps
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO, ROUNDED_TIME
 
 
 @dataclass(frozen=True)
 class NewMesh:
     """A change of the mesh: the system to go on with, the state there, and what that changed.
 
-    The time of the state is the present one, or that of the last look, to which the run then goes back; ``raised`` is the
+    The time of the state is the present one, or that of the last check, to which the run then goes back; ``raised`` is the
     energy that it gained (J).
     """
 
@@ -49,7 +50,7 @@ class MeshPolicy(Protocol):
 
     @property
     def every(self) -> int:
-        """Accepted steps from look to look."""
+        """Accepted steps from check to check."""
 
     def check(self, system: System) -> None:
         """InputError for a system whose mesh cannot follow."""
@@ -57,10 +58,10 @@ class MeshPolicy(Protocol):
     def change(
         self, system: System, before: State, now: State, end: float, energy: float, again: bool
     ) -> NewMesh | None:
-        """A change of the mesh, from the states at the last look and now; None to go on with this one.
+        """A change of the mesh, from the states at the last check and now; None to go on with this one.
 
         ``end`` is that of the run (s), ``energy`` the largest strain energy so far, ``again`` whether the run may go back
-        to the last look.
+        to the last check.
         """
 
 
@@ -105,16 +106,16 @@ class Run:
         self.impulses = LoadImpulses(system, settings.begin, settings.span)
         self.dt = positive("steps.first", called("steps.first", settings.control.first, settings.span / FIRST_STEP), "s")
         self.shortest = self.dt * positive("steps.smallest", settings.control.smallest)
-        self.book = Book()
-        self.logs = logs_of(self.steps, recorder, self.book)
-        self.book.begin(system, self.now)
+        self.ledger = LedgerRecorder()
+        self.logs = logs_of(self.steps, recorder, self.ledger)
+        self.ledger.begin(system, self.now)
         recorder.begin(system, self.now)
         recorder.keep(self.now)
         times = [time for time, _ in system.loads.impulses() if settings.begin <= time <= settings.end]
         self.strikes = [time for time in times if time > settings.begin or not struck]
         self.knots = knots_of(system.histories())
-        self.looked = 0
-        self.mark_here()
+        self.since_check = 0
+        self.set_rollback()
 
     def _on(self, system: System) -> None:
         self.system = system
@@ -126,7 +127,7 @@ class Run:
         """What remembers something from step to step."""
         settings = self.settings
         parts = {
-            "solver": self.solver, "book": self.book, "recorder": self.recorder, "impulses": self.impulses,
+            "solver": self.solver, "ledger": self.ledger, "recorder": self.recorder, "impulses": self.impulses,
             "terms": self.system.terms, "rule": settings.rule, "steps": settings.control, "follow": settings.follow,
         }  # fmt: skip
         return {name: part for name, part in parts.items() if isinstance(part, HasState)}
@@ -138,7 +139,7 @@ class Run:
         return own | {name: part.state() for name, part in self.parts.items()}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go to where :meth:`state` was given, on the mesh of the last stretch; ValueError for vectors of another one."""
+        """Go to where :meth:`state` was given, on the mesh of the last segment; ValueError for vectors of another one."""
         if self.recorder.systems[-1] is not self.system:
             self.solver.close()
             self._on(self.recorder.systems[-1])
@@ -159,7 +160,7 @@ class Run:
 
     def motion(self, status: Status, message: str) -> Motion:
         """What the run left behind; one that reached its end with momenta out of balance has not finished."""
-        ledger, settings = self.book.ledger(), self.settings
+        ledger, settings = self.ledger.as_ledger(), self.settings
         checks: tuple[Check, ...] = ()
         if self.steps:
             size = float(np.abs(self.system.layout.positions(self.now.q)).max())
@@ -169,7 +170,7 @@ class Run:
         if status.ok and out_of_balance:
             status, message = Status.UNBALANCED, out_of_balance
         recorder = self.recorder
-        return Motion(recorder.stretches, tuple(self.steps), ledger, recorder.records, status, message, checks=checks)
+        return Motion(recorder.segments, tuple(self.steps), ledger, recorder.records, status, message, checks=checks)
 
     def go(
         self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
@@ -177,7 +178,7 @@ class Run:
     ) -> End:  # fmt: skip
         """Run to the end, or until it stops; ``after_step`` follows every accepted step, ``at_end`` the last one."""
         try:
-            return kept(
+            return run_steps(
                 lambda: self._step(bar, after_step, at_end), lambda: f" at t = {self.now.time:.6g} s", self._failed
             )
         finally:
@@ -189,7 +190,7 @@ class Run:
 
     def _step(self, bar: Progress, after_step: Callable[["Run"], None], at_end: Callable[[], None]) -> End | None:
         settings = self.settings
-        tiny = 1e-12 * settings.span
+        tiny = ROUNDED_TIME * settings.span
         while self.strikes and self.strikes[0] <= self.now.time + tiny:
             self._strike(self.strikes.pop(0))
         if self.now.time >= settings.end - tiny:
@@ -207,7 +208,7 @@ class Run:
         if accepted:
             if settings.balance is not None and self._is_unbalanced(settings.balance):
                 return Status.UNBALANCED, self._unbalanced()
-            self._look()
+            self._check_mesh()
             after_step(self)
         return None
 
@@ -221,10 +222,10 @@ class Run:
         if outcome.ok:
             error = measure.error(self.solver, start, outcome.end, settings.span)
         if np.isfinite(error):
-            mark, n_rows, before, known = self.book.state(), len(self.book.rows), self.book.left, self.book.turnover
-            self.book.step(self.system, settings.rule, start, outcome.u, outcome.end,
+            sums, n_rows, before, known = self.ledger.state(), len(self.ledger.rows), self.ledger.left, self.ledger.turnover
+            self.ledger.step(self.system, settings.rule, start, outcome.u, outcome.end,
                            lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
-            imbalance = (self.book.left - before) / max(self.book.turnover, self._noise)
+            imbalance = (self.ledger.left - before) / max(self.ledger.turnover, self._noise)
             done = (outcome.end.time - settings.begin) / settings.span
             farthest = max(farthest, measure.size(outcome.end.q - self.origin))
             missed = self.impulses.step(start.time, step)
@@ -232,8 +233,8 @@ class Run:
                 step, settings.span, error if farthest > self.least else 0.0, outcome.iterations, farthest,
                 farthest - self.farthest, measure.rounding,
                 begins=farthest > SUDDEN * self.farthest and 2 * measure.size(start.a) < measure.size(outcome.end.a),
-                impulses=missed, hardest=self.hardest, imbalance=imbalance, young=self.book.turnover > 2 * known,
-                total=self.book.imbalance / done,
+                impulses=missed, hardest=self.hardest, imbalance=imbalance, young=self.ledger.turnover > 2 * known,
+                total=self.ledger.imbalance / done,
             )  # fmt: skip
             accepted = flag("steps.accepts", called("steps.accepts", control.accepts, attempt))
             over = getattr(control, "over", _unmeasured)(attempt)
@@ -245,11 +246,11 @@ class Run:
                                  "that is tried again must be shorter")  # fmt: skip
             self.dt = max(self.dt, following) if cut else following
             if not accepted:
-                self.book.restore(mark)
-                del self.book.rows[n_rows:]
+                self.ledger.restore(sums)
+                del self.ledger.rows[n_rows:]
         else:
             self.dt = step / 2
-        self.steps.append(Step(start.time + step, step, error / max(farthest, 1e-300), outcome.iterations,
+        self.steps.append(Step(start.time + step, step, error / max(farthest, ABOVE_ZERO), outcome.iterations,
                                outcome.factorisations, accepted, imbalance, self.system.n_dofs))  # fmt: skip
         if accepted:
             self.recorder.step(start, outcome.end)
@@ -264,11 +265,11 @@ class Run:
     def _noise(self) -> float:
         """Energy that is rounding (J): of coordinates alone, and of their product with a strain in the energy."""
         rounding = NOISE * self.solver.factors.rounding
-        return max(rounding, 1e-300) + (rounding * self.book.turnover) ** 0.5
+        return max(rounding, ABOVE_ZERO) + (rounding * self.ledger.turnover) ** 0.5
 
     def _is_unbalanced(self, tolerance: float) -> bool:
         """The first steps of a load that jumps cannot be balanced; nor can rounding."""
-        return abs(self.book.left) > tolerance * self.book.turnover + self._noise and len(self.steps) > FIRST
+        return abs(self.ledger.left) > tolerance * self.ledger.turnover + self._noise and len(self.steps) > FIRST
 
     def _driven(self, time: float) -> np.ndarray:
         """Accelerations of prescribed coordinates, (n_dofs,), after a time of the run; before its end."""
@@ -284,25 +285,25 @@ class Run:
         jump = self.solver.jump(dict(system.loads.impulses())[time])
         a = self.solver.initial_acceleration(start.q, start.v + jump, start.time, self._driven(start.time))
         self.now = State(start.time, start.q, start.v + jump, a)
-        self.book.jump(system, start, self.now)
+        self.ledger.jump(system, start, self.now)
         self.recorder.begin(system, self.now)
-        self.mark_here()
+        self.set_rollback()
 
-    def _look(self) -> None:
+    def _check_mesh(self) -> None:
         """Ask the policy of meshes, every so many accepted steps."""
         follow = self.settings.follow
         if follow is None:
             return
-        self.looked += 1
-        if self.looked < follow.every or self.now.time >= self.settings.end * (1 - 1e-12):
+        self.since_check += 1
+        if self.since_check < follow.every or self.now.time >= self.settings.end * (1 - ROUNDED_TIME):
             return
-        most, again, energy = self.book.most_strain, self.tries < TRIES, self.solver.energy
-        new = follow.change(self.system, self.mark, self.now, self.settings.end, most, again)
+        most, again, energy = self.ledger.most_strain, self.tries < TRIES, self.solver.energy
+        new = follow.change(self.system, self.rollback, self.now, self.settings.end, most, again)
         tries = 0
         if new is not None:
             if new.event.again:
                 tries = self.tries + 1
-                self._rewind()
+                self._roll_back()
             self.recorder.end(self.now)
             undeformed = np.array_equal(self.origin, self.system.undeformed)
             self.solver.close()
@@ -310,18 +311,18 @@ class Run:
             self.solver.energy, self.now = energy, new.state
             # Displacements since the start are not known on another mesh, unless it began undeformed.
             self.origin = new.system.undeformed if undeformed else new.state.q
-            self.book.remeshed(new.event, new.system, self.now)
+            self.ledger.remeshed(new.event, new.system, self.now)
             self.recorder.begin(new.system, self.now)
-        self.mark_here(tries)
+        self.set_rollback(tries)
 
-    def mark_here(self, tries: int = 0) -> None:
-        """Where the run may go back to, from the next look at the mesh; ``tries`` counts how often it did."""
-        self.looked, self.tries = 0, tries
-        self.mark, self.kept = self.now, flat(self.state())
+    def set_rollback(self, tries: int = 0) -> None:
+        """Where the run may go back to, from the next check of the mesh; ``tries`` counts how often it did."""
+        self.since_check, self.tries = 0, tries
+        self.rollback, self.saved = self.now, flat(self.state())
 
-    def _rewind(self) -> None:
-        """Back to the last mark, but for the policy, which has just decided it; the steps since then count as rejected."""
-        back = nested(self.kept, self.state())
+    def _roll_back(self) -> None:
+        """Back to the last rollback, but for the policy, which has just decided it; steps since then count as rejected."""
+        back = nested(self.saved, self.state())
         back.pop("follow", None)
         since = [replace(step, accepted=False) for step in self.steps[back["counts"]["steps"] :]]
         self.restore(back)
@@ -341,19 +342,19 @@ class Run:
         )
 
     def _unbalanced(self) -> str:
-        book, rule = self.book, type(self.settings.rule).__name__
-        way = "gained" if book.imbalance > 0 else "lost"
+        ledger, rule = self.ledger, type(self.settings.rule).__name__
+        way = "gained" if ledger.imbalance > 0 else "lost"
         return (
-            f"the run stopped at t = {self.now.time:.6g} s: the integration has {way} {abs(book.imbalance):.1%} of the "
-            f"largest energy, {book.turnover:.4g} J; the tolerance is {self.settings.balance:.1%}. What was computed is "
+            f"the run stopped at t = {self.now.time:.6g} s: the integration has {way} {abs(ledger.imbalance):.1%} of the "
+            f"largest energy, {ledger.turnover:.4g} J; the tolerance is {self.settings.balance:.1%}. What was computed is "
             f"kept. Take shorter steps (a smaller rtol or dt) than {rule} had here, or rule=EnergyMomentum(), which keeps "
             "energy; balance=None does not look"
         )
 
 
-def logs_of(steps: Log, recorder: Recorder, book: Book) -> dict[str, Log]:
+def logs_of(steps: Log, recorder: Recorder, ledger: LedgerRecorder) -> dict[str, Log]:
     """What only grows in a run."""
-    return {"steps": steps, **recorder.logs, **book.logs}
+    return {"steps": steps, **recorder.logs, **ledger.logs}
 
 
 def _words(error: Exception) -> str:
@@ -373,7 +374,7 @@ FIRST_STEP = 50
 SUDDEN = 4
 """Where the displacement grows more than so many times in a step, and the acceleration doubles, the motion only begins."""
 TRIES = 2
-"""How often a run goes back to the same look."""
+"""How often a run goes back to the same check."""
 NOISE = 1e3
 """Times the energy of rounding of the coordinates: what many steps of it come to."""
 FIRST = 10

@@ -109,7 +109,7 @@ class RunFiles:
         return arrays
 
     def read_systems(self, n: int, first: System) -> list[System]:
-        """Those of n stretches; ``first`` is the one that the run began on."""
+        """Those of n segments; ``first`` is the one that the run began on."""
         systems = [first]
         for k in range(1, n):
             name, system = MESH.format(k), systems[-1]

@@ -9,14 +9,14 @@ import numpy as np
 
 from skancf.arguments import choice, function, having, mapping, whole
 from skancf.atomic import AnyPath
-from skancf.dynamics.asked import asked_of
 from skancf.dynamics.checkpoint import Checkpoint, Writer
 from skancf.dynamics.energy_momentum import EnergyMomentum
+from skancf.dynamics.fingerprint import fingerprint_of
 from skancf.dynamics.initial import Velocity, initial_velocity
 from skancf.dynamics.motion import Motion
 from skancf.dynamics.motion_checks import warn_of
 from skancf.dynamics.named_state import flat, nested
-from skancf.dynamics.prescribed import prescribed_rate
+from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
 from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
@@ -27,9 +27,10 @@ from skancf.memory import require_much
 from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import Status
-from skancf.statics.asked import check_asked
+from skancf.statics.arguments import check_arguments
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
+from skancf.tolerances import ONE_PLACE
 
 
 def simulate(
@@ -110,7 +111,7 @@ def simulate(
     InputError
         For times, tolerances or velocities that cannot be used.
     """
-    check_asked(system, backend, start=start, resume=resume, check=check, progress=progress)
+    check_arguments(system, backend, start=start, resume=resume, check=check, progress=progress)
     t_end = positive("t_end", t_end, "s")
     _check(system, record, follow)
     newton_rtol = None if newton_rtol is None else positive("newton_rtol", newton_rtol)
@@ -184,7 +185,7 @@ def _go(
             raise InputError("resume = True: from which folder? Give it, as in checkpoint='run'")
         return *run.go(bar), None
     checkpoint = checkpoint if isinstance(checkpoint, Checkpoint) else Checkpoint(checkpoint)
-    writer = Writer(checkpoint, run, asked_of(run, run.recorder.quantities, checkpoint.every), resume)
+    writer = Writer(checkpoint, run, fingerprint_of(run, run.recorder.quantities, checkpoint.every), resume)
     try:
         if writer.finished:
             return Status.FINISHED, "", writer.seconds
@@ -285,10 +286,10 @@ def _initial_velocity(
     moved = system.prescribed(Case(time=begin))
     at = system.undeformed if start is None else start.q
     jump = np.abs(system.constraints.fixed_part(at - system.undeformed) - moved).max(initial=0.0)
-    if jump > 1e-9 * np.abs(system.undeformed).max():
+    if jump > ONE_PLACE * np.abs(system.undeformed).max():
         raise InputError(f"a prescribed displacement jumps by {jump:.3g} at the start, t = {begin}; give it a history that "
                          "begins with the present state, as in history=lambda t: min(1.0, t / 0.1)")  # fmt: skip
-    rate = prescribed_rate(system, begin, 1e-7 * t_end)
+    rate = prescribed_rate(system, begin, RATE_STEP * t_end)
     if velocity is None and start is not None:
         velocity = start.velocity
     return system.constraints.free_part(initial_velocity(system, at, velocity)) + rate

@@ -10,13 +10,12 @@ from skancf.arguments import choice, whole
 from skancf.errors import InputError, finite, number, shown
 from skancf.memory import require_much
 from skancf.statics import Modes
+from skancf.tolerances import EQUIDISTANT, NO_SERIES, TINY
 
 # Half the main lobe of each window: how far apart two frequencies are told apart, in units of 1 / length.
 LOBES = {"boxcar": 1, "hann": 2, "hamming": 2, "blackman": 3, "blackmanharris": 4, "flattop": 5}
 DEGREES = {None: -1, "constant": 0, "linear": 1}
 FEWEST = 8
-# Times are equidistant where no interval differs more than this from the mean, relatively.
-JITTER = 1e-6
 # Other times are resampled to at most so many times as many: steps grow from a tiny first one.
 OVERSAMPLING = 16
 
@@ -123,8 +122,8 @@ class Spectrum:
         at, about = find_peaks(coarse, prominence=0)
         at = at[about["prominences"] >= prominence * coarse[at].max(initial=0)]
         at = np.array([k * p - p + np.argmax(fine[k * p - p : k * p + p + 1]) for k in at], dtype=int)
-        low, mid, high = np.log(np.maximum(fine[at[:, None] + [-1, 0, 1]], np.finfo(float).tiny)).T
-        shift = 0.5 * (low - high) / np.minimum(low - 2 * mid + high, -np.finfo(float).tiny)
+        low, mid, high = np.log(np.maximum(fine[at[:, None] + [-1, 0, 1]], TINY)).T
+        shift = 0.5 * (low - high) / np.minimum(low - 2 * mid + high, -TINY)
         frequencies = self.frequencies[at] + shift * (self.frequencies[at] - self.frequencies[at - 1])
         amplitudes = np.exp(mid - 0.25 * (low - high) * shift)
         kept = np.sort(np.argsort(-amplitudes, kind="stable")[: None if count is None else int(count)])
@@ -220,7 +219,7 @@ def spectrum(
     amplitudes[0] /= 2
     frequencies = np.fft.rfftfreq(int(padding) * n, dt)
     nyquist = 0.5 / longest
-    kept = frequencies <= nyquist * (1 + JITTER)
+    kept = frequencies <= nyquist * (1 + EQUIDISTANT)
     return Spectrum(frequencies[kept], amplitudes[kept], LOBES[window] / (n * dt), float(nyquist), int(padding))
 
 
@@ -262,7 +261,7 @@ def _equidistant(t: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     intervals = np.diff(t)
     mean = intervals.mean()
-    if np.abs(intervals - mean).max() <= JITTER * mean:
+    if np.abs(intervals - mean).max() <= EQUIDISTANT * mean:
         return t, x
     number_of = min(int(np.ceil((t[-1] - t[0]) / intervals.min())), OVERSAMPLING * len(intervals))
     even = np.linspace(t[0], t[-1], number_of + 1)
@@ -276,4 +275,4 @@ def _without_trend(x: np.ndarray, weights: np.ndarray, degree: int) -> np.ndarra
     s = np.linspace(-1, 1, len(x))
     trend = polynomial.polyval(s, polynomial.polyfit(s, x, degree, w=np.sqrt(np.maximum(weights, 0)))).T
     rest = x - trend
-    return np.where(np.abs(rest).max(axis=0) > 64 * np.finfo(float).eps * np.abs(x).max(axis=0), rest, 0.0)
+    return np.where(np.abs(rest).max(axis=0) > NO_SERIES * np.abs(x).max(axis=0), rest, 0.0)

@@ -12,7 +12,7 @@ class State:
 
     ``dt`` is the length of the step that led here, 0 at the start, and ``jerk`` the third derivative over it, if the rule
     needs it; ``before`` are the coordinates at the start of that step, None at the start of the run, after a jump and after
-    a change of the mesh; ``kept`` is what a rule computes once for a state.
+    a change of the mesh; ``cache`` is what a rule computes once for a state.
     """
 
     time: float
@@ -22,8 +22,8 @@ class State:
     dt: float = 0.0
     jerk: np.ndarray | None = None
     before: np.ndarray | None = None
-    kept: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    cache: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     def state(self) -> dict[str, Any]:
         """All of it but what is computed again."""
-        return {name: value for name, value in vars(self).items() if name != "kept"}
+        return {name: value for name, value in vars(self).items() if name != "cache"}

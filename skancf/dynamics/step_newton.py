@@ -13,18 +13,16 @@ from skancf.dynamics.turning import TurningFactors
 from skancf.history import Case
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solving import End, Status
-from skancf.statics.stopping import ROUNDING
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO, ROUNDED_COORDINATE, STALLED_ENERGY
 
 SLOW = 0.5
 """Factors of an earlier step are given up where a correction is not this much smaller than the one before."""
 STALLED = 0.5
 """Where corrections are no more than this smaller, and tiny, rounding is what is left of them."""
-TINY = 1e-20
-"""Energy of such corrections, relative to that of the motion."""
 DIVERGED = 1e6
 """Times the energy of the first correction, at which an iteration is given up."""
-SMALL = 1e-7
+DIFFERENCE = 1e-7
 """Change of coordinates, in sizes of the body, over which the residual is differenced."""
 INNER, VECTORS = 0.1, 4
 """How far, and with how many vectors, GMRES goes in each iteration."""
@@ -91,7 +89,7 @@ class KeptFactors(TurningFactors):
         tangent = equations.tangent(u, before, step)
         self.factor(tangent, equations.rule.tangent_at(u, equations.start)[0])
         self.dt = equations.dt
-        self.rounding = ROUNDING**2 * float(np.abs(tangent.diagonal()) @ (equations.start.q + u) ** 2)
+        self.rounding = ROUNDED_COORDINATE**2 * float(np.abs(tangent.diagonal()) @ (equations.start.q + u) ** 2)
 
 
 class StepTangents:
@@ -150,7 +148,7 @@ class StepTangents:
         scaled = change / sizes
 
         def product(x: np.ndarray) -> np.ndarray:
-            size = SMALL / max(float(np.abs(x).max()), 1e-300)
+            size = DIFFERENCE / max(float(np.abs(x).max()), ABOVE_ZERO)
             return self.factors.solve((self.residual(u + size * sizes * x) - residual) / size)[0] / sizes
 
         operator = LinearOperator((u.size, u.size), matvec=product, dtype=np.float64)
@@ -158,20 +156,20 @@ class StepTangents:
 
 
 @dataclass(frozen=True)
-class StepRule:
+class StepCriterion:
     """Ends where a correction is small: its scale is the energy of the motion, or of the first one, which cannot grow."""
 
     tangents: StepTangents
     rtol: float
     motion: float
 
-    def judge(self, u: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
+    def assess(self, u: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
         energy, first = energies[-1], next((e for e in energies if e), 0.0)
         last, scale = energies[-2] if len(energies) > 1 else np.inf, max(self.motion, first)
         if not energy <= DIVERGED * first:
             return Status.DIVERGED, "corrections that grow"
         small = energy <= self.rtol**2 * scale + self.tangents.factors.rounding
-        if small or STALLED * last < energy < TINY * scale:
+        if small or STALLED * last < energy < STALLED_ENERGY * scale:
             return Status.CONVERGED, ""
         if self.tangents.slow and not self.tangents.fresh:
             return Status.DIVERGED, "no convergence with factors of an earlier iteration"

@@ -9,7 +9,7 @@ from skancf.dynamics.first_guess import advanced
 from skancf.dynamics.forces import net_force
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
-from skancf.dynamics.step_newton import Effort, Equations, KeptFactors, StepRule, StepTangents
+from skancf.dynamics.step_newton import Effort, Equations, KeptFactors, StepCriterion, StepTangents
 from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.solving import Status, iterate
@@ -136,7 +136,7 @@ class StepSolver:
         u, before = self._first_guess(start, dt, effort is Effort.KEEP)
         # What the first guess deforms counts as a correction of a rigid motion.
         tangents = StepTangents(Equations(self.system, self.rule, start, dt), self.factors, effort, before, u - before)
-        found = iterate(u, tangents, StepRule(tangents, self.rtol, self.energy), MAX_ITERATIONS)
+        found = iterate(u, tangents, StepCriterion(tangents, self.rtol, self.energy), MAX_ITERATIONS)
         spent = found.iterations, tangents.factorisations
         if found.ok:
             return StepOutcome(True, self.rule.end(found.x, start, dt), found.x, *spent)

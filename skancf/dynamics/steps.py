@@ -7,6 +7,7 @@ from typing import Protocol
 from skancf.arguments import plain, whole
 from skancf.dynamics.impulses import Missed
 from skancf.errors import InputError, number, positive
+from skancf.tolerances import ABOVE_ZERO
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,7 @@ class _Limited(ABC):
         over = self.over(attempt)
         if over > 1:
             return _changed(attempt.dt, min(0.9 * over**-0.5, 0.9), self.largest)
-        hardest = max(over, FADING * attempt.hardest, 1e-30)
+        hardest = max(over, FADING * attempt.hardest, ABOVE_ZERO)
         return _changed(attempt.dt, max(0.9 * hardest**-0.5, 1.0), self.largest)
 
 
@@ -208,7 +209,7 @@ class LocalError(_Limited):
         share = attempt.dt / attempt.span
         allowed = 0.5 * self.rtol * (attempt.motion * share + attempt.growth) + self.atol * share + attempt.rounding
         beginning = (share / BEGINNING) ** 2 * self.rtol ** (-2 / 3)  # of order three, of which nothing else is known
-        error = beginning if attempt.begins else attempt.error / max(allowed, 1e-300)
+        error = beginning if attempt.begins else attempt.error / max(allowed, ABOVE_ZERO)
         return max([error, *(self._over_impulse(part, share) for part in attempt.impulses)])
 
     def _over_impulse(self, part: Missed, share: float) -> float:

@@ -9,9 +9,7 @@ import numpy as np
 
 from skancf.layout.layout import nodal
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
-
-SAME = 1e-12
-"""Parts of a projection smaller than this are rounding."""
+from skancf.tolerances import ABOVE_ZERO, ROUNDED_PROJECTION
 
 
 class TurningFactors:
@@ -59,10 +57,10 @@ def nodal_frames(q: np.ndarray) -> np.ndarray:
     They turn with a rigid rotation, and treat both slopes alike where these are sheared.
     """
     slopes = nodal(q)[:, 1:3]
-    slopes = slopes / np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), 1e-300)
+    slopes = slopes / np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), ABOVE_ZERO)
     frames = np.empty((len(slopes), 3, 3))
     frames[:, :, 0], frames[:, :, 1] = slopes[:, 0] + slopes[:, 1], slopes[:, 1] - slopes[:, 0]
-    frames[:, :, :2] /= np.maximum(np.linalg.norm(frames[:, :, :2], axis=1, keepdims=True), 1e-300)
+    frames[:, :, :2] /= np.maximum(np.linalg.norm(frames[:, :, :2], axis=1, keepdims=True), ABOVE_ZERO)
     frames[:, :, 2] = np.cross(frames[:, :, 0], frames[:, :, 1])
     return frames
 
@@ -70,5 +68,5 @@ def nodal_frames(q: np.ndarray) -> np.ndarray:
 def turning_vectors(constraints: Constraints) -> np.ndarray:
     """Nodal vectors that are free or held as a whole, (n_nodes, 4) bool: one of which a component is held does not turn."""
     held = constraints.of_vectors()
-    free, whole = (np.abs(held - part).max(axis=(2, 3)) < SAME for part in (0.0, np.eye(3)))
+    free, whole = (np.abs(held - part).max(axis=(2, 3)) < ROUNDED_PROJECTION for part in (0.0, np.eye(3)))
     return np.asarray(free | whole)

@@ -8,9 +8,7 @@ import skfem
 
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError
-
-# Sides of an aligned rectangle are parallel to the axes up to the rounding of coordinates.
-ALIGNED = 1e-9
+from skancf.tolerances import ONE_PLACE
 
 
 def nodal_jacobian(mesh: skfem.MeshQuad, elements: np.ndarray | None = None) -> np.ndarray:
@@ -35,7 +33,7 @@ def require_aligned(
     """InputError for a quad whose sides are not parallel to the axes of the parameter plane."""
     corner = mesh.p[:, mesh.t]
     sides = np.abs(np.roll(corner, -1, axis=1) - corner) / np.ptp(corner, axis=1, keepdims=True)
-    askew = np.flatnonzero((sides.min(axis=0) > ALIGNED).any(axis=0))
+    askew = np.flatnonzero((sides.min(axis=0) > ONE_PLACE).any(axis=0))
     if askew.size:
         corners = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in mesh.p[:, mesh.t[:, askew[0]]].T)
         raise InputError(

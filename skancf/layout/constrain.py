@@ -19,8 +19,7 @@ from skancf.history import Case, no_case
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
 from skancf.linear import Constraints
-
-PARALLEL = 1e-9
+from skancf.tolerances import ABOVE_ZERO, PARALLEL, SAME_VALUE
 
 
 class PrescribedMotion:
@@ -180,6 +179,6 @@ def _frame(span: np.ndarray, scales: np.ndarray) -> np.ndarray:
 
 
 def _check_consistent(geometry: Geometry, node: int, found: np.ndarray, values: np.ndarray) -> None:
-    if np.abs(found - values).max() > 1e-9 * max(1e-300, np.abs(values).max()):
+    if np.abs(found - values).max() > SAME_VALUE * max(ABOVE_ZERO, np.abs(values).max()):
         raise InputError(f"supports at the node {tuple(geometry.points[:, node].tolist())} prescribe different values "
                          "for the same coordinate; let one of them go")  # fmt: skip

@@ -8,23 +8,18 @@ rotations are of any size.
 import numpy as np
 
 from skancf.layout.geometry import Geometry
+from skancf.tolerances import LOST_AREA, VANISHED
 from skancf.vectors import cross
 
-FOLDED = 1e-6
-"""An area less than this times the undeformed one is none."""
 TURNED = 2 * np.pi / 3
 """Growth of the angle between two normals of one element beyond which it is folded."""
-
-
-NO_SLOPE = 1e-9
-"""A slope so short, relative to the longest, has no direction."""
 
 
 def first_fold(geometry: Geometry, q: np.ndarray) -> tuple[int, np.ndarray] | None:
     """The first element that folded at nodal coordinates (n_nodes, 4, 3), and its undeformed place; None without one."""
     jets = [geometry.jets(geometry.local(nodal))[:2] for nodal in (q, geometry.undeformed)]
     now, before = (cross(pair[0], pair[1]) for pair in jets)
-    whole = ((now**2).sum(axis=0) > FOLDED**2 * (before**2).sum(axis=0)).all(axis=1)
+    whole = ((now**2).sum(axis=0) > LOST_AREA**2 * (before**2).sum(axis=0)).all(axis=1)
     whole[whole] = (_angles(now[:, whole]) - _angles(before[:, whole]) < TURNED).all(axis=(1, 2))
     wrong = np.flatnonzero(~whole)
     if not wrong.size:
@@ -44,5 +39,5 @@ def largest_turn(geometry: Geometry, change: np.ndarray) -> float:
     lengths = np.sqrt((geometry.undeformed[:, 1:3] ** 2).sum(axis=2))
     with np.errstate(over="ignore"):
         turns = np.sqrt((change[:, 1:3] ** 2).sum(axis=2))
-    held = lengths > NO_SLOPE * lengths.max()
+    held = lengths > VANISHED * lengths.max()
     return float((turns[held] / lengths[held]).max())

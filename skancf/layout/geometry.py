@@ -17,12 +17,13 @@ from skancf.layout.hanging import Hanging
 from skancf.layout.maps import Map, local_maps
 from skancf.layout.places import Places
 from skancf.layout.points import IntegrationPoints, Own
-from skancf.layout.ties import SAME, find_ties
+from skancf.layout.ties import find_ties
 from skancf.meshes.check import check_mesh_on
 from skancf.meshes.finder import Finder, element_finder
 from skancf.surfaces import Surface, check_regular, normal
 from skancf.surfaces.contradictions import check_derivatives
 from skancf.theories import Theory
+from skancf.tolerances import ONE_PLACE, ROOT, SAME_POINT, VANISHED
 
 TURNED_OVER = -0.6
 """A cosine of the angle between normals half an element or one element apart that no usable mesh has."""
@@ -176,7 +177,7 @@ class Geometry(Places):
         # A slope is zero at a pole, relative to what it is elsewhere: the two have units of their own.
         lengths = np.linalg.norm(slopes, axis=2).max(axis=0)
         relative = metric / np.outer(lengths, lengths)
-        regular = np.linalg.det(relative) >= 1e-18 * np.trace(relative, axis1=1, axis2=2) ** 2
+        regular = np.linalg.det(relative) >= VANISHED**2 * np.trace(relative, axis1=1, axis2=2) ** 2
         out[regular] = -bending[regular] @ np.linalg.solve(metric[regular], slopes[regular])
         return out
 
@@ -258,7 +259,7 @@ class Geometry(Places):
             outside = next((k for k, point in enumerate(points.T) if self._found(point) < 0), 0)
             raise self._outside(points[:, [outside]]) from error
         local = _inverse_bilinear(self.mesh.p[:, self.mesh.t[:, elements]], points)
-        wrong = ((local < -1e-8) | (local > 1 + 1e-8)).any(axis=0)
+        wrong = ((local < -SAME_POINT) | (local > 1 + SAME_POINT)).any(axis=0)
         if wrong.any():
             raise self._outside(points[:, wrong])
         return elements, np.clip(local, 0.0, 1.0).T
@@ -277,7 +278,7 @@ class Geometry(Places):
     def _element_at(self, point: np.ndarray) -> int:
         """The element that holds a point (2,), rounding allowed for; -1 outside."""
         low, high = self.mesh.p.min(axis=1), self.mesh.p.max(axis=1)
-        slack = SAME * (high - low)
+        slack = ONE_PLACE * (high - low)
         if ((point < low - slack) | (point > high + slack)).any():
             return -1
         around = (self._found(point + slack * way) for way in ((0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)))
@@ -347,6 +348,6 @@ def _inverse_bilinear(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
         jacobian = np.einsum("icn,jcn->nij", corners, slopes)
         step = np.linalg.solve(jacobian, (points - np.einsum("icn,cn->in", corners, shape)).T[:, :, None])[:, :, 0].T
         local = local + step
-        if np.abs(step).max(initial=0.0) < 1e-14:
+        if np.abs(step).max(initial=0.0) < ROOT:
             break
     return local

@@ -17,6 +17,7 @@ from skancf.kernels.gather import Maps
 from skancf.layout.hanging import Hanging
 from skancf.layout.ties import Ties
 from skancf.theories import Theory
+from skancf.tolerances import ROUNDED_SUM
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +78,7 @@ def local_maps(mesh: skfem.MeshQuad, jacobian: np.ndarray, theory: Theory, of_no
     own[:, :, FOURTH, FOURTH] = theory.fourth_factor(jacobian).T
     size = np.abs(jacobian).max(axis=(0, 1, 2))
     least = np.minimum(size, theory.fourth_factor(np.multiply.outer(np.eye(2), size)))
-    own[np.abs(own) < 1e-14 * least[:, None, None, None]] = 0
+    own[np.abs(own) < ROUNDED_SUM * least[:, None, None, None]] = 0
     return element_maps(own, mesh.t.T, theory.rows, of_nodes)
 
 

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from skancf.layout.geometry import Geometry
+from skancf.tolerances import OPEN_FIT
 
 STENCIL = np.array([[0.5, 0.0, 1.0, 0.5, 0.5], [0.5, 0.5, 0.5, 0.0, 1.0]])
 """Points (2, 5) of every element at which a field is asked for: its middle, and those of its edges."""
@@ -16,8 +17,6 @@ SLOPES = 1e-2
 STAYS = 5.0
 """How much more a step counts that stays in an element than one across an edge: what is near tells most."""
 FACTORS = np.array([1.0, SLOPES, SLOPES])
-SINGULAR = 1e-11
-"""Of the largest eigenvalue of a fit: below it no value and no slope tells that part of the polynomial."""
 
 
 class Cuts(NamedTuple):
@@ -84,7 +83,7 @@ class Patches:
         patch = np.repeat(np.arange(len(elements)), np.diff(around.indptr))
         rows, scale = _rows(geometry, means, elements, members, patch, starts)
         weighted = rows * np.stack([around.data, *np.ones((2, around.nnz))], axis=1)[:, None]
-        inverse = np.linalg.pinv(np.add.reduceat(weighted @ rows.swapaxes(1, 2), starts), rcond=SINGULAR, hermitian=True)
+        inverse = np.linalg.pinv(np.add.reduceat(weighted @ rows.swapaxes(1, 2), starts), rcond=OPEN_FIT, hermitian=True)
         return cls(geometry, elements, members, starts, inverse[patch] @ weighted, scale, means)
 
     def coefficients(self, field: np.ndarray) -> np.ndarray:
@@ -128,8 +127,8 @@ def _rows(
     away -= geometry.whole_turns(away[:, :, :1])
     first = np.cumsum(sizes) - sizes
     scale = np.maximum.reduceat(np.abs(away).max(axis=2), first[starts], axis=1)
-    asked = _functionals(_powers(away / scale[:, patch[pair], None])) * FACTORS
-    return np.add.reduceat(asked * means.data[entry][:, None, None], first), scale
+    wanted = _functionals(_powers(away / scale[:, patch[pair], None])) * FACTORS
+    return np.add.reduceat(wanted * means.data[entry][:, None, None], first), scale
 
 
 def _not_about(geometry: Geometry, nodes: np.ndarray, around: sp.csr_matrix, elements: np.ndarray) -> sp.csr_matrix:

@@ -13,9 +13,9 @@ from scipy.sparse.csgraph import connected_components
 
 from skancf.errors import InputError, shown, vector, warn
 from skancf.functions import is_function, true_at
-from skancf.layout.ties import SAME, Ties
-from skancf.meshes.snap import NEAR, OF_AN_EDGE, SINGLE
+from skancf.layout.ties import Ties
 from skancf.surfaces import Interval, Surface, closed_directions
+from skancf.tolerances import MOVED_OF_EDGE, ONE_PLACE, SAME_POINT, SEVEN_DIGITS, SINGLE_PRECISION
 
 Found = tuple[np.ndarray, np.ndarray]
 NONE = np.empty(0, dtype=int)
@@ -167,7 +167,7 @@ class Places:
         for axis, (low, high) in self.closed_bounds().items():
             at = self.mesh.p[axis, self.mesh.facets[:, facets]]
             for end in (low, high):
-                inner |= (np.abs(at - end) <= SAME * (high - low)).all(axis=0)
+                inner |= (np.abs(at - end) <= ONE_PLACE * (high - low)).all(axis=0)
         return np.asarray(facets[~inner])
 
     @property
@@ -191,7 +191,7 @@ class Places:
         for k in np.unique(part):
             facets = self.boundary[part == k]
             at = p[:, self.mesh.facets[:, facets]].reshape(2, -1)
-            slack = SAME * (high - low)
+            slack = ONE_PLACE * (high - low)
             if all((at[a] > low[a] + slack[a]).all() and (at[a] < high[a] - slack[a]).all() for a in open_axes):
                 found.append((tuple(np.round((at.min(axis=1) - low) / (high - low), 9)), facets))
         return [facets for _, facets in sorted(found, key=lambda item: item[0])]
@@ -221,8 +221,8 @@ class Places:
         distance = np.linalg.norm((self.mesh.p - point[:, None]) / extent[:, None], axis=0)
         nearest, next_one = np.argpartition(distance, 1)[:2].tolist()
         # Single precision may have moved it, by less than would mistake its neighbour for it.
-        rounded = min(max(NEAR, SINGLE * np.abs(point / extent).max()), OF_AN_EDGE * distance[next_one])
-        if distance[nearest] > max(1e-8, rounded):
+        rounded = min(max(SEVEN_DIGITS, SINGLE_PRECISION * np.abs(point / extent).max()), MOVED_OF_EDGE * distance[next_one])
+        if distance[nearest] > max(SAME_POINT, rounded):
             raise InputError(
                 f"point {tuple(point.tolist())}: no node of the mesh is there, the nearest is at "
                 f"{tuple(self.mesh.p[:, nearest].tolist())}; choose a mesh with a node at the point"

@@ -10,14 +10,12 @@ from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function
 from skancf.layout.geometry import Geometry
 from skancf.layout.places import NONE
+from skancf.tolerances import SAME_POINT
 
 KINDS = ("force", "moment", "position", "part", "normal", "tilt", "mirror")
 """Of singularities: see :class:`Singularity`."""
 HOLDING = ("position", "part", "normal", "mirror")
 """Those of supports."""
-
-SAME_POINT = 1e-8
-"""Of the extent of the mesh: two points of the parameter plane closer than this are one."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,12 +15,9 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError
-from skancf.meshes.snap import OF_AN_EDGE, SINGLE
 from skancf.surfaces import Surface, check_regular, closed_directions
 from skancf.theories import Theory
-
-# Of the size of the surface: two positions closer than this are one.
-SAME = 1e-9
+from skancf.tolerances import MOVED_OF_EDGE, ONE_DIRECTION, ONE_PLACE, SINGLE_PRECISION
 
 
 @dataclass(frozen=True)
@@ -77,12 +74,12 @@ def find_ties(mesh: skfem.MeshQuad, surface: Surface, theory: Theory) -> Ties:
 
 def _close(mesh: skfem.MeshQuad, surface: Surface, axis: int, first: np.ndarray, hanging: np.ndarray) -> None:
     low, high = surface.bounds[axis]  # type: ignore[attr-defined]
-    slack, other = SAME * (high - low), mesh.p[1 - axis]
+    slack, other = ONE_PLACE * (high - low), mesh.p[1 - axis]
     ends = [np.flatnonzero((np.abs(mesh.p[axis] - end) <= slack) & ~hanging) for end in (low, high)]
     start, end = (nodes[np.argsort(other[nodes])] for nodes in ends)
     # Single precision may have left them beside each other, by less than would exchange neighbours.
     steps = [np.diff(other[nodes]).min(initial=np.inf) for nodes in (start, end)]
-    reach = max(SAME * np.ptp(other), min(SINGLE * np.abs(other).max(), OF_AN_EDGE * min(steps)))
+    reach = max(ONE_PLACE * np.ptp(other), min(SINGLE_PRECISION * np.abs(other).max(), MOVED_OF_EDGE * min(steps)))
     if len(start) != len(end) or (np.abs(other[start] - other[end]) > reach).any():
         raise InputError(f"the surface is closed in {'xy'[axis]}, but the mesh has other nodes at {low:.6g} than at "
                          f"{high:.6g}; give both ends the same nodes, or a surface that is not closed")  # fmt: skip
@@ -100,11 +97,11 @@ def _collapsed(mesh: skfem.MeshQuad, surface: Surface) -> list[tuple[np.ndarray,
     for along in (0, 1):
         across = mesh.p[1 - along]
         for end in (across.min(), across.max()):
-            nodes = np.flatnonzero(np.abs(across - end) <= SAME * np.ptp(across))
+            nodes = np.flatnonzero(np.abs(across - end) <= ONE_PLACE * np.ptp(across))
             x, y = mesh.p[:, nodes]
             slope = np.linalg.norm(surface.derivatives(x, y)[along], axis=0).max()
             apart = np.ptp(surface.position(x, y), axis=1).max()
-            if len(nodes) > 1 and max(apart, slope * np.ptp(mesh.p[along, nodes])) <= SAME * size:
+            if len(nodes) > 1 and max(apart, slope * np.ptp(mesh.p[along, nodes])) <= ONE_PLACE * size:
                 found.append((nodes, along))
     return found
 
@@ -117,7 +114,7 @@ def _pole(
     slopes = surface.derivatives(x, y)[1 - along].T
     twists = surface.second_derivatives(x, y)[1].T
     _, sizes, basis = np.linalg.svd(np.concatenate([slopes, twists]))
-    if sizes[2] > 1e-6 * sizes[0] or sizes[1] < 1e-6 * sizes[0]:
+    if sizes[2] > ONE_DIRECTION * sizes[0] or sizes[1] < ONE_DIRECTION * sizes[0]:
         place = ", ".join(f"{v:.4g}" for v in surface.position(x[:1], y[:1])[:, 0])
         raise InputError(f"a side of the surface shrinks to the point ({place}), where it has no tangent plane; "
                          "leave a small hole there")  # fmt: skip

@@ -5,9 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from skancf.errors import InputError
-
-# Frames are products of a few unit vectors; a shear or a stretch is many orders larger.
-ORTHOGONAL = 1e-10
+from skancf.tolerances import ORTHONORMAL
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +88,7 @@ def _check_frames(nodes: np.ndarray, frames: np.ndarray, n_nodes: int, shape: tu
     if np.unique(nodes).size != nodes.size or not ((nodes >= 0) & (nodes < n_nodes)).all():
         raise InputError(f"frame_nodes = {nodes}: name each node once, from 0 to {n_nodes - 1}")
     error = np.abs(np.einsum("kab,kcb->kac", frames, frames) - np.eye(shape[1])).max(axis=(1, 2), initial=0.0)
-    if not (error < ORTHOGONAL).all():
+    if not (error < ORTHONORMAL).all():
         worst = int(np.argmax(error))
         raise InputError(
             f"frame of node {nodes[worst]}: R R^T differs from one by {error[worst]:.1e}; give unit, "

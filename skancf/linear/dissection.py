@@ -9,6 +9,7 @@ import numpy as np
 
 from skancf.linear import kernels
 from skancf.linear.pattern import BlockPattern
+from skancf.tolerances import TINY
 
 # Below this many nodes cutting further saves nothing. Parts of 50 have a tenth more fill, on graded meshes a seventh.
 LEAF = 8
@@ -70,7 +71,7 @@ def _halves(nodes: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarr
     extent = np.ptp(points, axis=1)
     axis = int(np.argmax(extent))
     # Rounded, so that a mesh line whose points differ in the last digits is one line.
-    along = np.round((points[axis] - points[axis].min()) / max(extent[axis], np.finfo(float).tiny), 6)
+    along = np.round((points[axis] - points[axis].min()) / max(extent[axis], TINY), 6)
     sort = np.argsort(along, kind="stable")
     middle = nodes.size // 2
     line = along[sort[middle]]

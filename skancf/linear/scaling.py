@@ -7,6 +7,7 @@ from skancf.linear import kernels
 from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix, Form
 from skancf.linear.pattern import BlockPattern
+from skancf.tolerances import EPS
 
 
 class ScaledSystem:
@@ -106,7 +107,7 @@ class ScaledSystem:
         own = self.pattern.rows[self._turned] == self.pattern.indices[self._turned]
         frames = np.abs(self._frames[self._left[own]])
         bound = np.einsum("kab,kbc,kac->ka", frames, np.abs(turned[own]), frames, optimize=True)
-        noise[self.pattern.rows[self._turned[own]]] = self.pattern.block * np.finfo(float).eps * bound
+        noise[self.pattern.rows[self._turned[own]]] = self.pattern.block * EPS * bound
         return noise
 
 

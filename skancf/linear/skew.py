@@ -12,8 +12,8 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from skancf.errors import SingularMatrix
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.solver import DirectSolver
+from skancf.tolerances import GMRES_RTOL
 
-RTOL = 1e-9
 # Rounding of ill-conditioned factors may stop the iteration earlier; a correction of Newton's method does with this.
 POOR = 1e-4
 VECTORS = 60
@@ -58,7 +58,7 @@ class SkewSolver:
         operator = LinearOperator(
             self.matrix.shape, matvec=lambda x: x + self.direct.solve(self.skew @ x), dtype=np.float64
         )
-        x, failed = gmres(operator, first, x0=first, rtol=RTOL, atol=0.0, restart=VECTORS, maxiter=2)
+        x, failed = gmres(operator, first, x0=first, rtol=GMRES_RTOL, atol=0.0, restart=VECTORS, maxiter=2)
         if failed and not _size(operator @ x - first) <= POOR * _size(first):
             raise SingularMatrix(
                 f"{2 * VECTORS} iterations did not solve for the skew part of the loads' stiffness; it is as large as the "

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.errors import SingularMatrix
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.solver import DirectSolver
+from skancf.tolerances import DEPENDENT
 
 # The shift that makes a singular tangent regular, relative to the smallest ratio of stiffness to mass on the diagonal: far
 # above rounding, and no larger than the lowest eigenvalue on meshes of up to a hundred elements along a side.
@@ -55,7 +56,7 @@ def soft_motions(
 def _ritz(stiff: np.ndarray, heavy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and rows of eigenvectors of a small pair; nearly dependent motions are dropped."""
     sizes, basis = np.linalg.eigh(heavy / np.sqrt(np.outer(heavy.diagonal(), heavy.diagonal())))
-    kept = sizes > 1e-10
+    kept = sizes > DEPENDENT
     frame = (basis[:, kept] / np.sqrt(sizes[kept])) / np.sqrt(heavy.diagonal())[:, None]
     values, parts = np.linalg.eigh(frame.T @ stiff @ frame)
     return values, (frame @ parts).T

@@ -12,26 +12,16 @@ from skancf.linear.pattern import BlockPattern
 from skancf.linear.rslab import Rslab
 from skancf.linear.scaling import ScaledSystem
 from skancf.linear.superlu import SuperLU
+from skancf.tolerances import LEFT_BY_REFINEMENT, REFINED, REGULAR_MATRIX, RIGID, SINGULAR_MATRIX
 
 # Fastest first: "auto" takes the first that is available.
 BACKENDS: tuple[type[Backend], ...] = (Pardiso, Rslab, SuperLU)
 
-# A x is a sum of block * neighbours products. When it is no larger than this share of |A| |x|, the matrix cannot be
-# told from a singular one: the sum is the rounding of its terms, and of the sums from which the entries came.
-ROUNDING = 16 * np.finfo(float).eps
-# The same of the energy of a motion by its strains, whose rounding is squared in it.
-NO_ENERGY = 1e-24
-# A matrix that amplifies a random load no more than one over this needs no second look.
-REGULAR = 1e-10
 # Makes a singular matrix regular, and leaves its free motions the softest ones by far.
 NEARBY = 1e-9
 ADVICE = "look for a part without support, a free rigid motion, or a mechanism"
 # A first correction of this relative size means that the factors hardly have a digit right.
 POOR = 1e-3
-# Where products have more digits than entries, refinement goes on until what is left is this small.
-FINE = 1e-14
-# What is left of an answer when corrections no longer shrink, if it is more than this, is said.
-LOST = 1e-6
 MOST = 12
 
 
@@ -154,14 +144,14 @@ class DirectSolver:
                 self.lost = size
                 break
             x += correction
-            if self._system.form and size * size < FINE * last:
+            if self._system.form and size * size < REFINED * last:
                 break
             last = size
         return self._system.expand(x)
 
     def warn_if_lost(self) -> None:
         """A warning where corrections of the last answer did not shrink: factors have lost all digits of a part of it."""
-        if self.lost > LOST:
+        if self.lost > LEFT_BY_REFINEMENT:
             warn(f"a linear solve has lost digits: corrections of its answer stay at {self.lost:.1g} of it, for the factors "
                  "of the stiffness are rounding along some motion. Look for elements that are many thousand times as long "
                  "as wide, and for a thickness below a millionth of the size; theory 'kirchhoff' bears more than 'full'")
@@ -191,14 +181,14 @@ class DirectSolver:
         A pivot that should be zero is often mere rounding, for which neither solver reports anything.
         """
         x = self._backend.solve(self._probe)
-        if _size(x) * REGULAR < _size(self._probe):
+        if _size(x) * REGULAR_MATRIX < _size(self._probe):
             return
         form = self._system.form
         for _ in range(3):
             x /= np.abs(x).max()
             force, sizes = self._system.multiply(x), self._system.multiply_sizes(x)
-            resists = (abs(form.energy(self._system.expand(x))) > NO_ENERGY * float(np.abs(x) @ sizes) if form
-                       else _size(force) > ROUNDING * _size(sizes))  # fmt: skip
+            resists = (abs(form.energy(self._system.expand(x))) > RIGID * float(np.abs(x) @ sizes) if form
+                       else _size(force) > SINGULAR_MATRIX * _size(sizes))  # fmt: skip
             if not resists:
                 raise SingularMatrix(self._describe(x))
             # Removes what replaced pivots add: they change the factors, not the product.

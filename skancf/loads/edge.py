@@ -15,6 +15,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import DeadLoad, Spread, check_distributed, values_at
 from skancf.terms.protocols import Assembly
+from skancf.tolerances import ONE_PLACE, PARALLEL_LINES
 
 
 @dataclass(frozen=True)
@@ -125,9 +126,9 @@ def _cuts(mesh: skfem.MeshQuad, start: np.ndarray, along: np.ndarray) -> np.ndar
     one, two = mesh.p[:, mesh.facets].swapaxes(0, 1)
     edge, offset = two - one, one - start[:, None]
     det = along[0] * edge[1] - along[1] * edge[0]
-    crosses = np.abs(det) > 1e-12 * np.linalg.norm(along) * np.linalg.norm(edge, axis=0)
+    crosses = np.abs(det) > PARALLEL_LINES * np.linalg.norm(along) * np.linalg.norm(edge, axis=0)
     edge, offset, det = edge[:, crosses], offset[:, crosses], det[crosses]
     on_line = (offset[0] * edge[1] - offset[1] * edge[0]) / det
     on_edge = (offset[0] * along[1] - offset[1] * along[0]) / det
-    inside = (on_line > 1e-9) & (on_line < 1 - 1e-9) & (on_edge > -1e-9) & (on_edge < 1 + 1e-9)
+    inside = (on_line > ONE_PLACE) & (on_line < 1 - ONE_PLACE) & (on_edge > -ONE_PLACE) & (on_edge < 1 + ONE_PLACE)
     return np.asarray(on_line[inside])

@@ -16,12 +16,8 @@ from skancf.loads.acting import Acting
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 from skancf.theories.kirchhoff.point import R1, R2, dual, unit_normal
+from skancf.tolerances import PARALLEL, ROUNDED_PRODUCT
 from skancf.vectors import cross
-
-ROUNDING = 1e-12
-"""A moment's part normal to the surface that is none, relative to the moment."""
-ALONG = 1e-9
-"""Sine of the angle between a moment and the normal below which it is along it."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +106,7 @@ class PointMoment:
         points = local_point[None, :, None]
         n = geometry.theory.normals(geometry.undeformed_local[elements], points[0], geometry.side[elements])[0, :, 0]
         size = np.linalg.norm(moment)
-        if size and np.linalg.norm(np.cross(moment, n)) < ALONG * size * np.linalg.norm(n):
+        if size and np.linalg.norm(np.cross(moment, n)) < PARALLEL * size * np.linalg.norm(n):
             raise InputError(f"moment = {self.moment} at {self.at} is along the normal of the surface, about which it has "
                              "no stiffness; give a couple of forces instead")  # fmt: skip
         at = geometry.within(np.asarray(self.at, float)[:, None])
@@ -234,7 +230,7 @@ class MomentOnNormals(Acting):
         spanned = cross(duals[R1], duals[R2])
         normal_part = np.einsum("imn,imn->mn", m, spanned)
         # A moment in the surface: the rest is rounding, and an unsymmetric solve costs as much as all else in an iteration.
-        if not (np.abs(normal_part) > ROUNDING * np.abs(m).max() * np.abs(spanned).max()).any():
+        if not (np.abs(normal_part) > ROUNDED_PRODUCT * np.abs(m).max() * np.abs(spanned).max()).any():
             return
         # Along each normal, r_1 and r_2 of the functions: (m, 48, points), component by component.
         one, two = (np.einsum("man,imn->mian", self.slopes[:, g], n).reshape(len(self.slopes), LOCAL, -1) for g in (0, 1))

@@ -13,8 +13,9 @@ from skancf.layout.singularities import Singularity
 from skancf.loads.acting import DeadLoad, point_forces
 from skancf.loads.pole import covered_pole
 from skancf.terms.protocols import Assembly
+from skancf.tolerances import ONE_PLACE, VANISHED
 
-SINGULAR, CLOSE, NEWTON = 1e-9, 1e-9, 30
+NEWTON = 30
 
 
 @dataclass(frozen=True)
@@ -103,17 +104,17 @@ class DiskForce:
         slopes = np.stack(surface.derivatives(*centre), axis=1)
         frame, triangle = np.linalg.qr(slopes)
         sizes = np.abs(triangle.diagonal())
-        if sizes.min() < SINGULAR * sizes.max():
+        if sizes.min() < VANISHED * sizes.max():
             raise self._too_far_around()
         points = centre[:, None] + np.linalg.solve(triangle, offsets)
         origin, scale = surface.position(*centre)[:, None], np.abs(points - centre[:, None]).max()
         for _ in range(NEWTON):
             points_now = geometry.within(points)
             gap = offsets - frame.T @ (surface.position(*points_now) - origin)
-            if np.abs(gap).max() < CLOSE * self.radius:
+            if np.abs(gap).max() < ONE_PLACE * self.radius:
                 return points
             matrix = np.einsum("ik,dim->mkd", frame, np.stack(surface.derivatives(*points_now)))
-            if (np.abs(np.linalg.det(matrix)) < SINGULAR * abs(np.linalg.det(triangle))).any():
+            if (np.abs(np.linalg.det(matrix)) < VANISHED * abs(np.linalg.det(triangle))).any():
                 raise self._too_far_around()
             step = np.linalg.solve(matrix, gap.T[:, :, None])[:, :, 0].T
             points = points + step * min(1.0, scale / np.abs(step).max())

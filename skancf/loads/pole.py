@@ -7,9 +7,8 @@ import numpy as np
 
 from skancf.elements.quad_ancf import gauss
 from skancf.layout.geometry import Geometry
+from skancf.tolerances import ONE_PLACE
 
-SAME = 1e-9
-"""Of the radius of a disk, how near to a pole is at it."""
 STEPS, HALVINGS = 256, 60
 
 
@@ -73,7 +72,7 @@ def covered_pole(geometry: Geometry, at: Any, radius: float) -> Pole | None:
     centre = np.asarray(geometry.surface.position(*point), float)
     for node, tangents in geometry.ties.poles.items():
         away = geometry.undeformed[node, 0] - centre
-        if np.linalg.norm(away) < SAME * radius:
+        if np.linalg.norm(away) < ONE_PLACE * radius:
             slopes = tangents.T
         else:
             slopes = np.stack(geometry.surface.derivatives(*point), axis=1)

@@ -50,10 +50,10 @@ class Heating(Acting):
 
     def __init__(self, assembly: Assembly, load: Temperature):
         self.load, self.history, self.geometry = load, load.history, assembly.geometry
-        self.held = assembly.thermal_stresses(lambda points: load.values(self.geometry.parameters(points)))
+        self.initial_stress = assembly.thermal_stresses(lambda points: load.values(self.geometry.parameters(points)))
 
     def initial_stresses(self, case: Case) -> np.ndarray:
-        return np.asarray(case.amplitude(self.history) * self.held)
+        return np.asarray(case.amplitude(self.history) * self.initial_stress)
 
     def temperature(self, points: np.ndarray, case: Case) -> np.ndarray:
         return np.asarray(case.amplitude(self.history) * np.stack(self.load.values(self.geometry.parameters(points))))

@@ -22,7 +22,8 @@ import numpy as np
 
 from skancf.errors import InputError, warn
 from skancf.materials.parallel import TRACE, area_at, curvature_at, principal_curvatures, strains_at, sums
-from skancf.materials.section import IN_PLANE, ROUNDING, Section
+from skancf.materials.section import IN_PLANE, Section
+from skancf.tolerances import ROUNDED_PLACE
 
 CURVED = 0.1
 """Thickness over radius from which it is said that the law is right to first order: at 0.1 a ring of fibres along it and
@@ -255,4 +256,4 @@ def _odd(law: np.ndarray, abd: np.ndarray, thickness: float) -> np.ndarray:
     mixed = B.T @ lever
     out = np.block([[A, A @ lever], [lever.T @ A, D - mixed - mixed.T + 2 * lever.T @ A @ lever]])
     scale = np.sqrt(np.diag(abd))
-    return np.where(np.abs(out) > ROUNDING * thickness * np.outer(scale, scale), out, 0.0)
+    return np.where(np.abs(out) > ROUNDED_PLACE * thickness * np.outer(scale, scale), out, 0.0)

@@ -13,6 +13,7 @@ import numpy as np
 from skancf.arguments import choice, plain
 from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import Noted, is_ours
+from skancf.tolerances import ROUNDED_SUM, SYMMETRIC
 
 SHEAR_CORRECTION = 5 / 6
 IN_PLANE, OUT_OF_PLANE = [0, 1, 5], [2, 3, 4]
@@ -76,13 +77,13 @@ def check_definite(matrix: np.ndarray, name: str) -> np.ndarray:
     """The matrix, if it is symmetric positive definite."""
     scale = np.abs(matrix).max()
     asymmetry = np.abs(matrix - matrix.T).max()
-    if asymmetry > 1e-10 * scale:
+    if asymmetry > SYMMETRIC * scale:
         raise InputError(
             f"{name}: the stiffness is not symmetric (largest difference {asymmetry:.3g}); "
             "an elastic law needs C = C^T, check nu_ij / E_i = nu_ji / E_j"
         )
     lowest = np.linalg.eigvalsh((matrix + matrix.T) / 2)[0]
-    if not lowest > 1e-14 * scale:
+    if not lowest > ROUNDED_SUM * scale:
         raise InputError(
             f"{name}: the stiffness is not positive definite (smallest eigenvalue {lowest:.3g}); "
             "some strain would release energy, check the moduli and Poisson's ratios"

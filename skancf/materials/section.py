@@ -13,11 +13,10 @@ import numpy as np
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, positive
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, require_law, stiffness_of, thinning, thinning_of
+from skancf.tolerances import ROUNDED_PLACE
 
 LEAST, MOST = 1e-80, 1e80
 """Of stiffnesses and mass per area: cubes of them times those of lengths are computed with."""
-ROUNDING = 1e-12
-"""Of heights, relative to the thickness."""
 SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
 
@@ -101,7 +100,7 @@ class Section:
     def first_moment(self) -> float:
         r""":math:`\int \rho z \, dz` (kg/m); zero where it is the rounding of heights."""
         moment = float(self.density @ self._powers()[1])
-        return moment if abs(moment) > ROUNDING * self.mass * self.thickness else 0.0
+        return moment if abs(moment) > ROUNDED_PLACE * self.mass * self.thickness else 0.0
 
     def layer_at(self, z: Any) -> np.ndarray:
         """The layer that each depth belongs to, an int array of z's shape; at an interface the lower one.
@@ -111,7 +110,7 @@ class Section:
         InputError
             For a depth outside the faces.
         """
-        depth, slack = finite("z", z), 1e-12 * self.thickness
+        depth, slack = finite("z", z), ROUNDED_PLACE * self.thickness
         outside = (depth < self.z[0] - slack) | (depth > self.z[-1] + slack)
         if outside.any():
             raise InputError(f"z = {depth[outside][0]}: outside the plate, whose faces are at z = {self.z[0]} "
@@ -162,7 +161,7 @@ class Section:
         """
         A, B = self._abd[:3, :3], self._abd[:3, 3:]
         height = float(np.trace(B) / np.trace(A))
-        return height if abs(height) > ROUNDING * self.thickness else 0.0
+        return height if abs(height) > ROUNDED_PLACE * self.thickness else 0.0
 
     def about(self, height: float) -> "Section":
         """The same layers with heights above a parallel surface at a height (m)."""

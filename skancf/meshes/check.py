@@ -7,12 +7,7 @@ import skfem
 
 from skancf.errors import InputError
 from skancf.meshes.outline import check_edges, check_outline, check_places, fills, overlapping
-
-# Twice a corner's triangle over the square of the longest edge. Rounding of coordinates of order one leaves about
-# 1e-16; a rectangle of aspect ratio 1e6 still has 1e-6.
-DEGENERATE = 1e-12
-# Of half an edge's length: nearer to its line and farther from its ends is inside.
-INSIDE = 1e-6
+from skancf.tolerances import NO_AREA, SEVEN_DIGITS
 
 
 def check_mesh(mesh: Any) -> None:
@@ -71,7 +66,7 @@ def _check_joined(mesh: skfem.MeshQuad) -> None:
     facet, node = np.concatenate(pairs, axis=1)
     away = mesh.p[:, node] - middle[:, facet]
     off = np.abs(away[0] * half[1, facet] - away[1] * half[0, facet]) / length[facet] ** 2
-    torn = np.flatnonzero(off < INSIDE)
+    torn = np.flatnonzero(off < SEVEN_DIGITS)
     if torn.size:
         x, y = mesh.p[:, node[torn[0]]]
         raise InputError(overlapping(mesh) or f"node {node[torn[0]]} at ({x:.6g}, {y:.6g}) lies inside the edge of an "
@@ -90,7 +85,7 @@ def _between_ends(
 ) -> np.ndarray:
     """Pairs (2, n) of an edge and a node whose coordinate is between those of the edge's ends."""
     nodes = nodes[np.argsort(x[nodes])]
-    reach = np.abs(half[facets]) * (1 - INSIDE)
+    reach = np.abs(half[facets]) * (1 - SEVEN_DIGITS)
     first, last = (np.searchsorted(x[nodes], middle[facets] + sign * reach) for sign in (-1, 1))
     counts = last - first
     begin = np.repeat(first - np.cumsum(counts) + counts, counts)
@@ -109,7 +104,7 @@ def corner_jacobians(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
 def _check_quads(points: np.ndarray, quads: np.ndarray) -> None:
     jacobian = corner_jacobians(points, quads)
     turned = jacobian * np.sign(jacobian.sum(axis=0))
-    wrong = np.flatnonzero(~(turned > DEGENERATE).all(axis=0))
+    wrong = np.flatnonzero(~(turned > NO_AREA).all(axis=0))
     if wrong.size:
         first = wrong[0]
         corners = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in points[:, quads[:, first]].T)

@@ -10,6 +10,7 @@ from skancf.errors import InputError, shown
 from skancf.meshes.placing import coarse_for
 from skancf.meshes.sizes import Sizes
 from skancf.surfaces import BoundedSurface
+from skancf.tolerances import ROOT_OF_COUNTS, SAME_VALUE
 
 # A factorisation may miss the natural nx : ny by this factor; beyond it cells get needlessly slender.
 WIDEST_MISS = 5 / 3
@@ -42,7 +43,7 @@ def factorise(nodes: int, proportion: float) -> tuple[int, int] | None:
     # Rounded: two mirror images miss by the same factor, and the first of them is taken on every machine.
     misses = [round(abs(log(nx / ny / proportion)), 9) for nx, ny in pairs]
     best = min(misses, default=np.inf)
-    return pairs[misses.index(best)] if best <= log(WIDEST_MISS) + 1e-9 else None
+    return pairs[misses.index(best)] if best <= log(WIDEST_MISS) + SAME_VALUE else None
 
 
 def natural_proportion(surface: BoundedSurface, along_x: Sizes, along_y: Sizes, nodes: int) -> float:
@@ -62,7 +63,7 @@ def natural_proportion(surface: BoundedSurface, along_x: Sizes, along_y: Sizes, 
     # each direction holds at most one.
     finest = min(coarse_for(along_x, nodes) * scale_x, coarse_for(along_y, nodes) * scale_y)
     coarsest = max(coarse_for(along_x, 1) * scale_x, coarse_for(along_y, 1) * scale_y)
-    nx, ny = counts(brentq(missing, log(finest), log(coarsest) + 1e-9, xtol=1e-13))
+    nx, ny = counts(brentq(missing, log(finest), log(coarsest) + SAME_VALUE, xtol=ROOT_OF_COUNTS))
     return nx / ny
 
 

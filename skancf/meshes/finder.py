@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.tolerances import ROUNDED_PLACE
+
 Finder = Callable[[np.ndarray, np.ndarray], np.ndarray]
-# Of an element's longest edge: so far outside of it a point still counts as inside.
-SLACK = 1e-12
 # Pairs of a point and an element that are looked at together.
 AT_ONCE = 1 << 22
 
@@ -25,7 +25,7 @@ def element_finder(mesh: Any) -> Finder:
     ahead = np.roll(corners, -1, axis=1) - corners
     size = np.abs(ahead).max(axis=(0, 1))
     side = np.sign(ahead[0, 0] * ahead[1, 1] - ahead[1, 0] * ahead[0, 1])
-    low, high = corners.min(axis=1) - SLACK * size, corners.max(axis=1) + SLACK * size
+    low, high = corners.min(axis=1) - ROUNDED_PLACE * size, corners.max(axis=1) + ROUNDED_PLACE * size
 
     def holding(points: np.ndarray) -> np.ndarray:
         """The first element that holds each point (2, n), -1 for none."""
@@ -35,7 +35,7 @@ def element_finder(mesh: Any) -> Finder:
         along = ahead[:, :, element]
         # Twice the area of the triangle on each edge, on the side of the element; its height is that over the edge.
         area = (along[0] * away[1] - along[1] * away[0]) * side[element]
-        inside = (area >= -SLACK * size[element] ** 2).all(axis=0)
+        inside = (area >= -ROUNDED_PLACE * size[element] ** 2).all(axis=0)
         out = np.full(points.shape[1], -1)
         out[point[inside][::-1]] = element[inside][::-1]
         return out

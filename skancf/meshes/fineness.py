@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.errors import InputError, finite, number, positive
 from skancf.meshes.region import Region
+from skancf.tolerances import ONE_PLACE
 
 Pair = tuple[float, float]
 
@@ -23,7 +24,7 @@ def coarse_lengths(coarse: Any, bounds: Sequence[Pair]) -> Pair:
     """The coarse length in each direction, which must fit between the bounds there."""
     lengths = pair("coarse", coarse)
     for direction, (length, (low, high)) in enumerate(zip(lengths, bounds, strict=True)):
-        if positive("coarse", length) > (high - low) * (1 + 1e-9):
+        if positive("coarse", length) > (high - low) * (1 + ONE_PLACE):
             raise InputError(f"coarse: an element length l_0 = {length} does not fit into the side L = {high - low} "
                              f"along {'xy'[direction]}; give a shorter one")  # fmt: skip
     return lengths

@@ -17,6 +17,7 @@ from skancf.meshes.region import REGION, Region, Regions
 from skancf.meshes.sizes import Sizes
 from skancf.meshes.tensor import bounds_of, tensor
 from skancf.surfaces import BoundedSurface
+from skancf.tolerances import ONE_PLACE
 
 
 def graded(
@@ -140,7 +141,7 @@ def _along(
 
 def _inside(region: Region, direction: int, low: float, high: float) -> float:
     """A coordinate of the region's centre; the bound itself where it is a rounding error away."""
-    at, rounding = region.centre[direction], 1e-9 * (high - low)
+    at, rounding = region.centre[direction], ONE_PLACE * (high - low)
     if not low - rounding <= at <= high + rounding:
         raise InputError(f"region centre {region.centre}: {'xy'[direction]} = {at} lies outside ({low}, {high}); "
                          "centres must lie on the surface, only their half sizes may reach over it")

@@ -6,6 +6,7 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError, finite
+from skancf.tolerances import ONE_PLACE
 
 OPENING = "opening"
 """Name of the boundary around openings."""
@@ -69,7 +70,7 @@ def rectangles_of(openings: Any) -> np.ndarray:
 def _between(name: str, axis: str, lines: np.ndarray, sides: np.ndarray, middle: np.ndarray) -> np.ndarray:
     """Which elements are between two mesh lines."""
     low, high = sides.tolist()
-    slack = 1e-9 * (lines[-1] - lines[0])
+    slack = ONE_PLACE * (lines[-1] - lines[0])
     if not low + 2 * slack < high:
         raise InputError(f"{name}: {axis} from {low} to {high} covers no element; give the lower side first, then the upper")
     for side in (low, high):

@@ -10,13 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from skancf.errors import InputError
 from skancf.meshes.finder import element_finder
 from skancf.meshes.openings import OPENING
-
-# Of the extent: nodes that are closer are one place, unless elements are that small.
-ONE_PLACE = 1e-6
-# Of the shortest edge.
-OF_AN_EDGE = 1e-3
-# Of the bounds: an edge that is closer lies on them.
-ON = 1e-9
+from skancf.tolerances import APART_OF_EDGE, ONE_PLACE, SEVEN_DIGITS
 
 
 def check_edges(mesh: skfem.MeshQuad) -> None:
@@ -48,7 +42,7 @@ def check_places(mesh: skfem.MeshQuad) -> None:
     extent = np.ptp(mesh.p, axis=1, keepdims=True)
     ends = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]] / extent[:, :, None]
     shortest = np.sqrt(((ends[:, 1] - ends[:, 0]) ** 2).sum(axis=0).min())
-    reach = min(ONE_PLACE, OF_AN_EDGE * shortest)
+    reach = min(SEVEN_DIGITS, APART_OF_EDGE * shortest)
     pairs = nodes[_near(mesh.p[:, nodes] / extent, reach)]
     if len(pairs):
         overlap = overlapping(mesh)
@@ -78,7 +72,7 @@ def fills(mesh: skfem.MeshQuad, bounds: Any = None) -> bool:
     """
     box = box_of(mesh, bounds)
     on, length = on_box(mesh, mesh.boundary_facets(), box)
-    return bool(on.any(axis=(0, 1)).all() and (np.abs((on * length).sum(axis=2) - 1) < ONE_PLACE).all())
+    return bool(on.any(axis=(0, 1)).all() and (np.abs((on * length).sum(axis=2) - 1) < SEVEN_DIGITS).all())
 
 
 def check_outline(mesh: skfem.MeshQuad, bounds: Any = None) -> None:
@@ -115,7 +109,7 @@ def on_box(mesh: skfem.MeshQuad, facets: np.ndarray, box: np.ndarray) -> tuple[n
     (2, 1, n)."""
     ends = mesh.p[:, mesh.facets[:, facets]]
     size = box[:, 1] - box[:, 0]
-    on = (np.abs(ends[:, None] - box[:, :, None, None]) <= ON * size[:, None, None, None]).all(axis=2)
+    on = (np.abs(ends[:, None] - box[:, :, None, None]) <= ONE_PLACE * size[:, None, None, None]).all(axis=2)
     length = np.abs(ends[:, 1] - ends[:, 0]) / size[:, None]
     return on, length[::-1, None]
 
@@ -179,7 +173,7 @@ def _apart(line: np.ndarray, ends: np.ndarray) -> np.ndarray:
     """Whether the two ends are on different sides of a line, by more than rounding."""
     along = line[:, 1] - line[:, 0]
     first, second = (_cross(along, ends[:, i] - line[:, 0]) for i in (0, 1))
-    slack = ONE_PLACE * (along**2).sum(axis=0)
+    slack = SEVEN_DIGITS * (along**2).sum(axis=0)
     return np.asarray((np.minimum(first, second) < -slack) & (np.maximum(first, second) > slack))
 
 

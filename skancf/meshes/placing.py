@@ -3,13 +3,12 @@
 import numpy as np
 
 from skancf.meshes.sizes import CellLine, Sizes
+from skancf.tolerances import ONE_COUNT, ROOT
 
 # Neighbouring cells never differ by more; a centre that would need it gets no node.
 LARGEST_RATIO = 2.0
 # Nor is any cell stretched or shrunk by more than this to move a node onto a centre.
 LARGEST_STRETCH = 1.4
-# Counts of cells closer than this are the same count: rounding of the integral, not a difference of the problem.
-SAME = 1e-7
 
 
 def place(sizes: Sizes, cells: int) -> np.ndarray:
@@ -50,7 +49,7 @@ def coarse_for(sizes: Sizes, cells: float) -> float:
     def missing(coarse: float) -> float:
         return sizes.count(coarse) - cells
 
-    return brentq(missing, 0.999 * shortest, 1.001 * longest, xtol=1e-14 * shortest, rtol=1e-14)
+    return brentq(missing, 0.999 * shortest, 1.001 * longest, xtol=ROOT * shortest, rtol=ROOT)
 
 
 def largest_ratio(nodes: np.ndarray) -> float:
@@ -73,8 +72,8 @@ def _strongest_first(sizes: Sizes, line: CellLine, cells: int) -> list[np.ndarra
     lengths = line.h[np.searchsorted(line.x, centres)] / line.h.min()
     off = np.abs(s - np.rint(s))
     # Half a cell off in the very middle: either neighbour would break a symmetry.
-    usable = ~((np.abs(s - cells / 2) < SAME) & (off > 0.25))
-    keys = np.round(np.stack([lengths, off])[:, usable] / SAME)
+    usable = ~((np.abs(s - cells / 2) < ONE_COUNT) & (off > 0.25))
+    keys = np.round(np.stack([lengths, off])[:, usable] / ONE_COUNT)
     _, rank = np.unique(keys, axis=1, return_inverse=True)
     rank = np.ravel(rank)
     return [centres[usable][rank == r] for r in range(rank.max(initial=-1) + 1)]
@@ -102,4 +101,4 @@ def _numbers(line: CellLine, centres: np.ndarray, cells: int) -> tuple[np.ndarra
     x = np.concatenate([line.x[:1], centres, line.x[-1:]])
     s = line.cells_at(x)
     # Ties are rounded away from the middle, so that mirror images stay mirror images.
-    return np.rint(s + SAME * np.sign(s - cells / 2)).astype(int), x
+    return np.rint(s + ONE_COUNT * np.sign(s - cells / 2)).astype(int), x

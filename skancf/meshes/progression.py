@@ -6,6 +6,7 @@ import numpy as np
 
 from skancf.errors import InputError, positive
 from skancf.memory import require_much
+from skancf.tolerances import ROOT_OF_GROWTH, ROOT_OF_GROWTH_RTOL
 
 
 def progression(l_0: float, l_n: float, length: float) -> np.ndarray:
@@ -54,7 +55,7 @@ def progression(l_0: float, l_n: float, length: float) -> np.ndarray:
     def missing(log_q: float) -> float:
         return np.exp(np.minimum(log_q * k, 600)).sum() - length / l_0
 
-    return l_0 * np.exp(brentq(missing, -bound, bound, xtol=1e-16, rtol=1e-15) * k)
+    return l_0 * np.exp(brentq(missing, -bound, bound, xtol=ROOT_OF_GROWTH, rtol=ROOT_OF_GROWTH_RTOL) * k)
 
 
 def _steps(l_0: float, l_n: float, length: float) -> int:

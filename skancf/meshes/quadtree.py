@@ -17,10 +17,9 @@ from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TO
 from skancf.meshes.names import Names
 from skancf.meshes.snap import onto_bounds, onto_lines
 from skancf.surfaces import Surface, closed_directions
-from skancf.surfaces.asked import require_surface
+from skancf.surfaces.checks import require_surface
+from skancf.tolerances import ONE_PLACE
 
-# Of the extent of the mesh: coordinates that are closer are one line.
-SAME = 1e-9
 MOST_ROOTS = 2**18
 """So many have numbers among the keys of cells."""
 
@@ -221,7 +220,7 @@ class MeshQuadTree(skfem.MeshQuad):
     def _roots_at(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The root that holds each point (2, n), -1 for none, and the place in it, (2, n) in [0, 1]."""
         forest, (lines, grid) = self.leaves.forest, self._grid()
-        slack = SAME * np.ptp(forest.points, axis=1)
+        slack = ONE_PLACE * np.ptp(forest.points, axis=1)
         root = np.full(at.shape[1], -1)
         for sign_x in (1, -1):
             for sign_y in (1, -1):  # a point on a line belongs to either side
@@ -278,7 +277,7 @@ class _Meeting:
         near = mesh.t[np.where(corner == one, two, one), small]
         middle = mesh.p[:, mesh.t[corner, small]]
         low, high = mesh.p[:, mesh.t[0, large]], mesh.p[:, mesh.t[2, large]]
-        slack = SAME * np.ptp(mesh.p, axis=1)[:, None]
+        slack = ONE_PLACE * np.ptp(mesh.p, axis=1)[:, None]
         seam = ~((middle >= low - slack) & (middle <= high + slack)).all(axis=0)
         return cls(small, sides, large, seam, nodes.astype(int), np.stack([near, far])[:, first].astype(int))
 
@@ -347,7 +346,7 @@ def _on_lines(points: np.ndarray) -> np.ndarray:
     out = points.copy()
     for row in out:
         order = np.argsort(row)
-        new = np.diff(row[order], prepend=-np.inf) > SAME * np.ptp(row)
+        new = np.diff(row[order], prepend=-np.inf) > ONE_PLACE * np.ptp(row)
         row[order] = row[order][new][np.cumsum(new) - 1]
     return out
 

@@ -9,9 +9,8 @@ import skfem
 from skancf.functions import is_function, true_at
 from skancf.meshes.outline import box_of, on_box
 from skancf.surfaces import closed_directions
+from skancf.tolerances import ONE_PLACE
 
-# Of the size of the surface: two positions closer than this are one.
-SAME = 1e-9
 # Places along a side.
 PLACES = 9
 
@@ -42,7 +41,7 @@ def unjoined(mesh: skfem.MeshQuad, surface: Any, wheres: Iterable[Any]) -> str |
         if closed[axis] or not _meet(surface, axis):
             continue
         pair, bounds = names[2 * axis : 2 * axis + 2], surface.bounds[axis]
-        sides = [mesh.p[:, np.abs(mesh.p[axis] - end) <= SAME * np.ptp(bounds)] for end in bounds]
+        sides = [mesh.p[:, np.abs(mesh.p[axis] - end) <= ONE_PLACE * np.ptp(bounds)] for end in bounds]
         if not any(_meant(where, name, side) for where in wheres for name, side in zip(pair, sides, strict=True)):
             return (f"the sides {pair[0]!r} and {pair[1]!r} of the surface lie on each other and are not joined: it is slit "
                     "there, with two free edges that are part of 'boundary'. Say closed=True for a surface that is whole; "
@@ -57,7 +56,7 @@ def _meet(surface: Any, axis: int) -> bool:
     places = ([np.full(PLACES, end), along][:: 1 - 2 * axis] for end in surface.bounds[axis])
     first, second = (np.asarray(surface.position(*place)) for place in places)
     size = np.ptp(first, axis=1).max()
-    return bool(size > 0 and np.abs(second - first).max() <= SAME * size)
+    return bool(size > 0 and np.abs(second - first).max() <= ONE_PLACE * size)
 
 
 def _meant(where: Any, name: str, side: np.ndarray) -> bool:

@@ -9,17 +9,7 @@ import skfem
 from scipy.sparse.csgraph import connected_components
 
 from skancf.errors import InputError
-
-# Of the range of a parameter: this near to a bound is on it, unless elements are that small.
-NEAR = 1e-6
-# Of a coordinate: twice what single precision may be off, for what was also computed in it.
-SINGLE = 2.0**-22
-# Of the shortest edge.
-OF_AN_EDGE = 1e-2
-# Of the range: nodes that are outside by rounding alone are left where they are.
-ROUNDING = 1e-12
-# Of the range: so far from the bounds nodes of a quadtree may be, which are not moved.
-SLACK = 1e-9
+from skancf.tolerances import MOVED_OF_EDGE, ONE_PLACE, ROUNDED_PLACE, SEVEN_DIGITS, SINGLE_PRECISION
 
 
 def onto_bounds(mesh: skfem.MeshQuad, bounds: Any) -> skfem.MeshQuad:
@@ -35,13 +25,13 @@ def onto_bounds(mesh: skfem.MeshQuad, bounds: Any) -> skfem.MeshQuad:
     size = (box[:, 1] - box[:, 0])[:, None]
     away = np.abs(mesh.p[:, :, None] - box[:, None]) / size[:, :, None]
     off = away.min(axis=2)
-    widest = np.maximum(NEAR, SINGLE * np.abs(box).max(axis=1, keepdims=True) / size)
-    near = (off > ROUNDING) & (off < widest)
-    slack = np.full((2, 1), SLACK)
+    widest = np.maximum(SEVEN_DIGITS, SINGLE_PRECISION * np.abs(box).max(axis=1, keepdims=True) / size)
+    near = (off > ROUNDED_PLACE) & (off < widest)
+    slack = np.full((2, 1), ONE_PLACE)
     if near.any() and not hasattr(mesh, "hanging"):
-        reach = np.minimum(widest, OF_AN_EDGE * _shortest(mesh, size))
+        reach = np.minimum(widest, MOVED_OF_EDGE * _shortest(mesh, size))
         near &= off <= reach
-        slack = np.maximum(SLACK, reach)
+        slack = np.maximum(ONE_PLACE, reach)
         if near.any():
             bound = np.where(away[:, :, 0] < away[:, :, 1], box[:, :1], box[:, 1:])
             mesh = replace(mesh, doflocs=np.where(near, bound, mesh.p.astype(float)))
@@ -50,7 +40,10 @@ def onto_bounds(mesh: skfem.MeshQuad, bounds: Any) -> skfem.MeshQuad:
         outside = np.flatnonzero((values < low - beyond) | (values > high + beyond))
         if outside.size:
             hint = ""
-            if hasattr(mesh, "hanging") and not (np.maximum(low - values, values - high) > NEAR * (high - low)).any():
+            if (
+                hasattr(mesh, "hanging")
+                and not (np.maximum(low - values, values - high) > SEVEN_DIGITS * (high - low)).any()
+            ):
                 hint = "; make the quadtree by quadtree(mesh, surface), which moves its nodes onto the bounds"
             raise InputError(f"mesh node {outside[0]}: {name} = {values[outside[0]]} is outside the surface, which "
                              f"spans {low} to {high}; the mesh lives in the parameter plane{hint}")  # fmt: skip
@@ -66,8 +59,8 @@ def onto_lines(mesh: skfem.MeshQuad) -> skfem.MeshQuad:
         return mesh
     size = np.ptp(mesh.p, axis=1, keepdims=True)
     # The two ends of an edge may be off in opposite directions.
-    slack = 2 * np.maximum(NEAR * size, SINGLE * np.abs(mesh.p).max(axis=1, keepdims=True))
-    slack = np.minimum(slack, OF_AN_EDGE * _shortest(mesh, size) * size)
+    slack = 2 * np.maximum(SEVEN_DIGITS * size, SINGLE_PRECISION * np.abs(mesh.p).max(axis=1, keepdims=True))
+    slack = np.minimum(slack, MOVED_OF_EDGE * _shortest(mesh, size) * size)
     across = along <= slack
     if not across.any(axis=0).all():
         return mesh

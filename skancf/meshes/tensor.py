@@ -10,7 +10,8 @@ from skancf.errors import InputError, finite, shown
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, cut, rectangles_of
 from skancf.surfaces import BoundedSurface, Interval, closed_directions
-from skancf.surfaces.asked import require_surface
+from skancf.surfaces.checks import require_surface
+from skancf.tolerances import ONE_PLACE
 
 LONGEST = 1e9
 """Largest ratio of the two ranges of a surface's parameters."""
@@ -78,7 +79,7 @@ def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:
         worst = int(np.argmin(steps))
         raise InputError(f"{name}[{worst}] = {row[worst]}, {name}[{worst + 1}] = {row[worst + 1]}: "
                          "node positions must increase; sort them and drop repeated ones")
-    if np.abs(row[[0, -1]] - [low, high]).max() > 1e-9 * (high - low):
+    if np.abs(row[[0, -1]] - [low, high]).max() > ONE_PLACE * (high - low):
         raise InputError(f"{name} runs from {row[0]} to {row[-1]}: it must cover the bounds ({low}, {high}) "
                          "of the surface; put the first and the last node there")
     row[[0, -1]] = low, high

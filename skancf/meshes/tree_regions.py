@@ -11,8 +11,9 @@ from skancf.errors import InputError
 from skancf.memory import require_mesh
 from skancf.meshes.fineness import Pair, coarse_lengths, fractions
 from skancf.meshes.forest import DEEPEST
-from skancf.meshes.quadtree import SAME, MeshQuadTree, quadtree
+from skancf.meshes.quadtree import MeshQuadTree, quadtree
 from skancf.meshes.region import REGION, Region, Regions
+from skancf.tolerances import ONE_PLACE
 
 
 def refined_in(
@@ -85,8 +86,8 @@ def refined_in(
     bounds = [(float(row.min()), float(row.max())) for row in tree.p]
     # (m, 2, 1): regions, directions, elements.
     wanted = np.multiply.outer(shares, coarse_lengths(_median(tree) if coarse is None else coarse, bounds))[..., None]
-    _require_room(tree, regions, np.ceil(np.log2(np.maximum(1.0, (_lengths(tree) / wanted).max(axis=1))) - SAME))
-    while (marked := _overlaps(tree, regions) & (_lengths(tree) > wanted * (1 + SAME)).any(axis=1)).any():
+    _require_room(tree, regions, np.ceil(np.log2(np.maximum(1.0, (_lengths(tree) / wanted).max(axis=1))) - ONE_PLACE))
+    while (marked := _overlaps(tree, regions) & (_lengths(tree) > wanted * (1 + ONE_PLACE)).any(axis=1)).any():
         tree = tree.refined(marked.any(axis=0))
     return tree
 
@@ -103,7 +104,7 @@ def _median(mesh: skfem.MeshQuad) -> Any:
 def _overlaps(mesh: skfem.MeshQuad, regions: Sequence[Region]) -> np.ndarray:
     """Whether each element overlaps the inside of each region, (m, n_elements); those that touch it do not."""
     centres, halves = (np.array([getattr(r, name) for r in regions]).reshape(-1, 2, 1) for name in ("centre", "half_size"))
-    corners, slack = mesh.p[:, mesh.t], SAME * np.ptp(mesh.p, axis=1)[:, None]
+    corners, slack = mesh.p[:, mesh.t], ONE_PLACE * np.ptp(mesh.p, axis=1)[:, None]
     apart = np.abs(corners.mean(axis=1) - centres) - halves - _lengths(mesh) / 2
     return np.asarray((apart < -slack).all(axis=1))
 

@@ -5,13 +5,14 @@ from skancf.output.adaptive_charts import convergence, effectivity, mesh_levels
 from skancf.output.charts import field_chart, histories_chart, mesh_chart
 from skancf.output.files import read, write
 from skancf.output.panels import draw_cells
-from skancf.output.pictures import animation, picture
+from skancf.output.pictures import Style, animation, picture
 from skancf.output.sampling import Samples, sample
 from skancf.output.spectrum_chart import spectrum_chart
 from skancf.output.tables import save_table
 
 __all__ = [
     "Samples",
+    "Style",
     "animation",
     "check_folder",
     "convergence",

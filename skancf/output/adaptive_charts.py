@@ -48,8 +48,8 @@ def mesh_levels(
     titles : sequence of str, optional
         One for each mesh. Default: the numbers of elements and nodes.
     values : sequence of (n_elements,) arrays, optional
-        For each mesh at least 0, for example squared errors of :func:`skancf.recovery`. The colours span six decades at
-        most.
+        For each mesh at least 0, for example squared errors of :func:`skancf.recovery_indicator`. The colours span six
+        decades at most.
     label : str
         What the values mean, with their unit.
 

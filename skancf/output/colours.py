@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from skancf.tolerances import SAME_VALUE
+
 # The colours of Okabe and Ito; line patterns differ besides.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 PATTERNS = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)))
@@ -30,7 +32,7 @@ def colour_limits(low: float, high: float) -> tuple[float, float]:
     if two_signs(low, high):
         return -largest, largest
     # Rounding errors about a constant are a constant.
-    if high - low <= 1e-9 * largest:
+    if high - low <= SAME_VALUE * largest:
         margin = 0.01 * largest or 1.0
         return low - margin, high + margin
     return low, high

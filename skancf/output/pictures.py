@@ -17,6 +17,7 @@ from skancf.output.fields import check_name, place, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet
 from skancf.output.sampling import grid, sample_surface
 from skancf.solution import Solution
+from skancf.tolerances import ONE_PLACE
 
 DARK, GREY = "#202020", "#9a9a9a"
 MOST_PIXELS = 16_384
@@ -26,7 +27,7 @@ FEW_CELLS = 20_000
 
 
 @dataclass(frozen=True)
-class Look:
+class Style:
     """How pictures look.
 
     Parameters
@@ -114,7 +115,7 @@ class Frame:
     where: str = ""
 
 
-def picture(solution: Solution, path: AnyPath, **look: Any) -> Path:
+def picture(solution: Solution, path: AnyPath, **options: Any) -> Path:
     """Draw a deformed plate, coloured by a field.
 
     Parameters
@@ -122,9 +123,9 @@ def picture(solution: Solution, path: AnyPath, **look: Any) -> Path:
     solution : Solution
     path : str or Path
         ``*.png``.
-    **look
+    **options
         ``field="S11"``, ``z``, ``scale``, ``limits``, ``view``, ``show_mesh``, ``show_undeformed``, ``title``,
-        ``subdivisions``, ``size``: see :class:`~skancf.output.pictures.Look`.
+        ``subdivisions``, ``size``: see :class:`~skancf.output.Style`.
 
     Returns
     -------
@@ -137,7 +138,7 @@ def picture(solution: Solution, path: AnyPath, **look: Any) -> Path:
     SkancfError
         On a machine that cannot draw; the message says what to install.
     """
-    file, style = check_file(path, ".png"), Look(**look)
+    file, style = check_file(path, ".png"), Style(**options)
     frame = _frame(solution, style)
     with replacing(file) as part, _plotter(style) as plotter:
         _draw(plotter, frame, style, _limits([frame], style))
@@ -146,7 +147,7 @@ def picture(solution: Solution, path: AnyPath, **look: Any) -> Path:
     return file
 
 
-def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: float = 0.05, **look: Any) -> Path:
+def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: float = 0.05, **options: Any) -> Path:
     """Draw states one after the other as an animated GIF, with the same colours and camera.
 
     Parameters
@@ -156,14 +157,14 @@ def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: f
         ``*.gif``.
     seconds_per_frame : float
         Duration of each picture (s).
-    **look
+    **options
         See :func:`picture`. The default size is 700 x 500 pixels.
 
     Returns
     -------
     Path
     """
-    file, style = check_file(path, ".gif"), Look(**{"size": (700, 500), **look})
+    file, style = check_file(path, ".gif"), Style(**{"size": (700, 500), **options})
     positive("seconds_per_frame", seconds_per_frame, "s")
     if isinstance(states, Solution) or not isinstance(states, Iterable) or isinstance(states, str | bytes):
         raise InputError(f"states = {shown(states)}: give a sequence of Solutions, as motion.states")
@@ -182,7 +183,7 @@ def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: f
     return file
 
 
-def _frame(solution: Solution, style: Look) -> Frame:
+def _frame(solution: Solution, style: Style) -> Frame:
     instance("solution", solution, Solution, STATE)
     few = int(np.clip(np.sqrt(FEW_CELLS / solution.system.geometry.n_elements), 2, 12))
     k = few if style.subdivisions is None else style.subdivisions
@@ -209,7 +210,7 @@ def _boundary(solution: Solution, rims: np.ndarray) -> np.ndarray:
     return np.asarray(sides[np.isin(geometry.mesh.t2f, geometry.boundary)])
 
 
-def _title(solution: Solution, style: Look, where: str) -> str:
+def _title(solution: Solution, style: Style, where: str) -> str:
     parts = [f"{words(style.field)}, {where}" if where else words(style.field)]
     if solution.note:
         parts.append(solution.note)
@@ -224,7 +225,7 @@ def _title(solution: Solution, style: Look, where: str) -> str:
     return ", ".join(parts)
 
 
-def _limits(frames: Sequence[Frame], style: Look) -> tuple[float, float]:
+def _limits(frames: Sequence[Frame], style: Style) -> tuple[float, float]:
     if style.limits is not None:
         return style.limits
     low = min(float(frame.values.min()) for frame in frames)
@@ -232,14 +233,14 @@ def _limits(frames: Sequence[Frame], style: Look) -> tuple[float, float]:
     return colour_limits(low, high)
 
 
-def _extent(frames: Sequence[Frame], style: Look) -> np.ndarray:
+def _extent(frames: Sequence[Frame], style: Style) -> np.ndarray:
     """Points (m, 3) that the picture has to show."""
     shown = [frame.points for frame in frames] + ([frames[0].outline.reshape(-1, 3)] if style.show_undeformed else [])
     return np.concatenate(shown)
 
 
 @contextmanager
-def _plotter(style: Look) -> Iterator[Any]:
+def _plotter(style: Style) -> Iterator[Any]:
     check_rendering()
     import pyvista
 
@@ -253,7 +254,7 @@ def _plotter(style: Look) -> Iterator[Any]:
             plotter.close()
 
 
-def _draw(plotter: Any, frame: Frame, style: Look, limits: tuple[float, float]) -> None:
+def _draw(plotter: Any, frame: Frame, style: Style, limits: tuple[float, float]) -> None:
     import pyvista
 
     factor, shown_unit = readable_unit(style.field, max(abs(limit) for limit in limits))
@@ -294,7 +295,7 @@ def _lines(curves: np.ndarray) -> Any:
     return pyvista.PolyData(curves.reshape(-1, 3), lines=numbers.ravel())
 
 
-def _bar(style: Look, shown_unit: str, where: str) -> dict[str, Any]:
+def _bar(style: Style, shown_unit: str, where: str) -> dict[str, Any]:
     short = {"displacement": "u", "velocity": "v"}.get(style.field, style.field)
     depth = where.split(" through")[0].split(" face")[0]
     return {
@@ -313,15 +314,15 @@ def _bar(style: Look, shown_unit: str, where: str) -> dict[str, Any]:
     }
 
 
-def _font(style: Look) -> int:
+def _font(style: Style) -> int:
     return max(6, round(style.size[1] / 72))
 
 
-def _width(style: Look) -> float:
+def _width(style: Style) -> float:
     return max(1.0, style.size[1] / 550)
 
 
-def _look_at(plotter: Any, points: np.ndarray, style: Look) -> None:
+def _look_at(plotter: Any, points: np.ndarray, style: Style) -> None:
     """Parallel projection that shows all points as large as they fit, left of the colour bar."""
     back = np.array(style.view) / np.linalg.norm(style.view)
     right = np.cross([0.0, 0.0, 1.0], back)
@@ -329,7 +330,7 @@ def _look_at(plotter: Any, points: np.ndarray, style: Look) -> None:
     axes = np.stack([right, np.cross(back, right), back])
     seen = points @ axes.T
     low, high = seen.min(axis=0), seen.max(axis=0)
-    width, height, depth = np.maximum(high - low, 1e-9 * np.ptp(seen))
+    width, height, depth = np.maximum(high - low, ONE_PLACE * np.ptp(seen))
     camera = plotter.camera
     camera.SetParallelProjection(True)
     # The picture is 2 * parallel scale high; 0.80 of its width and 0.78 of its height are for the plate.

@@ -9,7 +9,7 @@ from skancf.arguments import MESH, instance
 from skancf.errors import InputError, finite
 from skancf.meshes import Region
 from skancf.surfaces import Surface
-from skancf.surfaces.asked import require_surface
+from skancf.surfaces.checks import require_surface
 
 ENOUGH_CELLS = 15_000
 

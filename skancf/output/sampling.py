@@ -29,7 +29,7 @@ class Grid(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Surface:
+class SampledSurface:
     """A state at one depth, sampled. Points are not shared between elements, because stress jumps there.
 
     Attributes
@@ -56,7 +56,7 @@ class Surface:
 
 
 @dataclass(frozen=True)
-class Samples(Surface):
+class Samples(SampledSurface):
     """A sampled state with its strain and stress.
 
     Attributes
@@ -96,7 +96,7 @@ EACH = 300
 """Bytes of a point with its cell, displacement, strain and stress."""
 
 
-def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> Surface:
+def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> SampledSurface:
     """Positions, displacements and velocities of a state; see :func:`sample`."""
     instance("solution", solution, Solution, STATE)
     require_points(subdivisions, solution.system.geometry.n_elements)
@@ -122,7 +122,7 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) ->
     places = position(solution.system.undeformed)
     displacement = solution.model.rise(position, solution.unknowns, rate)
     velocity = None if solution.velocity is None else rate(solution.q, solution.velocity)
-    return Surface(
+    return SampledSurface(
         points=places + displacement,
         cells=(first[:, :, None] + cut.cells).reshape(-1, 4),
         elements=np.repeat(np.arange(geometry.n_elements), len(cut.cells)),

@@ -12,6 +12,7 @@ from skancf.dynamics.spectrum import Spectrum, natural_frequencies
 from skancf.errors import InputError, positive
 from skancf.output.canvas import INK, new_figure, save
 from skancf.output.colours import line_style
+from skancf.tolerances import TINY
 
 DECADES = 5
 """Shown of amplitudes."""
@@ -89,7 +90,7 @@ def _outline(spectrum: Spectrum, peaks: np.ndarray) -> tuple[np.ndarray, np.ndar
     """All amplitudes about the peaks, elsewhere those at multiples of 1 / length: without the side lobes of the window."""
     away = np.abs(spectrum.frequencies[:, None] - peaks).min(axis=1, initial=np.inf)
     shown = (away < spectrum.resolution / 2) | (np.arange(len(away)) % spectrum.padding == 0)
-    return spectrum.frequencies[shown], np.maximum(spectrum.total[shown], np.finfo(float).tiny)
+    return spectrum.frequencies[shown], np.maximum(spectrum.total[shown], TINY)
 
 
 def _draw_modes(axes: Any, numbers: np.ndarray, natural: np.ndarray, limit: float) -> None:

@@ -8,7 +8,7 @@ End = tuple[Status, str]
 """How a run ended, and why in words."""
 
 
-def kept(
+def run_steps(
     step: Callable[[], End | None], interrupted: Callable[[], str | None], failed: Callable[[Exception], str | None]
 ) -> End:
     """Step until one is the last; an interruption and an error are ends like others.

@@ -31,10 +31,10 @@ class Tangents(Protocol):
         """The next state, after a correction that was not the last."""
 
 
-class Rule(Protocol):
+class StopCriterion(Protocol):
     """When an iteration ends."""
 
-    def judge(self, x: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
+    def assess(self, x: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
         """How it ends with a correction of x, the last of whose ``energies`` belongs to it; None to go on.
 
         With an end of :data:`FOUND` it is taken.
@@ -58,7 +58,7 @@ class Iteration:
         return self.status.ok
 
 
-def iterate(x: np.ndarray, tangents: Tangents, rule: Rule, most: int) -> Iteration:
+def iterate(x: np.ndarray, tangents: Tangents, criterion: StopCriterion, most: int) -> Iteration:
     """Corrections of a first guess until one is the last, no more than ``most``; a failure is an end like others."""
     energies: list[float] = []
     for step in range(1, most + 1):
@@ -70,7 +70,7 @@ def iterate(x: np.ndarray, tangents: Tangents, rule: Rule, most: int) -> Iterati
         except SingularMatrix as singular:
             return Iteration(x, Status.SINGULAR, str(singular), energies, residual, step)
         energies.append(energy)
-        if end := rule.judge(x, change, energies):
+        if end := criterion.assess(x, change, energies):
             return Iteration(x + change if end[0] in FOUND else x, *end, energies, residual, step)
         x = tangents.step(x, residual, change)
     return Iteration(x, Status.STEPS_SPENT, "", energies, residual, most)

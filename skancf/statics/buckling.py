@@ -13,9 +13,8 @@ from skancf.checks import Check
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution
-from skancf.statics.asked import check_asked
-from skancf.statics.causes import require_support
-from skancf.statics.depth import warn_without_time
+from skancf.statics.arguments import check_arguments
+from skancf.statics.diagnosis import require_support
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -29,7 +28,6 @@ from skancf.statics.eigen_checks import (
 from skancf.statics.left_out import buckling_changes, warn_of_changes
 from skancf.statics.linear import change_by
 from skancf.statics.modes import (
-    ROUNDING,
     check_tolerance,
     checked_count,
     free_directions,
@@ -38,12 +36,12 @@ from skancf.statics.modes import (
     nth,
 )
 from skancf.statics.tangents import warn_if_skew
+from skancf.statics.validity import warn_without_time
 from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
+from skancf.tolerances import AT_REST, ZERO_EIGENVALUE
 
-AT_REST = 1e-6
-"""Most that forces at rest may move the structure, as a part of what the loads do."""
 # A load factor that is so many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
 # Membrane strains as they are may ask for this much more of the load before a mesh is called too coarse.
@@ -136,7 +134,7 @@ def buckling(
         Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found. Where
         a check fails, for example as load factors are missing that further searches did not find.
     """
-    check_asked(system, backend)
+    check_arguments(system, backend)
     tolerance = check_tolerance(tolerance)
     choice("signs", signs, ("positive", "both"))
     n = checked_count(n, system.constraints)
@@ -264,7 +262,7 @@ class _Pencil:
         residuals = -load - values[:, None] * elastic
         errors = np.sqrt([abs(float(r @ self.solver.solve(r))) for r in residuals]) / np.abs(values)
         sizes = self.stiffness.sizes()
-        noise = ROUNDING * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
+        noise = ZERO_EIGENVALUE * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
         products = shapes @ elastic.T
         return pair_check(errors, SAFETY * self.tolerance + noise), orthogonality_check(products, "elastic stiffness")
 

@@ -13,8 +13,8 @@ from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
-from skancf.solving import FOUND, End, Status, kept
-from skancf.statics.causes import cause
+from skancf.solving import FOUND, End, Status, run_steps
+from skancf.statics.diagnosis import diagnose
 from skancf.statics.newton import NewtonResult, newton
 from skancf.statics.path import limit_ahead
 from skancf.statics.relax import Relaxation
@@ -83,7 +83,7 @@ class Cascade:
 
     def go(self, control: HalveAndGrow) -> StaticResult:
         """Long load steps, relaxation, short load steps, relaxation; then why it stopped."""
-        status, message = kept(
+        status, message = run_steps(
             lambda: self._go(control), lambda: f" at load factor {self.path[-1].load_factor:.6g}", lambda error: None
         )
         return StaticResult(self.path[-1], status, tuple(self.path), tuple(self.attempts), message, self.checks)
@@ -107,7 +107,7 @@ class Cascade:
         def ahead() -> float | None:
             return limit_ahead(self.system, at, control.smallest * self.span)
 
-        status, message = cause(self.system, self.solver, self.path, wanted, last, ahead)
+        status, message = diagnose(self.system, self.solver, self.path, wanted, last, ahead)
         return status, f"{message} {NOTHING}." if self.relaxes else message
 
     def _load_steps(self, control: HalveAndGrow, shortest: float, farthest: float) -> tuple[float, NewtonResult]:

@@ -50,7 +50,7 @@ def choose(on: Callable[[Theory], System], tolerance: float) -> System:
     except InputError as unfit:
         choice = Choice("full", float("nan"), f"theory 'full': {unfit}")
     else:
-        choice = judged(thin, tolerance)
+        choice = assessed(thin, tolerance)
     system = thin if choice.share <= tolerance else on(Full())
     system.choice = choice
     return system
@@ -59,7 +59,7 @@ def choose(on: Callable[[Theory], System], tolerance: float) -> System:
 CHOICES["auto"] = choose
 
 
-def judged(system: System, tolerance: float) -> Choice:
+def assessed(system: System, tolerance: float) -> Choice:
     """Of a system of the thin theory, by its small-deflection answer, without loads by its first vibration."""
     if not _loaded(system):
         what = "without loads: leaving transverse shear and rotary inertia out changes the square of the first frequency"

@@ -11,9 +11,7 @@ from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
 from skancf.statics.stopping import Constraint
 from skancf.system.probe import probe
-
-# A displacement so small against the largest coordinate that moves with the load is none: rounding in thin plates is 1e-12.
-STILL = 1e-9
+from skancf.tolerances import ONE_PLACE
 
 
 class Measure(Protocol):
@@ -220,7 +218,7 @@ class _Displacement:
 
     def unit(self, along: np.ndarray, last: np.ndarray | None) -> float:
         moved = float(self.form @ along)
-        if last is None and abs(moved) <= STILL * np.abs(self.form).sum() * np.abs(along).max():
+        if last is None and abs(moved) <= ONE_PLACE * np.abs(self.form).sum() * np.abs(along).max():
             raise InputError(
                 "DisplacementControl: the displacement of that point in that direction does not move with the load at the "
                 "start; control one that does, or take ArcLength()"

@@ -7,17 +7,14 @@ import numpy as np
 
 from skancf.checks import Check, failures
 from skancf.errors import DidNotConverge, OutOfDepth
+from skancf.tolerances import ORTHOGONAL_SHAPES, SEPARATION
 
 # Neighbours that differ less than this, relatively, belong to one group: equal ones of a symmetric structure differ by the
 # error of an unsymmetric mesh.
 CLOSE = 1e-3
-# Two eigenvalues that differ less than this, relatively, are not told apart when they are counted.
-SEPARATION = 1e-6
 # Of bounds over the tolerance that was asked for. The errors of Rayleigh quotients are far below, of the order of
 # their squares.
 SAFETY = 1000.0
-# Products of two shapes of unit size.
-ORTHOGONAL = 1e-6
 # Searches in a row that bring back none of the eigenvalues that are missing.
 TRIES = 2
 
@@ -65,7 +62,9 @@ def pair_check(errors: np.ndarray, allowed: np.ndarray) -> Check:
 def orthogonality_check(products: np.ndarray, metric: str) -> Check:
     """Products (n, n) of the shapes against the unit matrix."""
     off = float(np.abs(products - np.eye(len(products))).max(initial=0.0))
-    return Check(f"shapes orthonormal in the {metric}", off, ORTHOGONAL, "Ask for one or two more, or a smaller tolerance.")
+    return Check(
+        f"shapes orthonormal in the {metric}", off, ORTHOGONAL_SHAPES, "Ask for one or two more, or a smaller tolerance."
+    )
 
 
 def count_check(found: int, counted: int, where: str) -> Check:

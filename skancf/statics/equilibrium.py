@@ -7,13 +7,13 @@ from skancf.errors import number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
-from skancf.statics.asked import check_asked
+from skancf.statics.arguments import check_arguments
 from skancf.statics.cascade import Cascade, Settings
-from skancf.statics.causes import require_support
 from skancf.statics.controls import ArcLength
-from skancf.statics.depth import warn_if_loose, warn_if_thick, warn_without_time
+from skancf.statics.diagnosis import require_support
 from skancf.statics.path import traced
 from skancf.statics.static_result import HalveAndGrow, StaticResult
+from skancf.statics.validity import warn_if_loose, warn_if_thick, warn_without_time
 from skancf.system.system import System
 
 
@@ -66,7 +66,7 @@ def solve(
     InputError
         When a rigid motion is free.
     """
-    check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
+    check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
                 follow=follow, relax=relax, progress=progress)  # fmt: skip
     load_factor, rtol = number("load_factor", load_factor), positive("rtol", rtol)
     if control is not None:

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.solution import Solution
+from skancf.statics.critical import critical_mode
 from skancf.statics.points import Follower, Point, interpolate
-from skancf.statics.soft import softest_mode
+from skancf.tolerances import ROUNDED_PRODUCT, ZERO_IN_BRACKET
 
 LIMIT, BIFURCATION = "limit point", "bifurcation"
 REFINEMENTS = 8
 # Of the step in which an event was found: the error of the last, linear extrapolation is its square.
 CLOSE = 1e-3
-# An eigenvalue so much smaller than that at the other end of a bracket is zero.
-ZERO = 1e-9
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ def _search(
         if refined:
             break
     solution = _extrapolated(follower, a, nearest, at) if refined else _interpolated(follower, a, b, length, at)
-    mode = softest_mode(follower.system, follower.solver, solution.q, solution.load_factor).shape
+    mode = critical_mode(follower.system, follower.solver, solution.q, solution.load_factor).shape
     return at, Event(kind, solution.load_factor, solution, mode, refined)
 
 
@@ -104,7 +103,7 @@ def _limit_search(
         # y' = d0 + p t + r t^2 with t from 0 to 1, of opposite sign at the ends.
         p, r = 6 * rise - 4 * d0 - 2 * d1, 3 * (d0 + d1) - 6 * rise
         roots = np.roots([r, p, d0]) if r else np.array([-d0 / p])
-        inside = [float(t.real) for t in roots if abs(t.imag) < 1e-12 and 0 <= t.real <= 1]
+        inside = [float(t.real) for t in roots if abs(t.imag) < ROUNDED_PRODUCT and 0 <= t.real <= 1]
         return s0 + h * (inside[0] if inside else d0 / (d0 - d1))
 
     def tell(point: Point, at: float) -> None:
@@ -124,7 +123,7 @@ def _pivot_search(
     """
 
     def soft(point: Point) -> tuple[float, int]:
-        mode = softest_mode(follower.system, follower.solver, point.q, point.load_factor, without_work=limit)
+        mode = critical_mode(follower.system, follower.solver, point.q, point.load_factor, without_work=limit)
         return mode.eigenvalue, mode.negative
 
     value, before = soft(a)
@@ -133,7 +132,7 @@ def _pivot_search(
     def place() -> float:
         (s0, y0), (s1, y1) = left, right
         # Of one sign: two modes, so halve the bracket; or one end is the zero up to rounding, so take that.
-        zero = min(abs(y0), abs(y1)) <= ZERO * max(abs(y0), abs(y1))
+        zero = min(abs(y0), abs(y1)) <= ZERO_IN_BRACKET * max(abs(y0), abs(y1))
         share = abs(y0) / (abs(y0) + abs(y1) or 1.0) if y0 * y1 < 0 or zero else 0.5
         return s0 + (s1 - s0) * share
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from skancf.errors import warn
 from skancf.solution import Solution
-from skancf.statics.depth import THICK
+from skancf.statics.validity import THICK
 from skancf.thinness import ShearForm, product_of, rotary_inertia, with_shear
 
 

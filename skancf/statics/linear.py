@@ -8,10 +8,10 @@ from skancf.errors import DidNotConverge, OutOfDepth
 from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.solution import Solution
-from skancf.statics.asked import check_asked
-from skancf.statics.causes import require_support
-from skancf.statics.depth import warn_if_loose, warn_if_thick, warn_without_time
+from skancf.statics.arguments import check_arguments
+from skancf.statics.diagnosis import require_support
 from skancf.statics.newton import OPEN
+from skancf.statics.validity import warn_if_loose, warn_if_thick, warn_without_time
 from skancf.statics.verify import Balance, unmet
 from skancf.system.linearised import Linearised
 from skancf.system.system import System
@@ -38,7 +38,7 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
         Where they are out of balance by more than a millionth, and where the answer is out of the depth of its theory or
         of its mesh.
     """
-    check_asked(system, backend)
+    check_arguments(system, backend)
     require_support(system)
     warn_without_time(system)
     solution = small_deflection(system, backend=backend)

@@ -14,8 +14,7 @@ from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.solution import Solution, require_same_mesh
-from skancf.statics.asked import check_asked
-from skancf.statics.depth import warn_without_time
+from skancf.statics.arguments import check_arguments
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -29,13 +28,10 @@ from skancf.statics.eigen_checks import (
 )
 from skancf.statics.left_out import frequency_changes, warn_of_changes
 from skancf.statics.tangents import state_tangent, warn_if_skew
+from skancf.statics.validity import warn_without_time
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
-
-# An eigenvalue that is no larger than so many roundings of the terms of which it is the sum is zero: rigid motions of free
-# plates, L/h from 10 to 10^4, have up to 1500, their softest elastic one a million and more.
-ROUNDING = 1e4 * np.finfo(float).eps
-TINY = np.finfo(float).tiny
+from skancf.tolerances import TINY, ZERO_EIGENVALUE
 
 
 @dataclass(frozen=True)
@@ -133,7 +129,7 @@ def modes(
         Where loads follow a free edge: only the symmetric part of K is taken, and flutter is not found. Where a check
         fails, for example as modes are missing that further searches did not find.
     """
-    check_asked(system, backend)
+    check_arguments(system, backend)
     if state is not None:
         require_same_mesh(system, state, "state")
     tolerance = check_tolerance(tolerance)
@@ -279,14 +275,14 @@ class _Spectrum:
         errors = np.sqrt(np.maximum((residuals * np.linalg.solve(mass, residuals)).sum(axis=0), 0.0))
         scale = np.maximum(np.abs(values), TINY)
         # Full matrices have the rounding of their largest eigenvalue in all.
-        rounding = np.maximum(noise, ROUNDING * np.abs(values).max())
+        rounding = np.maximum(noise, ZERO_EIGENVALUE * np.abs(values).max())
         return Pairs(values, shapes, errors / scale, SAFETY * self.tolerance + rounding / scale)
 
     def _clean(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values, zero where they are rounding, shapes of unit modal mass on the free coordinates, and that rounding."""
         shapes = np.array([self._normalised(self.constraints.free_part(v)) for v in shapes]).reshape(shapes.shape)
         values = np.array([2 * self.stiffness.energy(v) for v in shapes])
-        noise = np.array([self.stiffness.rounding(v, ROUNDING) for v in shapes])
+        noise = np.array([self.stiffness.rounding(v, ZERO_EIGENVALUE) for v in shapes])
         return np.where(np.abs(values) <= noise, 0.0, values), shapes, noise
 
     def _normalised(self, v: np.ndarray) -> np.ndarray:

@@ -16,10 +16,10 @@ from skancf.errors import DidNotConverge
 from skancf.history import FULL, Case
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
 from skancf.solving import End, Status, iterate
-from skancf.statics.stopping import Constraint, Pull, StopRule, moves, work
+from skancf.statics.stopping import Constraint, ConvergenceTest, Pull, moves, work
 
 
-class System(Protocol):
+class StaticSystem(Protocol):
     """All that statics knows of a model.
 
     A model may also have ``strain_energy(q, case)``, by which the end of a solve is judged; ``skew(q, case)``, the
@@ -95,7 +95,7 @@ def skew_part(system: Any, q: np.ndarray, load_factor: float) -> sp.csr_matrix |
 
 
 def factored(
-    system: System, q: np.ndarray, load_factor: float, solver: DirectSolver, stresses: np.ndarray | None = None,
+    system: StaticSystem, q: np.ndarray, load_factor: float, solver: DirectSolver, stresses: np.ndarray | None = None,
     pull: Pull | None = None,
 ) -> SkewSolver:  # fmt: skip
     """The tangent at (q, load factor), with ``stresses`` and that of a ``pull`` if given, and its solver.
@@ -111,14 +111,14 @@ def factored(
     return SkewSolver(matrix, skew_part(system, q, load_factor), solver)
 
 
-def along_load(system: System, q: np.ndarray, tangent: SkewSolver) -> np.ndarray:
+def along_load(system: StaticSystem, q: np.ndarray, tangent: SkewSolver) -> np.ndarray:
     """Derivative of q with respect to the load factor."""
     force, moved = system.external_force(q), system.prescribed()
     return tangent.solve(force - tangent.multiply(moved) if moved.any() else force) + moved
 
 
 def newton(
-    system: System,
+    system: StaticSystem,
     q: np.ndarray,
     solver: DirectSolver,
     *,
@@ -135,7 +135,7 @@ def newton(
 ) -> NewtonResult:
     """Equilibrium under ``load_factor`` times the loads and prescribed displacements, from a first guess.
 
-    When it may end, and by which energies that is judged, says :class:`~skancf.statics.stopping.StopRule`.
+    When it may end, and by which energies, says :class:`~skancf.statics.stopping.ConvergenceTest`.
 
     Parameters
     ----------
@@ -159,15 +159,16 @@ def newton(
     """
     tangents = _Tangents(system, solver, mixed, stresses, pull, constraint)
     begin = constraint.origin if constraint else q if origin is None else origin
-    rule = _Rule(tangents, StopRule(system, begin, rtol, pull, constraint), farthest, watch)
-    found = iterate(np.append(q, load_factor), tangents, rule, max_steps)
+    criterion = _StopCriterion(tangents, ConvergenceTest(system, begin, rtol, pull, constraint), farthest, watch)
+    found = iterate(np.append(q, load_factor), tangents, criterion, max_steps)
     energies = [energy for energy in found.energies if np.isfinite(energy)]
     largest = max(energies, default=1.0) or 1.0
     norms = tuple(float(np.sqrt(energy / largest)) for energy in energies)
     lost = found.status is Status.NOT_FINITE and not found.message
     message = _where(system, found.residual) if lost else found.message
     pivots = solver.negative_pivots if energies and found.status is not Status.SINGULAR else 0
-    return NewtonResult(found.x[:-1], found.status, norms, pivots, message, float(found.x[-1]), tangents.along, rule.bound)
+    lam, bound = float(found.x[-1]), criterion.bound
+    return NewtonResult(found.x[:-1], found.status, norms, pivots, message, lam, tangents.along, bound)
 
 
 class _Tangents:
@@ -181,7 +182,7 @@ class _Tangents:
     moved: np.ndarray
 
     def __init__(
-        self, system: System, solver: DirectSolver, mixed: bool, stresses: np.ndarray | None, pull: Pull | None,
+        self, system: StaticSystem, solver: DirectSolver, mixed: bool, stresses: np.ndarray | None, pull: Pull | None,
         constraint: Constraint | None,
     ) -> None:  # fmt: skip
         self.system, self.solver, self.mixed, self.stresses = system, solver, mixed, stresses
@@ -215,16 +216,16 @@ class _Tangents:
 
 
 @dataclass
-class _Rule:
+class _StopCriterion:
     """When equilibrium is reached, and when an iteration is given up; ``bound`` is what rounding then leaves open."""
 
     tangents: _Tangents
-    stop: StopRule
+    stop: ConvergenceTest
     farthest: float
     watch: Callable[[int, float], None] | None
     bound: float = 0.0
 
-    def judge(self, x: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
+    def assess(self, x: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
         """How it ends with a correction."""
         tangents, energy, count = self.tangents, energies[-1], len(energies)
         if self.watch:
@@ -235,11 +236,11 @@ class _Rule:
             turn = largest_turn(tangents.system, change[:-1])
             if turn > self.farthest:
                 return Status.TOO_FAR, FAR.format(turn, self.farthest)
-        verdict = self.stop.judge(tangents.tangent, energies, x[:-1], change[:-1], float(x[-1] + change[-1]))
+        verdict = self.stop.assess(tangents.tangent, energies, x[:-1], change[:-1], float(x[-1] + change[-1]))
         if verdict.last:
             moves_free = moves(tangents.system.constraints, tangents.force)
-            asked = moves_free or (tangents.prescribed.any() and not verdict.rigid)
-            self.bound = lost = verdict.bound if asked else 0.0
+            relevant = moves_free or (tangents.prescribed.any() and not verdict.rigid)
+            self.bound = lost = verdict.bound if relevant else 0.0
             return Status.ROUNDING if lost > OPEN else Status.CONVERGED, LOST.format(lost) if lost else ""
         grew = count > 3 and energy > (GIVEN_UP * energies[-2] if tangents.mixed else GROWN * energies[0]) + verdict.floor
         return (Status.DIVERGED, "") if grew else None
@@ -251,7 +252,7 @@ def largest_turn(system: Any, change: np.ndarray) -> float:
     return shell.largest_turn(change) if shell else 0.0
 
 
-def _where(system: System, values: np.ndarray) -> str:
+def _where(system: StaticSystem, values: np.ndarray) -> str:
     node = int(np.argmax(np.nan_to_num(np.abs(values), nan=np.inf))) // system.pattern.block
     place = ", ".join(f"{x:.4g}" for x in system.pattern.coordinates[:, node])
     return f"first at the node that was at ({place})"

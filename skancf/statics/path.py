@@ -10,18 +10,18 @@ from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
 from skancf.solution import Solution
-from skancf.solving import End, Status, kept
-from skancf.statics.asked import check_asked
-from skancf.statics.causes import NEAR, require_support
+from skancf.solving import End, Status, run_steps
+from skancf.statics.arguments import check_arguments
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
-from skancf.statics.depth import warn_without_time
+from skancf.statics.critical import turning_estimate
+from skancf.statics.diagnosis import NEAR, require_support
 from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.points import Follower, Point
-from skancf.statics.soft import turning_estimate
-from skancf.statics.stopping import ROUNDING
+from skancf.statics.validity import warn_without_time
 from skancf.statics.verify import Balance, checks_of
 from skancf.system.system import System
+from skancf.tolerances import ONE_PLACE, ROUNDED_COORDINATE
 
 FIRST_TURN = 0.5
 """Largest change of a slope in the first step by arc length, relative to the slope's length."""
@@ -138,7 +138,7 @@ def trace(
     InputError
         When a rigid motion is free, nothing loads the structure, or the controlled displacement does not move with the load.
     """
-    check_asked(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
+    check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
                 mixed=mixed, progress=progress)  # fmt: skip
     require_support(system)
     warn_without_time(system)
@@ -180,7 +180,7 @@ class _Run:
         self.first, self.length = 0.0, 1.0
 
     def go(self, start: Solution) -> PathResult:
-        status, message = kept(lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed)
+        status, message = run_steps(lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed)
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
         checks = self._checks(points)
         if status.ok and (failed := failures(checks)):
@@ -204,8 +204,8 @@ class _Run:
         return checks_of(balance.measured(sizes))
 
     def _failed(self, error: Exception) -> str | None:
-        asked_wrongly = isinstance(error, InputError) or len(self.points) < 2
-        return None if asked_wrongly else f"what was computed is kept: {error!r}"
+        wrong_input = isinstance(error, InputError) or len(self.points) < 2
+        return None if wrong_input else f"what was computed is kept: {error!r}"
 
     def _begin(self, start: Solution) -> End | None:
         """The first point, and the length of the first step."""
@@ -253,7 +253,7 @@ class _Run:
         self.points.append(following)
         left, iterations = follower.measure.left(following.q), len(result.residual_norms)
         self.bar.at(len(self.points) - 1, f"load factor {following.load_factor:.4g}, {iterations} iterations")
-        if share is not None or left <= 1e-9 * first:
+        if share is not None or left <= ONE_PLACE * first:
             return Status.CONVERGED, ""
         self.length = lengths.after(length / first if np.isinf(left) else self.length, iterations)
         return None
@@ -315,7 +315,7 @@ class _Run:
 def _moves(system: System, along: np.ndarray) -> bool:
     """Does a unit of the load move the body by more than rounding of its coordinates?"""
     mass, at = system.mass, system.undeformed
-    return bool(along @ (mass @ along) > ROUNDING**2 * (at @ (mass @ at)))
+    return bool(along @ (mass @ along) > ROUNDED_COORDINATE**2 * (at @ (mass @ at)))
 
 
 def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -> float | None:

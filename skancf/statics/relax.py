@@ -18,10 +18,11 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
-from skancf.statics.newton import NewtonResult, System, factored, largest_turn
+from skancf.statics.newton import NewtonResult, StaticSystem, factored, largest_turn
 from skancf.statics.stopping import Pull, work
 from skancf.statics.tangents import is_skew
 from skancf.system.dilation import pretension
+from skancf.tolerances import ALIKE
 
 BUDGET = 600
 """Newton iterations in one relaxation; coarse meshes of pinched shells take 320."""
@@ -34,8 +35,6 @@ STRONGEST = 1e4
 PUSH, HALVINGS = 1e-2, 10
 """Of the size of the body, along the motion in which an equilibrium is not stable; halved where that leads uphill."""
 CANDIDATES, INVERSE_ITERATIONS = 4, 8
-ALIKE = 1 - 1e-6
-"""Components of a motion that are equal by symmetry differ by less."""
 
 
 @dataclass
@@ -93,7 +92,9 @@ class Relaxation:
         the attempts.
     """
 
-    def __init__(self, system: System, solver: DirectSolver, load_factor: float, solve: Callable[..., NewtonResult]) -> None:
+    def __init__(
+        self, system: StaticSystem, solver: DirectSolver, load_factor: float, solve: Callable[..., NewtonResult]
+    ) -> None:
         self.system, self.solver, self.load_factor, self.solve = system, solver, load_factor, solve
         self.metric: BlockMatrix = pretension(system)
         self._flow: _Flow | None = None
@@ -195,4 +196,4 @@ def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: floa
     values, motions = soft_motions(system, solver, matrix, CANDIDATES, INVERSE_ITERATIONS)
     motion = motions[int(np.argmin(values))]
     sizes = np.abs(motion)
-    return np.asarray(motion * np.sign(motion[np.argmax(sizes > ALIKE * sizes.max())]))
+    return np.asarray(motion * np.sign(motion[np.argmax(sizes > (1 - ALIKE) * sizes.max())]))

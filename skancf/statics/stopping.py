@@ -7,11 +7,7 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.linear import BlockMatrix, SkewSolver
-
-ROUNDING = 1e-15
-"""Rounding of nodal coordinates, relative; its square times the stiffness is energy below which nothing is known."""
-RIGID = 1e-24
-"""Strain energy over that of the way of each coordinate by itself, below which a way is a rigid motion."""
+from skancf.tolerances import HELD_FORCE, RIGID, ROUNDED_COORDINATE
 
 
 def work(change: np.ndarray, force: np.ndarray) -> float:
@@ -66,7 +62,7 @@ class Pull:
 def moves(constraints: Any, force: np.ndarray) -> bool:
     """Does a force (n_dofs,) act on anything that supports do not hold, beside rounding?"""
     free = constraints.free_part(force)
-    return bool(free @ free > ROUNDING * (force @ force))
+    return bool(free @ free > HELD_FORCE * (force @ force))
 
 
 def is_rigid(energy: float, sizes: np.ndarray, way: np.ndarray, part: float = RIGID) -> bool:
@@ -95,8 +91,8 @@ class Verdict(NamedTuple):
     rigid: bool = False
 
 
-class StopRule:
-    r"""Judges the corrections of one solve.
+class ConvergenceTest:
+    r"""Assesses the corrections of one solve.
 
     With the residual's work on a correction, :math:`e_k = |R \cdot \delta q|`, the last one is that for which
 
@@ -113,7 +109,7 @@ class StopRule:
 
     Parameters
     ----------
-    system : System
+    system : StaticSystem
     origin : (n_dofs,) array
         Where the way began.
     rtol : float
@@ -128,12 +124,12 @@ class StopRule:
         self.system, self.origin, self.rtol, self.pull, self.constraint = system, origin, rtol, pull, constraint
         self._at_origin: float | None = None
 
-    def judge(
+    def assess(
         self, tangent: SkewSolver, energies: list[float], q: np.ndarray, change: np.ndarray, load_factor: float
     ) -> Verdict:
         """The last of ``energies`` belongs to ``change``, which leads from ``q`` to equilibrium at ``load_factor``."""
         sizes = np.abs(tangent.matrix.diagonal())
-        floor = ROUNDING**2 * float(sizes @ (q * q))
+        floor = ROUNDED_COORDINATE**2 * float(sizes @ (q * q))
         energy, largest = energies[-1], max(energies)
         way = q + change - self.origin
         if self.constraint:

@@ -10,9 +10,8 @@ from skancf.linear import BlockMatrix
 from skancf.solution import Solution
 from skancf.statics.newton import skew_part
 from skancf.system.system import System
+from skancf.tolerances import ROUNDED_PRODUCT
 
-# A skew part so small against the stiffness is rounding, of edges that are held or lie in a plane of symmetry.
-ROUNDING = 1e-12
 SYMMETRIC_ONLY = (
     "Loads that follow a free edge, or terms of one's own, have no potential, so that the tangent is not symmetric: only "
     "its symmetric part is counted, and flutter is not found; a run of simulate(system) shows it"
@@ -33,7 +32,7 @@ def is_skew(system: Any, tangent: BlockMatrix, q: np.ndarray, load_factor: float
     scale = np.divide(1.0, sizes, out=np.zeros_like(sizes), where=sizes > 0)
     free = system.constraints.free_part
     probe = free(scale * np.random.default_rng(0).standard_normal(q.size))
-    return bool(np.abs(scale * free(skew @ probe)).max() > ROUNDING)
+    return bool(np.abs(scale * free(skew @ probe)).max() > ROUNDED_PRODUCT)
 
 
 def warn_if_skew(system: System, tangent: BlockMatrix, q: np.ndarray, load_factor: float) -> None:

@@ -11,18 +11,15 @@ from skancf.errors import SingularMatrix
 from skancf.history import FULL, Case
 from skancf.linear import DirectSolver
 from skancf.statics.newton import factored
-from skancf.statics.stopping import RIGID, ROUNDING, is_rigid, moves, stored, work
+from skancf.statics.stopping import is_rigid, moves, stored, work
 from skancf.system.linearised import Linearised
+from skancf.tolerances import BALANCED, RIGID, RIGID_PRODUCT, ROUNDED_COORDINATE, SHARPEST
 from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
-BALANCE = 1e-6
-"""Largest sum of forces or moments that is left over, relative to what drives the body."""
-TIMES, LEAST = 10.0, 1e-7
-"""A residual of so many times the asked tolerance fails; a smaller tolerance than the second is not checked."""
+TIMES = 10.0
+"""A residual of so many times the asked tolerance fails."""
 POLISHES = 3
-RIGID_PRODUCT = 1e-13
-"""As RIGID, for an energy that is a product of the stiffness and a change, not made of strains."""
 
 
 @dataclass(frozen=True)
@@ -93,9 +90,9 @@ def verify(
 def _residual(balance: "Balance", correction: np.ndarray, sizes: np.ndarray, rtol: float) -> Measured:
     """The residual in the energy norm of the exact tangent, relative to that of the strain."""
     counts = balance.energy > 0 and not balance.is_at_rest(sizes)
-    rounding = ROUNDING * float(np.sqrt(sizes @ balance.moved**2 / balance.energy)) if counts else 0.0
+    rounding = ROUNDED_COORDINATE * float(np.sqrt(sizes @ balance.moved**2 / balance.energy)) if counts else 0.0
     norm = float(np.sqrt(work(correction, balance.free) / balance.energy)) if counts else 0.0
-    return Measured("residual in the energy norm, of that of the strain", norm, max(TIMES * rtol, LEAST), rounding)
+    return Measured("residual in the energy norm, of that of the strain", norm, max(TIMES * rtol, SHARPEST), rounding)
 
 
 @dataclass(frozen=True)
@@ -133,7 +130,7 @@ class Balance:
     def of_state(cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> "Balance":
         energy = stored(system, q, Case(load_factor))
         # At rest and cold there is none.
-        if (origin != system.undeformed).any() or system.shell.held_back(FULL) is not None:
+        if (origin != system.undeformed).any() or system.shell.initial_stresses(FULL) is not None:
             energy += stored(system, origin, Case(load_factor))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())
         case = Case(load_factor)
@@ -155,7 +152,7 @@ class Balance:
 
     def measured(self, sizes: np.ndarray) -> tuple[Measured, ...]:
         """Balance of the whole body, given the absolute diagonal of a tangent, by which rounding is judged."""
-        noise, way = ROUNDING * sizes * self.moved, self.way
+        noise, way = ROUNDED_COORDINATE * sizes * self.moved, self.way
         drive, lever = self.drive
         force, moment = self.left()
         terms = self.energy + float(np.abs(self.internal) @ np.abs(way))
@@ -164,9 +161,9 @@ class Balance:
         lost = float(np.sqrt(noise @ noise)) / drive
         lost_work = float(np.sqrt((noise * way) @ (noise * way))) / terms
         return (
-            Measured("sum of loads and reactions, of the loads", force / drive, BALANCE, lost),
-            Measured("sum of moments of loads and reactions, of the loads", moment / (drive * lever), BALANCE, lost),
-            Measured("work of the residual on the way, of the forces'", work(self.free, way) / terms, BALANCE, lost_work),
+            Measured("sum of loads and reactions, of the loads", force / drive, BALANCED, lost),
+            Measured("sum of moments of loads and reactions, of the loads", moment / (drive * lever), BALANCED, lost),
+            Measured("work of the residual on the way, of the forces'", work(self.free, way) / terms, BALANCED, lost_work),
         )
 
     def is_at_rest(self, sizes: np.ndarray) -> bool:

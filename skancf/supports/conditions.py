@@ -23,6 +23,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
 from skancf.terms.protocols import Assembly
 from skancf.theories.rows import Row, condition
+from skancf.tolerances import ONE_LINE
 from skancf.vectors import cross
 
 
@@ -87,7 +88,7 @@ def edges(geometry: Geometry, where: Any) -> Edges:
     compared = geometry.in_extents(directions)
     for pair, along, (x, y) in zip(ends.T.tolist(), directions.T, compared.T.tolist(), strict=True):
         for node in pair:
-            if all(abs(x * known_y - y * known_x) > 1e-8 for known_x, known_y, _ in found[node]):
+            if all(abs(x * known_y - y * known_x) > ONE_LINE for known_x, known_y, _ in found[node]):
                 found[node].append((x, y, along))
     out = {node: [along for _, _, along in known] for node, known in found.items() if node_of[node] >= 0}
     alone = np.setdiff1d(nodes, node_of[list(out)] if out else [])

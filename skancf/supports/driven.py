@@ -11,7 +11,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
-from skancf.kernels.constants import FOURTH, R
+from skancf.kernels.constants import VECTORS, R
 from skancf.layout.geometry import Geometry
 from skancf.supports.conditions import Support, edges
 from skancf.theories.rows import Row, condition
@@ -101,7 +101,7 @@ class DrivenClamp(Support):
             vectors[R] -= self.through
             turned = np.cross(axis, vectors)
             outwards = -np.cross(axis, turned)  # the part across the axis
-            for kind in range(FOURTH + 1):
+            for kind in range(VECTORS):
                 moved = np.eye(3) if kind == R else np.zeros((3, 3))
                 values = np.column_stack([outwards[kind], turned[kind], moved])[:, self._components]
                 rows += [

@@ -7,10 +7,9 @@ import numpy as np
 from skancf.errors import InputError
 from skancf.layout.geometry import Geometry
 from skancf.surfaces import normal
+from skancf.tolerances import ONE_DIRECTION
 from skancf.vectors import cross
 
-# Differences of unit vectors: derivatives by differences have errors of 1e-9 on short waves.
-SAME_PLANE = 1e-6
 # Cosine of the angle by which the planes of two edges differ at least where they meet in a corner, 30 degrees.
 CORNER = 0.87
 
@@ -25,7 +24,7 @@ def check_planes(geometry: Geometry, where: Any) -> None:
         raise InputError(f"Symmetry({where!r}): a plane of symmetry needs an edge, not a point")
     ends = geometry.mesh.facets[:, facets]
     out = _conormals(geometry, ends)
-    crooked = np.linalg.norm(out - out[:, :, :1], axis=0).max(axis=1) > SAME_PLANE
+    crooked = np.linalg.norm(out - out[:, :, :1], axis=0).max(axis=1) > ONE_DIRECTION
     if crooked.any():
         raise _in_no_plane(geometry, where, ends[:, np.argmax(crooked)])
     at_ends = out[:, :, [0, -1]].reshape(3, -1).T
@@ -33,7 +32,7 @@ def check_planes(geometry: Geometry, where: Any) -> None:
     for node in np.flatnonzero(np.bincount(nodes, minlength=1) > 1):
         met = at_ends[nodes == node]
         cosines = np.abs(met @ met[0])
-        if ((cosines > CORNER) & (np.linalg.norm(cross(met.T, met[0]), axis=0) > SAME_PLANE)).any():
+        if ((cosines > CORNER) & (np.linalg.norm(cross(met.T, met[0]), axis=0) > ONE_DIRECTION)).any():
             raise _in_no_plane(geometry, where, np.array([node]))
 
 

@@ -18,11 +18,10 @@ from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import Edges, SpotOfMesh, Support, single_points
 from skancf.surfaces import normal
 from skancf.theories.rows import Row, condition
+from skancf.tolerances import ROUNDED_VALUE
 
 N_EDGE = 9
 """Points on an edge at which functions are differentiated: exact to degree eight."""
-NOISE = 1e-13
-"""Of the largest value of a function, what counts as zero."""
 
 
 @dataclass(frozen=True)
@@ -222,4 +221,4 @@ class Fields:
 def _without_noise(values: np.ndarray, scale: float) -> np.ndarray:
     """Rounding of what is zero would contradict that of the same place seen from elsewhere, as on a seam."""
     size = max(scale, float(np.abs(values).max(initial=0.0)))
-    return np.where(np.abs(values) < NOISE * size, 0.0, values)
+    return np.where(np.abs(values) < ROUNDED_VALUE * size, 0.0, values)

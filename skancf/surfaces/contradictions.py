@@ -9,13 +9,10 @@ import numpy as np
 from skancf.errors import InputError, shown
 from skancf.surfaces.mapped import check_seam
 from skancf.surfaces.protocol import Surface, closed_directions
+from skancf.tolerances import DIFFERENCED, ROUNDED_SUM
 
 # Of the largest value of a component.
 MISTAKE = 1e-3
-# Of positions over the extent, and of slopes: the noise of values that are differences themselves, or rounded.
-NOISE = 1.5e-6
-# Of floating-point numbers, with a few operations.
-ROUNDING = 1e-14
 # The longest step of differences, over the extent. They stay within the element: elsewhere the surface need not be defined.
 LONGEST = 1e-2
 # Parts of it that are tried: short ones for what varies fast, long ones for what is noisy.
@@ -48,16 +45,16 @@ def check_derivatives(surface: Surface, mesh: Any) -> None:
         return _several(surface, "derivatives", at)[axis]
 
     here, slopes = position(places), np.stack(_several(surface, "derivatives", places))
-    size, rounding = np.ptp(here, axis=1).max(), ROUNDING * np.abs(here).max()
+    size, rounding = np.ptp(here, axis=1).max(), ROUNDED_SUM * np.abs(here).max()
     for axis, name in enumerate(("X_x", "X_y")):
-        slack = (NOISE * size + rounding) / steps[axis]
+        slack = (DIFFERENCED * size + rounding) / steps[axis]
         _compare(name, "derivatives", slopes[axis], position, axis, places, steps, slack)
     if not hasattr(surface, "second_derivatives"):
         return
     second = _several(surface, "second_derivatives", places)
     for name, given, of, axis in zip(("X_xx", "X_xy", "X_yy"), second, (0, 0, 1), (0, 1, 1), strict=True):
         # Of the longest slope in either direction: where one of them vanishes, its noise does not.
-        noise = NOISE * np.abs(slopes * extent[:, None, None]).max() / extent[of]
+        noise = DIFFERENCED * np.abs(slopes * extent[:, None, None]).max() / extent[of]
         _compare(name, "second_derivatives", given, partial(slope, of), axis, places, steps, noise / steps[axis])
 
 

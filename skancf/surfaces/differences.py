@@ -7,6 +7,7 @@ from math import factorial
 import numpy as np
 
 from skancf.surfaces.protocol import Interval
+from skancf.tolerances import SAME_VALUE
 
 POINTS = 9
 
@@ -57,7 +58,7 @@ def difference(
     low, high = interval
     h = step * (high - low)
     # A rounding below a whole number of steps still counts as that number; the clip takes the rounding away.
-    fit_below, fit_above = (np.floor(distance / h + 1e-9).astype(int) for distance in (t - low, high - t))
+    fit_below, fit_above = (np.floor(distance / h + SAME_VALUE).astype(int) for distance in (t - low, high - t))
     below = np.maximum(np.minimum(POINTS // 2, fit_below), POINTS - 1 - fit_above)
     weights = _table(order)[below]
     # Less f(t), which changes nothing but the rounding: that of a constant is nothing then.

@@ -12,9 +12,8 @@ from skancf.functions import called, is_function
 from skancf.surfaces.differences import POINTS, difference
 from skancf.surfaces.kinks import check_kinks
 from skancf.surfaces.protocol import TAKEN, Interval, parameters
+from skancf.tolerances import ONE_PLACE
 
-# A parameter may miss the bounds by this fraction of their range.
-ROUNDING = 1e-9
 # Of steps over the range of a parameter; of shorter ones the differences are rounding.
 SMALLEST_STEP = 1e-7
 # What tells a wrong function (a seam that gapes or kinks, derivatives of something else) from inexact differences,
@@ -116,7 +115,7 @@ class MappedSurface:
         x, y = parameters(x, y)
         for name, values, (low, high) in zip("xy", (x, y), self.bounds, strict=True):
             over = np.maximum(low - values, values - high)
-            if not (over <= ROUNDING * (high - low)).all():
+            if not (over <= ONE_PLACE * (high - low)).all():
                 worst = values.flat[int(np.argmax(over))]
                 raise InputError(f"{name} = {worst}: outside the bounds ({low}, {high}) of the surface; widen them")
         return np.clip(x, *self.bounds[0]), np.clip(y, *self.bounds[1])

@@ -6,15 +6,8 @@ import numpy as np
 
 from skancf.errors import InputError
 from skancf.surfaces.protocol import Surface, parameters
+from skancf.tolerances import NO_AREA, ONE_PLACE, PARALLEL, VANISHED
 from skancf.vectors import cross
-
-# Sine of the angle between X_x and X_y, and the area of a parameter cell over the square of the extent. Derivatives by
-# differences have errors of 1e-12; a strip of aspect ratio 1e6 has an area of 1e-6.
-NO_ANGLE = 1e-9
-NO_AREA = 1e-12
-# |X_x x X_y| over its largest value at a few places: below this there is no normal. And how close to a bound is on it,
-# over the range.
-POLE = 1e-9
 
 
 def normal(surface: Surface, x: Any, y: Any) -> np.ndarray:
@@ -30,7 +23,7 @@ def normal(surface: Surface, x: Any, y: Any) -> np.ndarray:
     """
     x, y = parameters(x, y)
     n = cross(*surface.derivatives(x, y))
-    flat = _length(n) <= POLE * _largest_area(surface)
+    flat = _length(n) <= VANISHED * _largest_area(surface)
     if flat.any():
         n[:, flat] = _limit(surface, x[flat], y[flat])
     return np.asarray(n / _length(n))
@@ -51,7 +44,7 @@ def check_regular(surface: Surface, x: Any, y: Any) -> None:
     x, y = parameters(x, y)
     x_slope, y_slope = surface.derivatives(x, y)
     area, x_length, y_length = _length(cross(x_slope, y_slope)), _length(x_slope), _length(y_slope)
-    wrong = ~(area > NO_ANGLE * x_length * y_length)
+    wrong = ~(area > PARALLEL * x_length * y_length)
     dx, dy = (np.ptp(t) if t.size else 0.0 for t in (x, y))
     # A row of points has no extent across.
     if dx > 0 and dy > 0:
@@ -66,11 +59,11 @@ def _limit(surface: Surface, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         raise _irregular(surface, x[0], y[0])
     (x_low, x_high), (y_low, y_high) = surface.bounds
     dx, dy = (x_low + x_high) / 2 - x, (y_low + y_high) / 2 - y
-    inner = np.maximum(np.abs(dx) / (x_high - x_low), np.abs(dy) / (y_high - y_low)) < 0.5 - POLE
+    inner = np.maximum(np.abs(dx) / (x_high - x_low), np.abs(dy) / (y_high - y_low)) < 0.5 - ONE_PLACE
     x_slope, y_slope = surface.derivatives(x, y)
     xx, xy, yy = surface.second_derivatives(x, y)
     n = cross(xx * dx + xy * dy, y_slope) + cross(x_slope, xy * dx + yy * dy)
-    wrong = inner | ~(_length(n) > POLE * _largest_area(surface))
+    wrong = inner | ~(_length(n) > VANISHED * _largest_area(surface))
     if wrong.any():
         raise _irregular(surface, x[wrong][0], y[wrong][0])
     return n

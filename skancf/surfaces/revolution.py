@@ -8,9 +8,8 @@ import numpy as np
 
 from skancf.errors import InputError, number, positive, shown
 from skancf.surfaces.protocol import parameters
+from skancf.tolerances import FULL_TURN
 
-# A full turn given in decimals, or added up from parts.
-ROUNDING = 1e-12
 # Turned by more than this many times its angle, the ends of a sector are known to less than the places of nodes.
 LOST = 1e6
 
@@ -60,9 +59,9 @@ def check_sector(angle: Any, start: Any, closed: Any) -> tuple[bool, bool]:
     pair = closed if isinstance(closed, tuple) else (False, closed)
     if not all(isinstance(way, bool | np.bool_ | int) for way in pair) or pair not in ((False, False), (False, True)):
         raise InputError(f"closed = {shown(closed)}: give True for a full turn without a seam, or False")
-    if angle > 2 * pi * (1 + ROUNDING):
+    if angle > 2 * pi * (1 + FULL_TURN):
         raise InputError(f"angle = {angle}: a sector needs 0 < angle <= 2 pi, in radians")
-    if pair[1] and angle < 2 * pi * (1 - ROUNDING):
+    if pair[1] and angle < 2 * pi * (1 - FULL_TURN):
         raise InputError(f"closed = True with angle = {angle}: only a full turn, angle = 2 pi, comes back to where it "
                          "began; give that angle or leave closed out")
     return False, bool(pair[1])

@@ -222,7 +222,7 @@ class Linearised(Model):
 
     def strain_energy(self, x: np.ndarray, case: Case = FULL) -> float:
         start, shell, others = self.system.undeformed, self.system.shell, self.system.others
-        force, energy = shell.held_back_force(start, case), self.system.stiffness().energy(x)
+        force, energy = shell.initial_stress_force(start, case), self.system.stiffness().energy(x)
         energy += others.energy(start, case)
         energy += float(others.force(start, None, case) @ x)
         return energy if force is None else energy + shell.thermal_energy(case) - float(force @ x)

@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 
 from skancf.layout.layout import Layout
+from skancf.tolerances import ONE_DIRECTION, PARALLEL, ROUNDED_PRODUCT
 
 AXES = np.eye(3)
-ROUNDING = 1e-12
-"""Of a product with a matrix, relative to the sum of the sizes of its terms."""
 
 
 def rigid_motions(layout: Layout, size: float) -> np.ndarray:
@@ -36,14 +35,14 @@ def free_rigid_motions(system: Any) -> list[str]:
     if foundation is not None:
         resisting = np.array([scales.ravel() * (foundation @ mode) for mode in modes])
         terms = max(float(np.abs(scales.ravel() * (foundation.sizes() @ np.abs(mode))).max()) for mode in modes)
-        resisting[np.abs(resisting) < ROUNDING * terms] = 0.0  # of terms between parts of the structure
+        resisting[np.abs(resisting) < ROUNDED_PRODUCT * terms] = 0.0  # of terms between parts of the structure
         held = np.hstack([held, resisting / (np.abs(resisting).max() or 1.0)])
     vectors, sizes, _ = np.linalg.svd(np.hstack([held, np.zeros((6, 6))]), full_matrices=False)
-    free = vectors[:, sizes < 1e-9 * max(1.0, sizes[0])].T
-    pure = [i for i in range(6) if not held.size or np.abs(held[i]).max() < 1e-9]
+    free = vectors[:, sizes < PARALLEL * max(1.0, sizes[0])].T
+    pure = [i for i in range(6) if not held.size or np.abs(held[i]).max() < PARALLEL]
     rest = free - free[:, pure] @ np.eye(6)[pure] if pure else free
     _, sizes, rows = np.linalg.svd(rest) if rest.size else (None, np.zeros(0), np.zeros((0, 6)))
-    others = rows[: int((sizes > 1e-6).sum())]
+    others = rows[: int((sizes > ONE_DIRECTION).sum())]
     names = [f"translation along {'xyz'[i]}" if i < 3 else f"rotation about {'xyz'[i - 3]}" for i in pure]
     return names + [_motion_in_words(row[:3] * size, row[3:], centre) for row in others]
 
@@ -54,9 +53,9 @@ def _motion_in_words(translation: np.ndarray, rotation: np.ndarray, centre: np.n
         return "(" + ", ".join(f"{x + 0.0:.4g}" for x in np.round(v, 12)) + ")"
 
     turn = np.linalg.norm(rotation)
-    if turn * np.linalg.norm(centre) < 1e-9 * np.linalg.norm(translation) or turn < 1e-12:
+    if turn * np.linalg.norm(centre) < PARALLEL * np.linalg.norm(translation) or turn < ROUNDED_PRODUCT:
         return f"translation along {text(translation / np.linalg.norm(translation))}"
     axis = rotation / turn
     point = centre + np.cross(rotation, translation) / turn**2
-    slide = "" if abs(axis @ translation) < 1e-9 * np.linalg.norm(translation) else " with a slide along it"
+    slide = "" if abs(axis @ translation) < PARALLEL * np.linalg.norm(translation) else " with a slide along it"
     return f"rotation about the line through {text(point)} along {text(axis)}{slide}"

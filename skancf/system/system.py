@@ -1,7 +1,7 @@
 """What solvers know: sums of terms over a layout of unknowns, and which of these are held."""
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,8 @@ class System:
     Attributes
     ----------
     undeformed : (n_dofs,) array
+    blocks : callable
+        Makes a sum, :class:`~skancf.terms.blocks.Blocks`, to which terms add their matrices.
     terms : Terms
         All of them, the shell first.
     loads : Loads
@@ -60,19 +62,16 @@ class System:
         self.layout, self.shell, self.problem = layout, shell, problem
         self.constraints, self.prescription = constraints, prescription
         self.undeformed = layout.undeformed.ravel()
+        cells = {id(each): each for each in (term.couples() for term in (shell, *terms)) if each.size}
+        graph = tuple(each.T for each in cells.values())
+        self.pattern = BlockPattern.from_cells(graph, layout.n_blocks, BLOCK, layout.places.T)
+        known = {key: (each, self.pattern.slots(each.T)) for key, each in cells.items()}
+        self.blocks = partial(Blocks, self.pattern, known)
         self.terms = Terms([shell, *terms], layout.n_dofs, self.blocks)
         self.loads = Loads([term for term in terms if term.load], layout.n_dofs, self.blocks)
         self.others = Terms([term for term in terms if not term.load], layout.n_dofs, self.blocks)
-        cells = {id(each): each for each in (term.couples() for term in self.terms) if each.size}
-        graph = tuple(each.T for each in cells.values())
-        self.pattern = BlockPattern.from_cells(graph, layout.n_blocks, BLOCK, layout.places.T)
-        self._known = {key: (each, self.pattern.slots(each.T)) for key, each in cells.items()}
         for term in self.terms:
             term.bind(self.blocks())
-
-    def blocks(self) -> Blocks:
-        """A sum to which terms add their matrices."""
-        return Blocks(self.pattern, self._known)
 
     @property
     def n_dofs(self) -> int:
@@ -134,9 +133,9 @@ class System:
         return self.others.tangent(self.undeformed)
 
     def external_force(self, q: np.ndarray, case: Case = FULL) -> np.ndarray:
-        """Loads and the forces of held back free strains, (n_dofs,)."""
-        applied, held = self.applied_force(q, case), self.shell.held_back_force(q, case)
-        return applied if held is None else applied + held
+        """Loads and the forces of initial stresses, (n_dofs,)."""
+        applied, initial = self.applied_force(q, case), self.shell.initial_stress_force(q, case)
+        return applied if initial is None else applied + initial
 
     def applied_force(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> np.ndarray:
         """Loads without those of temperature, which do no work on the body from outside: (n_dofs,)."""

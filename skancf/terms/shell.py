@@ -52,8 +52,8 @@ class Shell(Term):
         return self.cells
 
     def force(self, q: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
-        force, held = self.internal_force(q), self.held_back_force(q, case)
-        return force if held is None else force - held
+        force, initial = self.internal_force(q), self.initial_stress_force(q, case)
+        return force if initial is None else force - initial
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         """Derivative of the strain energy without free strains, (n_dofs,)."""
@@ -83,8 +83,8 @@ class Shell(Term):
         if blocks.skew:
             return
         stresses = self.stresses(q) if stresses is None else stresses
-        held = self.held_back(case)
-        stresses = stresses if held is None else stresses - held
+        initial = self.initial_stresses(case)
+        stresses = stresses if initial is None else stresses - initial
         stresses = stresses if stiffer == 1 else stresses / stiffer
         self.assembly.tangent(self.nodal(q), stresses, blocks.slots_of(self.cells), blocks.values)
 
@@ -102,9 +102,9 @@ class Shell(Term):
         with the free strain of the temperature change of a case, and its factor.
         """
         strains, stresses = self.assembly.stresses(self.nodal(q), None, keep_strains=True)
-        energy, held = 0.5 * float(np.vdot(strains, stresses)), self.held_back(case)
-        if held is not None:
-            energy += self.thermal_energy(case) - float(np.vdot(held, strains))
+        energy, initial = 0.5 * float(np.vdot(strains, stresses)), self.initial_stresses(case)
+        if initial is not None:
+            energy += self.thermal_energy(case) - float(np.vdot(initial, strains))
         return energy
 
     def add_mass(self, blocks: Blocks) -> None:
@@ -115,14 +115,14 @@ class Shell(Term):
         """The mass matrix of elements whose local vectors have the matrices ``shapes[shape]``, (n_elements, 16, 16)."""
         self.on_elements(blocks).run(gather.mass, shape, shapes, self.geometry.maps)
 
-    def held_back(self, case: Case) -> np.ndarray | None:
-        """Stresses of held back free strains, as :meth:`stresses` has them; None without any."""
+    def initial_stresses(self, case: Case) -> np.ndarray | None:
+        """Initial stresses, those that would hold free strains back, as :meth:`stresses` has them; None without any."""
         return total(heat.initial_stresses(case) for heat in self.heats)
 
-    def held_back_force(self, q: np.ndarray, case: Case) -> np.ndarray | None:
-        """Forces of held back free strains, (n_dofs,); None without any."""
-        held = self.held_back(case)
-        return None if held is None else self.force_of(q, held)
+    def initial_stress_force(self, q: np.ndarray, case: Case) -> np.ndarray | None:
+        """Forces of the initial stresses, (n_dofs,); None without any."""
+        initial = self.initial_stresses(case)
+        return None if initial is None else self.force_of(q, initial)
 
     def temperature(self, points: np.ndarray, case: Case) -> np.ndarray | None:
         """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""

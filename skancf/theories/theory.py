@@ -39,6 +39,8 @@ class Theory(Protocol):
         set up; measured.
     turns : tuple of int
         The nodal vectors that tell how the normal turns.
+    of_positions : tuple of bool
+        Which nodal vectors the positions of the surface depend on.
     rows : (4, 4) int array
         Local function of each corner and nodal vector.
     """
@@ -65,6 +67,8 @@ class Theory(Protocol):
     def bytes_per_shape(self) -> int: ...
     @property
     def turns(self) -> tuple[int, ...]: ...
+    @property
+    def of_positions(self) -> tuple[bool, ...]: ...
     @property
     def rows(self) -> np.ndarray: ...
 
@@ -102,6 +106,10 @@ class Theory(Protocol):
     def turn_of(self, kind: int, rotation: np.ndarray, normal: np.ndarray, slopes: Sequence[np.ndarray]) -> np.ndarray:
         """What small rotations (3, n) make of one of :attr:`turns` as far as it tells how the normal turns: (n,) or (3, n).
         """
+
+    def following(self, nodal: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Rates (n, 4, 3) of nodal vectors (n, 4, 3), of which those of the positions are given; the others follow them as
+        if they were fixed in the surface."""
 
     def turned(
         self, spot: Spot, edges: Sequence[np.ndarray], rotation: np.ndarray, values: dict[int, np.ndarray],

@@ -31,6 +31,7 @@ from skancf.theories.kirchhoff.theory import local_frame
 from skancf.thinness.forces import BILINEAR, balancing, couple_of, coupled
 from skancf.thinness.moments import Moments, moments_of, moments_of_small
 from skancf.thinness.rim import rim_of
+from skancf.tolerances import SAME_VALUE
 from skancf.vectors import cross
 
 REACH = 0.8
@@ -188,11 +189,7 @@ class ShearForm:
         return np.asarray(np.sqrt(np.einsum("amn,ab,bmn->mn", t, self._compliance, t) / (D66 - D16**2 / D11)))
 
 
-FREE = 1e-9
-"""Of the energy of a temperature change that is held back: less than this is none."""
-
-
 def share_of(product: float, energy: float, heat: float) -> float:
     """F(u, u) over twice the strain energy; zero where a temperature change of the energy ``heat`` strains a body freely, so
     that both are rounding."""
-    return 0.0 if energy <= FREE * heat else product / (2 * energy)
+    return 0.0 if energy <= SAME_VALUE * heat else product / (2 * energy)

@@ -10,11 +10,10 @@ from skancf.layout.singularities import Singularity, beside_each_other, nodes_at
 from skancf.surfaces import normal
 from skancf.system.regularity import facets_of, of_supports
 from skancf.system.system import System
+from skancf.tolerances import ONE_DIRECTION
 
 FREE, MIRROR, SUPPORTED, CLAMPED = range(4)
 """Kinds of edges: one for a rotation about the edge that is held, and two for a deflection that is."""
-HELD = 1 - 1e-6
-"""Part of a unit vector that is prescribed."""
 COUPLED = 0.05
 """D16 over the root of D11 D66 from which on it counts."""
 MORE = np.radians(2.0)
@@ -120,7 +119,7 @@ def rim_of(system: System) -> Rim:
     geometry, facets = system.geometry, system.geometry.boundary
     with np.errstate(invalid="ignore", divide="ignore"):
         n = np.nan_to_num(normal(geometry.surface, *geometry.points).T)  # none at a pole
-    held = np.einsum("na,nkab,nb->nk", n, system.constraints.of_vectors()[: len(n)], n) > HELD
+    held = np.einsum("na,nkab,nb->nk", n, system.constraints.of_vectors()[: len(n)], n) > 1 - ONE_DIRECTION
     ends, (x, y) = geometry.ends(facets), np.abs(geometry.facet_directions(facets))
     across = np.where(y > x, R_X, R_Y)
     deflection, rotation = ((held[ends, kind] & (ends >= 0)).all(axis=0) for kind in (R, across))

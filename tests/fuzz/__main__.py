@@ -5,7 +5,7 @@ import random
 import time
 from pathlib import Path
 
-from fuzz.judge import seen
+from fuzz.assessment import seen
 from fuzz.properties import PROPERTIES
 from fuzz.run import Failure, keep, run
 

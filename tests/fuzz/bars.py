@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 import skancf as sk
 from fuzz import bodies, conditions
+from fuzz.assessment import bounded, seen, stated
 from fuzz.bodies import among, decades
 from fuzz.case import Case, Mesh, place
-from fuzz.judge import bounded, seen, stated
 from fuzz.shapes import open_sides
 
 LEAST = 0.8

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 from hypothesis import assume
 
+from fuzz.assessment import bounded, change_of, nodal, nothing, rounding, sizes, solved, stored, unsure
 from fuzz.case import Case
-from fuzz.judge import bounded, change_of, nodal, nothing, rounding, sizes, solved, stored, unsure
 from fuzz.transforms import in_frame, in_units
 
 CLOSE = 1e-9

@@ -7,8 +7,8 @@ import numpy as np
 from hypothesis import assume
 
 import skancf as sk
+from fuzz.assessment import EPS, bounded, change_of, nodal, nothing, rounding, sizes, solved, stored
 from fuzz.case import Case
-from fuzz.judge import EPS, bounded, change_of, nodal, nothing, rounding, sizes, solved, stored
 from fuzz.resultants import resultant
 from skancf.statics.linear import small_change
 
@@ -66,10 +66,10 @@ def clapeyron(case: Case) -> None:
     """
     found = solved(case)
     system, change = found.system, change_of(found)
-    held = system.shell.held_back_force(system.undeformed, sk.Case())
-    held = np.zeros(system.n_dofs) if held is None else held
+    initial = system.shell.initial_stress_force(system.undeformed, sk.Case())
+    initial = np.zeros(system.n_dofs) if initial is None else initial
     parts = [
-        0.5 * float(system.applied_force(system.undeformed) @ change), -0.5 * float(held @ change),
+        0.5 * float(system.applied_force(system.undeformed) @ change), -0.5 * float(initial @ change),
         0.5 * float(supporting(found) @ system.prescribed()), system.shell.thermal_energy(),
     ]  # fmt: skip
     # The energy of the free strains held back is a difference of these two.

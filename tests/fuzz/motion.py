@@ -9,7 +9,7 @@ from hypothesis import assume
 from restarts import arrays, same
 
 import skancf as sk
-from fuzz.judge import bounded, nodal, seen
+from fuzz.assessment import bounded, nodal, seen
 from fuzz.moving import Moving, period_of, prepared
 
 NEWTON = 1e-9

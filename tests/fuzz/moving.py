@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 import skancf as sk
 from fuzz import bodies, conditions
+from fuzz.assessment import stated
 from fuzz.bodies import among
 from fuzz.case import Case
 from fuzz.cases import UNITS, Frame, _proper
-from fuzz.judge import stated
 from fuzz.shapes import extent, open_sides
 from fuzz.transforms import in_frame, in_units
 

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import assume
 
 import skancf as sk
+from fuzz.assessment import EPS, bounded, nodal, nothing, rounding, seen, sizes, stated, stored
 from fuzz.case import Case
-from fuzz.judge import EPS, bounded, nodal, nothing, rounding, seen, sizes, stated, stored
 from skancf.linear import DirectSolver
 from skancf.solving import Status
 from skancf.statics import StaticResult

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 import skancf as sk
 from fuzz import bodies
+from fuzz.assessment import bounded, seen, stated
 from fuzz.bodies import among
 from fuzz.case import Case, Mesh, place
-from fuzz.judge import bounded, seen, stated
 from fuzz.shapes import open_sides
 
 LEFT, SMALL = 0.3, 0.2

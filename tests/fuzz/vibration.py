@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 import skancf as sk
+from fuzz.assessment import EPS, bounded, stated
 from fuzz.case import Case
-from fuzz.judge import EPS, bounded, stated
 from fuzz.transforms import in_frame, in_units
 
 CLOSE = 1e-7

@@ -36,5 +36,5 @@ class StrainEnergy:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
         instance("state", state, Solution, STATE)
         force = state.model.internal_force(state.unknowns)
-        held = state.system.shell.held_back_force(state.about, state.case)
-        return np.asarray(force if held is None else force - held)
+        initial = state.system.shell.initial_stress_force(state.about, state.case)
+        return np.asarray(force if initial is None else force - initial)

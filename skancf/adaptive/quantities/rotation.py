@@ -11,9 +11,7 @@ from skancf.errors import InputError, unit_vector, vector
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.solution import Solution
-
-PARALLEL = 1e-6
-"""Sine of the angle between two directions that are taken as one."""
+from skancf.tolerances import ONE_DIRECTION
 
 
 class Place(NamedTuple):
@@ -83,7 +81,7 @@ class Rotation(Smooth):
         towards = unit_vector("towards", self.towards)
         across = towards - (towards @ n0) * n0
         length = np.linalg.norm(across)
-        if length < PARALLEL:
+        if length < ONE_DIRECTION:
             raise InputError(f"Rotation at {tuple(self.at)}: towards = {tuple(self.towards)} is parallel to the undeformed "
                              f"normal ({', '.join(f'{v:.4g}' for v in n0)}), which cannot tilt that way; give a direction "
                              "with a part along the surface")  # fmt: skip

@@ -20,10 +20,10 @@ from skancf.terms.forms.fields import VELOCITY
 from skancf.terms.forms.integrand import Integrand
 from skancf.terms.forms.points import Chunk, chunks_of
 from skancf.terms.term import Addition, Term
+from skancf.tolerances import ROUNDED_PRODUCT, SAME_VALUE
 
 FORMS = {"energy": (skfem.Functional, "(w)"), "residual": (skfem.LinearForm, "(v, w)"),
          "tangent": (skfem.BilinearForm, "(u, v, w)")}  # fmt: skip
-LINEAR, ROUNDING = 1e-9, 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +220,7 @@ class OnSurface(Term):
             jet = {name: start[name] + far * away[name] for name in start}
             a, b, found = (form(chunk, jet, case, test)[0] for test in (one, two, both))
             # What is not finite away from the undeformed state, solvers turn back from.
-            if np.abs(found - a + 2.0 * b).max() > LINEAR * max(np.abs(a).max(), np.abs(b).max()):
+            if np.abs(found - a + 2.0 * b).max() > SAME_VALUE * max(np.abs(a).max(), np.abs(b).max()):
                 raise InputError("residual: the form is not linear in v; it must be, as a virtual work is")
 
     def couples(self) -> np.ndarray:
@@ -297,7 +297,7 @@ class OnSurface(Term):
 
 def _is_symmetric(second: np.ndarray) -> bool:
     """Whether second derivatives (k, 3, k, 3, m, n) are, but for rounding."""
-    return bool(np.abs(second - second.transpose(2, 3, 0, 1, 4, 5)).max() <= ROUNDING * np.abs(second).max())
+    return bool(np.abs(second - second.transpose(2, 3, 0, 1, 4, 5)).max() <= ROUNDED_PRODUCT * np.abs(second).max())
 
 
 def sizes_of(geometry: Geometry) -> dict[str, float]:

@@ -23,16 +23,14 @@ from skancf.functions import Noted
 from skancf.history import Case
 from skancf.terms.forms.fields import VELOCITY, Jet, Vector
 from skancf.terms.forms.points import Chunk
+from skancf.tolerances import CLOSE_JETS, ROUNDED_SUM
 
-SMALL = 2.0**-100
-"""Of a complex step, in the size of what it changes."""
+COMPLEX_STEP = 2.0**-100
+"""In the size of what it changes."""
 DIFFERENCE = 2.0**-22
-"""Of a real step: between rounding, 1e-16 over it, and the square of it."""
+"""A real step: between rounding, 1e-16 over it, and the square of it."""
 AWAY, NOT_EQUAL, SOME = 1e-4, 1e-3, 0.2
 """How far from the undeformed state a form is tried, and what differs at how many of the points."""
-ROUNDING = 1e-14
-CLOSE = 1e-6
-"""Changes of a jet, in its sizes, whose energy is that of the force in the middle to rounding."""
 
 Second = tuple[np.ndarray, list[str], list[str]]
 """Second derivatives (rows, 3, columns, 3, m, n), and the names of rows and columns."""
@@ -109,9 +107,9 @@ class Integrand:
 
     def imaginary(self, chunk: Chunk, jet: Jet, case: Case, step: Jet, *tests: Jet) -> np.ndarray:
         """Derivative (m, n) along a step of some vectors of the jet."""
-        moved = {name: jet[name] + 1j * SMALL * each for name, each in step.items()}
+        moved = {name: jet[name] + 1j * COMPLEX_STEP * each for name, each in step.items()}
         value, _ = self(chunk, {**jet, **moved}, case, *tests)
-        return np.asarray(np.imag(value) / SMALL)
+        return np.asarray(np.imag(value) / COMPLEX_STEP)
 
     def check_analytic(self, chunk: Chunk, sizes: Mapping[str, float], case: Case, rng: np.random.Generator) -> None:
         """InputError where the complex step differs from a difference, near the undeformed state."""
@@ -126,7 +124,7 @@ class Integrand:
         difference, found = (up - down) / (2 * DIFFERENCE), self.imaginary(chunk, jet, case, way, *tests)
         if not np.isfinite(difference).all():
             return  # a singular place is so near that no difference can be taken
-        slack = NOT_EQUAL * max(np.abs(difference).max(), np.abs(found).max()) + ROUNDING * np.abs(up).max() / DIFFERENCE
+        slack = NOT_EQUAL * max(np.abs(difference).max(), np.abs(found).max()) + ROUNDED_SUM * np.abs(up).max() / DIFFERENCE
         if (np.abs(found - difference) > slack).mean() > SOME:
             worst = np.unravel_index(np.argmax(np.abs(found - difference)), found.shape)
             raise self._not_analytic(
@@ -198,7 +196,7 @@ def discrete_gradient(
     for name, each in gradient.items():
         missing = missing - (each * change[name]).sum(axis=0)
         length = length + ((change[name] / sizes[name]) ** 2).sum(axis=0)
-    part = np.where(length > CLOSE**2, missing / np.where(length > 0, length, 1.0), 0.0)
+    part = np.where(length > CLOSE_JETS**2, missing / np.where(length > 0, length, 1.0), 0.0)
     return {name: each + part * change[name] / sizes[name] ** 2 for name, each in gradient.items()}
 
 

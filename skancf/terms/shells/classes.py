@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from skancf.tolerances import EPS
+
 # Keys that differ by less than this many times the rounding of the nodes' positions are equal.
 ROUNDINGS = 16
 
@@ -19,4 +21,4 @@ def classes(key: np.ndarray, rounding: float) -> tuple[np.ndarray, np.ndarray]:
 def rounding_of(undeformed: np.ndarray, lengths: np.ndarray) -> float:
     """What rounding of positions (n_nodes, 4, 3) does to shapes of elements with these lengths, relative."""
     reach = np.abs(undeformed[:, 0]).max()
-    return float(np.finfo(float).eps * max(1.0, reach / lengths.min()))
+    return float(EPS * max(1.0, reach / lengths.min()))

@@ -13,13 +13,13 @@ from skancf.layout.geometry import Geometry
 from skancf.materials import Section
 from skancf.materials.curved import require_one_side
 from skancf.materials.parallel import TRACE, principal_curvatures, sums
-from skancf.materials.section import ROUNDING
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.full_sections import Sections, build_sections
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.theories.full import kernels, residual_kernel, tangent_kernel
 from skancf.theories.full.nodes import N_POSITION
 from skancf.theories.full.theory import D1, D2, N_IN_PLANE, N_STRAINS, R1, R2, D, Full, covariant_to_local, jet_table, strain
+from skancf.tolerances import ROUNDED_PLACE
 
 ALL, BENDING = slice(None), slice(3, N_IN_PLANE)
 """All strains, and those with slopes of the director."""
@@ -38,15 +38,15 @@ class FullAssembly(CompiledAssembly):
                              "take theory 'kirchhoff'")  # fmt: skip
         self.theory = cast(Full, geometry.theory)
         self.sections = build_sections(geometry, section)
-        if abs(section.z[0] + section.z[-1]) > ROUNDING * section.thickness:
+        if abs(section.z[0] + section.z[-1]) > ROUNDED_PLACE * section.thickness:
             require_one_side(principal_curvatures(self._curvature(self.theory.quadrature[0])), section.z[[0, -1]])
-        self._rule = _rule(self.theory, self.sections)
+        self._tables = _tables(self.theory, self.sections)
         parts = self.sections
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
-        self.schedule.run(residual_kernel.force_of, q, stresses, self._rule, self.geometry.maps, self._elements, out)
+        self.schedule.run(residual_kernel.force_of, q, stresses, self._tables, self.geometry.maps, self._elements, out)
         return out
 
     def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
@@ -151,13 +151,13 @@ class FullAssembly(CompiledAssembly):
         return np.einsum("vken,ekn->env", to_local[0][:, part], change[:, part], optimize=True)
 
 
-def _rule(theory: Full, sections: Sections) -> kernels.Rule:
+def _tables(theory: Full, sections: Sections) -> kernels.Tables:
     inside, sampled = jet_table(theory.quadrature[0]), jet_table(theory.samples)
     interpolation, rows = theory.sampling()
     position = np.ascontiguousarray(inside[[R1, R2], :N_POSITION].swapaxes(0, 1))
     director = np.ascontiguousarray(inside[[D1, D2], N_POSITION:].swapaxes(0, 1))
     k, l = sections.pairs.T
-    return kernels.Rule(
+    return kernels.Tables(
         position=position,
         director=director,
         position_columns=np.ascontiguousarray(inside[[R1, R2]].swapaxes(1, 2).reshape(-1, FUNCTIONS)),

@@ -10,6 +10,7 @@ from skancf.materials import Section
 from skancf.memory import require_shapes
 from skancf.terms.shells.classes import classes, rounding_of
 from skancf.theories.full.theory import N_IN_PLANE, R1, R2, TERMS, Full, local_frame, section_stiffness
+from skancf.tolerances import ROUNDED_VALUE
 from skancf.vectors import cross
 
 
@@ -55,7 +56,7 @@ def build_sections(geometry: Geometry, section: Section) -> Sections:
     first = geometry.tangents(points, representative)
     full, moments = section_stiffness(jets, first, section, theory.n_thickness)
     full = full * weights[:, None, None]
-    k, l = np.nonzero(np.triu(np.abs(full).max(axis=(0, 1)) > 1e-13 * _scale(full)))
+    k, l = np.nonzero(np.triu(np.abs(full).max(axis=(0, 1)) > ROUNDED_VALUE * _scale(full)))
     return Sections(
         shape=shape,
         reference=np.ascontiguousarray(theory.strains(local, points)),

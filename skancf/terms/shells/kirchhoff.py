@@ -18,10 +18,9 @@ from skancf.terms.shells.shell import CompiledAssembly
 from skancf.theories.kirchhoff import between_kernel, kernels, tangent_kernel
 from skancf.theories.kirchhoff.kernels import N_MEMBRANE, N_STRAINS
 from skancf.theories.kirchhoff.theory import KEPT, Kirchhoff, covariant_to_local, jet_table, legendre
+from skancf.tolerances import ROUNDED_VALUE
 
 PLAIN = Kirchhoff(assumed=False)
-ROUNDING = 1e-13
-"""Of the metric, what a difference of two strains leaves."""
 
 
 class ThinAssembly(CompiledAssembly):
@@ -36,7 +35,7 @@ class ThinAssembly(CompiledAssembly):
         self.sections = build_thin_sections(geometry, self.curved)
         self.curved.check(self.sections.curvature)
         theory = cast(Kirchhoff, geometry.theory)
-        self._rule = _rule(theory, geometry.integration, self.sections.pairs)
+        self._tables = _tables(theory, geometry.integration, self.sections.pairs)
         parts = self.sections
         self._elements = kernels.Elements(
             parts.shape, parts.points, parts.reference, parts.law, parts.assumed, parts.rest
@@ -49,13 +48,13 @@ class ThinAssembly(CompiledAssembly):
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
-        self.schedule.run(kernels.force_of, q, stresses, self._rule, self.geometry.maps, self._elements, out)
+        self.schedule.run(kernels.force_of, q, stresses, self._tables, self.geometry.maps, self._elements, out)
         return out
 
     def force_between(self, q0: np.ndarray, q1: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
         self.schedule.run(
-            between_kernel.force_between, q0, q1, stresses, self._rule, self.geometry.maps, self._elements, out
+            between_kernel.force_between, q0, q1, stresses, self._tables, self.geometry.maps, self._elements, out
         )
         return out
 
@@ -76,7 +75,7 @@ class ThinAssembly(CompiledAssembly):
         return np.asarray(((sections.points > 0) & (sections.assumed > 0))[sections.shape])
 
     def thermal_stresses(self, temperature: Heat) -> np.ndarray:
-        return self._held_back(self._free_strains(temperature))
+        return self._initial_stresses(self._free_strains(temperature))
 
     def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         return self.section.thermal_strain(z, middle, gradient)
@@ -84,7 +83,7 @@ class ThinAssembly(CompiledAssembly):
     def thermal_energy(self, temperature: Heat) -> float:
         strains, sections = self._free_strains(temperature), self.sections
         left = self.curved.energy_left(sections.curvature[sections.shape], *temperature(self.geometry.integration.local))
-        return float(0.5 * np.vdot(strains, self._held_back(strains)) + np.vdot(self.areas, left))
+        return float(0.5 * np.vdot(strains, self._initial_stresses(strains)) + np.vdot(self.areas, left))
 
     def _free_strains(self, temperature: Heat) -> np.ndarray:
         """Covariant strains (n_elements, 6 or 9, n_points) that a temperature change makes without section forces."""
@@ -105,13 +104,13 @@ class ThinAssembly(CompiledAssembly):
         more[sampled] = covariant(curvature, turn.transpose(2, 3, 0, 1), middle, gradient)[:, :N_MEMBRANE]
         return np.concatenate([out, more], axis=1)
 
-    def _held_back(self, strains: np.ndarray) -> np.ndarray:
+    def _initial_stresses(self, strains: np.ndarray) -> np.ndarray:
         """Stresses of covariant strains, both (n_elements, 6 or 9, n_points), assumed as those of a motion are.
 
         So that a free expansion, whose strains no polynomial may hold, is free of stress.
         """
         sections = self.sections
-        projection = self._rule.projections[sections.assumed[sections.shape]]
+        projection = self._tables.projections[sections.assumed[sections.shape]]
         k, l = sections.pairs.T
         law = np.zeros((len(sections.law), N_STRAINS, N_STRAINS, strains.shape[2]))
         law[:, k, l] = law[:, l, k] = sections.law
@@ -144,14 +143,14 @@ class ThinAssembly(CompiledAssembly):
         def change_at(points: np.ndarray, e: np.ndarray) -> np.ndarray:
             undeformed = PLAIN.strains(before[e], points)[:, :3]
             change = PLAIN.strains(now[e], points)[:, :3] - undeformed
-            rounding = np.abs(change) < ROUNDING * np.abs(undeformed).max(axis=(1, 2), keepdims=True)
+            rounding = np.abs(change) < ROUNDED_VALUE * np.abs(undeformed).max(axis=(1, 2), keepdims=True)
             return np.asarray(np.where(rounding & (change.imag == 0), 0.0, change))
 
         change = source = geometry.integration.gathered(change_at)
         if not geometry.integration.shared:
             at_gauss = change_at(geometry.theory.quadrature[0], np.arange(geometry.n_elements))
             source = np.where(self._sampled[:, None, None], at_gauss, change)
-        projection = self._rule.projections[sections.assumed[sections.shape]]
+        projection = self._tables.projections[sections.assumed[sections.shape]]
         return np.asarray(change - np.einsum("ecsp,ecs->ecp", projection, source))
 
     def rest_energy(self, rest: np.ndarray) -> float:
@@ -224,14 +223,14 @@ class ThinAssembly(CompiledAssembly):
         return out
 
 
-def _rule(theory: Kirchhoff, integration: IntegrationPoints, pairs: np.ndarray) -> kernels.Rule:
+def _tables(theory: Kirchhoff, integration: IntegrationPoints, pairs: np.ndarray) -> kernels.Tables:
     """Tables of all kinds of integration points."""
     tables = np.stack([jet_table(points) for points in integration.points])
     kept = np.stack([np.hstack([legendre(points, numbers) for numbers in KEPT]).T for points in integration.points])
     identity = np.stack([np.eye(POINTS)] * N_MEMBRANE)
     projections = np.stack([identity, *[theory.interpolation(points) for points in integration.points]])
     n = len(tables)
-    return kernels.Rule(
+    return kernels.Tables(
         table=np.ascontiguousarray(tables.transpose(0, 2, 1, 3).reshape(n, FUNCTIONS, -1)),
         jets=np.ascontiguousarray(tables.transpose(0, 1, 3, 2).reshape(n, -1, FUNCTIONS)),
         slopes=np.ascontiguousarray(tables[:, :2].transpose(0, 3, 1, 2).reshape(n, -1, FUNCTIONS)),

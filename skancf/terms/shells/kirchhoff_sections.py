@@ -10,6 +10,7 @@ from skancf.memory import require_shapes
 from skancf.terms.shells.classes import classes, rounding_of
 from skancf.theories.kirchhoff.point import DOUBLED, dot, strain
 from skancf.theories.kirchhoff.theory import covariant_to_local, local_frame, rest_factors
+from skancf.tolerances import ROUNDED_VALUE
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSecti
     in_frame = section.section.abd() if section.centred else section.law(curvature)
     law = (turns.swapaxes(2, 3) @ in_frame @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
     scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
-    k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > 1e-13 * np.outer(scale, scale)))
+    k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > ROUNDED_VALUE * np.outer(scale, scale)))
     whole = jets if integration.shared else theory.jets(vectors, theory.quadrature[0])
     sampled = [] if integration.shared else [np.where(kinds[:, None] > 0, strain(whole)[:3], 0.0)]
     return ThinSections(

@@ -19,7 +19,7 @@ class CompiledAssembly:
     assumes_membrane: ClassVar[bool] = False
     recovers_bending: ClassVar[bool] = False
     sections: Any
-    _rule: Any
+    _tables: Any
     _elements: Any
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
@@ -31,7 +31,7 @@ class CompiledAssembly:
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)
-        self.schedule.run(type(self).residual_kernel, q, self._rule, self.geometry.maps, self._elements, out)
+        self.schedule.run(type(self).residual_kernel, q, self._tables, self.geometry.maps, self._elements, out)
         return out
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -39,7 +39,7 @@ class CompiledAssembly:
         strains, out = np.empty(shape if keep_strains else (0, 0, 0)), np.empty(shape)
         change = np.empty((0, 4, 3)) if change is None else change
         self.schedule.run(
-            type(self).stress_kernel, q, change, self._rule, self.geometry.maps, self._elements, strains, out
+            type(self).stress_kernel, q, change, self._tables, self.geometry.maps, self._elements, strains, out
         )
         return strains, out
 
@@ -48,7 +48,7 @@ class CompiledAssembly:
     ) -> None:
         elements = self.plain_elements if plain else self._elements
         self.schedule.run(
-            type(self).tangent_kernel, q, stresses, self._rule, self.geometry.maps, elements, slots, out
+            type(self).tangent_kernel, q, stresses, self._tables, self.geometry.maps, elements, slots, out
         )
 
     @property

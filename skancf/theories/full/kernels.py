@@ -33,7 +33,7 @@ class Elements(NamedTuple):
     sampled: np.ndarray
 
 
-class Rule(NamedTuple):
+class Tables(NamedTuple):
     """What elements share.
 
     ``position`` (12, 2, n_points): r_1 and r_2 of the functions of r, ``director`` (4, 2, n_points): d_1 and d_2; both
@@ -60,7 +60,7 @@ class Rule(NamedTuple):
 
 
 @compiled(**INNER)
-def in_plane_jets(rule, local, out):
+def in_plane_jets(tables, local, out):
     """r_1, r_2, d_1, d_2 at the integration points: out (4, 3, 16)."""
     out[:] = 0.0
     for j in range(2):
@@ -68,27 +68,27 @@ def in_plane_jets(rule, local, out):
             for a in range(N_POSITION):
                 v = local[a, i]
                 for p in range(POINTS):
-                    out[j, i, p] += v * rule.position[a, j, p]
+                    out[j, i, p] += v * tables.position[a, j, p]
             for a in range(CORNERS):
                 v = local[N_POSITION + a, i]
                 for p in range(POINTS):
-                    out[2 + j, i, p] += v * rule.director[a, j, p]
+                    out[2 + j, i, p] += v * tables.director[a, j, p]
 
 
 @compiled(**INNER)
-def sample_jets(rule, local, out):
+def sample_jets(tables, local, out):
     """r_1, r_2, d_1, d_2, d at the sampling points: out (n_samples, 5, 3)."""
     for s in range(out.shape[0]):
         for i in range(3):
             r1 = r2 = d1 = d2 = d = 0.0
             for a in range(N_POSITION):
-                r1 += local[a, i] * rule.sample_position[0, s, a]
-                r2 += local[a, i] * rule.sample_position[1, s, a]
+                r1 += local[a, i] * tables.sample_position[0, s, a]
+                r2 += local[a, i] * tables.sample_position[1, s, a]
             for a in range(CORNERS):
                 v = local[N_POSITION + a, i]
-                d1 += v * rule.sample_director[0, s, a]
-                d2 += v * rule.sample_director[1, s, a]
-                d += v * rule.sample_director[2, s, a]
+                d1 += v * tables.sample_director[0, s, a]
+                d2 += v * tables.sample_director[1, s, a]
+                d += v * tables.sample_director[2, s, a]
             out[s, 0, i], out[s, 1, i], out[s, 2, i], out[s, 3, i], out[s, 4, i] = r1, r2, d1, d2, d
 
 
@@ -102,7 +102,7 @@ def vectors(x, p):
 
 
 @compiled(**INNER)
-def strains(rule, x, y, sx, sy, reference, eps):
+def strains(tables, x, y, sx, sy, reference, eps):
     """The strains' symmetric bilinear form at two jets less the undeformed strains: eps (14, 16)."""
     for p in range(POINTS):
         e = in_plane(vectors(x, p), vectors(y, p))
@@ -113,26 +113,26 @@ def strains(rule, x, y, sx, sy, reference, eps):
         row = eps[N_IN_PLANE + k]
         for p in range(POINTS):
             row[p] = -reference[N_IN_PLANE + k, p]
-    for r in range(rule.sample_rows.shape[0]):
-        k, s = rule.sample_rows[r]
+    for r in range(tables.sample_rows.shape[0]):
+        k, s = tables.sample_rows[r]
         value = 0.0
         for i in range(3):
             value += sx[s, k, i] * sy[s, 4, i] + sx[s, 4, i] * sy[s, k, i]
         value *= 0.25 if k == 4 else 0.5
-        if rule.plain:
+        if tables.plain:
             eps[N_IN_PLANE + k, s] += value
         else:
-            row, weight = eps[N_IN_PLANE + k], rule.interpolation[k, s]
+            row, weight = eps[N_IN_PLANE + k], tables.interpolation[k, s]
             for p in range(POINTS):
                 row[p] += value * weight[p]
 
 
 @compiled(**INNER)
-def apply_law(rule, law, eps, stress):
+def apply_law(tables, law, eps, stress):
     """Stress (14, 16) with the weights."""
     stress[:] = 0.0
-    for m in range(rule.pairs.shape[0]):
-        k, l = rule.pairs[m]
+    for m in range(tables.pairs.shape[0]):
+        k, l = tables.pairs[m]
         for p in range(POINTS):
             stress[k, p] += law[m, p] * eps[l, p]
         if k != l:
@@ -141,26 +141,26 @@ def apply_law(rule, law, eps, stress):
 
 
 @compiled(**INNER)
-def collect(rule, stress, sampled):
+def collect(tables, stress, sampled):
     """Stresses of the sampled strains, by the transposed interpolation: sampled (n_rows,)."""
-    for r in range(rule.sample_rows.shape[0]):
-        k, s = rule.sample_rows[r]
-        if rule.plain:
+    for r in range(tables.sample_rows.shape[0]):
+        k, s = tables.sample_rows[r]
+        if tables.plain:
             sampled[r] = stress[N_IN_PLANE + k, s]
             continue
         total = 0.0
         for p in range(POINTS):
-            total += rule.interpolation[k, s, p] * stress[N_IN_PLANE + k, p]
+            total += tables.interpolation[k, s, p] * stress[N_IN_PLANE + k, p]
         sampled[r] = total
 
 
 @compiled(**OPTIONS)
-def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, out):
+def stresses(start, stop, order, q, change, tables, maps, elements, strain_out, out):
     """Strain and stress extrapolated linearly along ``change``, strain(q) + B(q) change; the stress has the weights.
 
     Into ``strain_out`` (n_elements, 14, 16), or nowhere if that is empty, and ``out``.
     """
-    n_samples = rule.sample_position.shape[1]
+    n_samples = tables.sample_position.shape[1]
     local, moved = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES))
     x, y = np.empty((4, 3, POINTS)), np.empty((4, 3, POINTS))
     sx, sy = np.empty((n_samples, 5, 3)), np.empty((n_samples, 5, 3))
@@ -176,12 +176,12 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
         for a in range(FUNCTIONS):
             for i in range(3):
                 moved[a, i] = local[a, i] + 2.0 * moved[a, i]
-        in_plane_jets(rule, local, x)
-        in_plane_jets(rule, moved, y)
-        sample_jets(rule, local, sx)
-        sample_jets(rule, moved, sy)
-        strains(rule, x, y, sx, sy, elements.reference[c], eps)
-        apply_law(rule, elements.law[c], eps, out[e])
+        in_plane_jets(tables, local, x)
+        in_plane_jets(tables, moved, y)
+        sample_jets(tables, local, sx)
+        sample_jets(tables, moved, sy)
+        strains(tables, x, y, sx, sy, elements.reference[c], eps)
+        apply_law(tables, elements.law[c], eps, out[e])
         if strain_out.shape[0]:
             for k in range(N_STRAINS):
                 for p in range(POINTS):

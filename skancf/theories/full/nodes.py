@@ -27,6 +27,7 @@ class DirectorNodes:
     continuity = 0
     directors = True
     turns = (FOURTH,)
+    of_positions = (True, True, True, False)
 
     @cached_property
     def rows(self) -> np.ndarray:
@@ -77,6 +78,18 @@ class DirectorNodes:
     def turn_of(self, kind: int, rotation: np.ndarray, normal: np.ndarray, slopes: Sequence[np.ndarray]) -> np.ndarray:
         """Change (3, n) that a small rotation (3, n) makes of a normal director."""
         return cross(rotation, normal)
+
+    def following(self, nodal: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """Directors keep their components in the frame of the slopes and their normal."""
+        director, slopes, moved = nodal[:, FOURTH], nodal[:, [R_X, R_Y]], rates[:, [R_X, R_Y]]
+        normal = np.cross(slopes[:, 0], slopes[:, 1])
+        n = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+        duals = np.linalg.solve(slopes @ slopes.swapaxes(1, 2), slopes)
+        turning = -np.einsum("ngi,ngj,nj->ni", duals, moved, n)
+        along = np.einsum("ni,ngi,ngj->nj", director, duals, moved)
+        out = rates.copy()
+        out[:, FOURTH] = along + (director * n).sum(axis=1, keepdims=True) * turning
+        return out
 
     def turned(
         self, spot: Spot, edges: Sequence[np.ndarray], rotation: np.ndarray, values: dict[int, np.ndarray],

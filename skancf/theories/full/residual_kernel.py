@@ -51,18 +51,18 @@ def scatter_batch(base, stop, order, force, maps, out):
 
 
 @compiled(**INLINED)
-def point_jets(rule, p, local, x):
+def point_jets(tables, p, local, x):
     """r_1, r_2, d_1, d_2 at integration point p: x (4, 3, lanes)."""
     lanes = x.shape[2]
     x[:] = 0.0
     for a in range(N_POSITION):
-        t1, t2 = rule.position[a, 0, p], rule.position[a, 1, p]
+        t1, t2 = tables.position[a, 0, p], tables.position[a, 1, p]
         for i in range(3):
             for l in range(lanes):
                 x[0, i, l] += t1 * local[a, i, l]
                 x[1, i, l] += t2 * local[a, i, l]
     for a in range(CORNERS):
-        t1, t2 = rule.director[a, 0, p], rule.director[a, 1, p]
+        t1, t2 = tables.director[a, 0, p], tables.director[a, 1, p]
         for i in range(3):
             for l in range(lanes):
                 x[2, i, l] += t1 * local[N_POSITION + a, i, l]
@@ -70,20 +70,20 @@ def point_jets(rule, p, local, x):
 
 
 @compiled(**INLINED)
-def sample_jets_batch(rule, local, x):
+def sample_jets_batch(tables, local, x):
     """r_1, r_2, d_1, d_2, d at the sampling points: x (n_samples, 5, 3, lanes)."""
     lanes = x.shape[3]
     x[:] = 0.0
     for s in range(x.shape[0]):
         for a in range(N_POSITION):
-            t1, t2 = rule.sample_position[0, s, a], rule.sample_position[1, s, a]
+            t1, t2 = tables.sample_position[0, s, a], tables.sample_position[1, s, a]
             if t1 != 0.0 or t2 != 0.0:
                 for i in range(3):
                     for l in range(lanes):
                         x[s, 0, i, l] += t1 * local[a, i, l]
                         x[s, 1, i, l] += t2 * local[a, i, l]
         for a in range(CORNERS):
-            t1, t2, t = rule.sample_director[0, s, a], rule.sample_director[1, s, a], rule.sample_director[2, s, a]
+            t1, t2, t = tables.sample_director[0, s, a], tables.sample_director[1, s, a], tables.sample_director[2, s, a]
             for i in range(3):
                 for l in range(lanes):
                     x[s, 2, i, l] += t1 * local[N_POSITION + a, i, l]
@@ -92,11 +92,11 @@ def sample_jets_batch(rule, local, x):
 
 
 @compiled(**INLINED)
-def sampled_strains(rule, x, out):
+def sampled_strains(tables, x, out):
     """Shear and thickness strains at their sampling points: out (n_rows, lanes)."""
     lanes = out.shape[1]
     for r in range(out.shape[0]):
-        k, s = rule.sample_rows[r]
+        k, s = tables.sample_rows[r]
         factor = 0.5 if k == 4 else 1.0
         for l in range(lanes):
             out[r, l] = factor * (
@@ -105,7 +105,7 @@ def sampled_strains(rule, x, out):
 
 
 @compiled(**INLINED)
-def point_strains(rule, p, x, sampled, eps):
+def point_strains(tables, p, x, sampled, eps):
     """The 14 strains at integration point p before the undeformed ones are subtracted: eps (14, lanes)."""
     lanes = eps.shape[1]
     for l in range(lanes):
@@ -124,15 +124,15 @@ def point_strains(rule, p, x, sampled, eps):
         for l in range(lanes):
             eps[k, l] = 0.0
     for r in range(sampled.shape[0]):
-        k, s = rule.sample_rows[r]
-        weight = rule.interpolation[k, s, p]
+        k, s = tables.sample_rows[r]
+        weight = tables.interpolation[k, s, p]
         if weight != 0.0:
             for l in range(lanes):
                 eps[N_IN_PLANE + k, l] += weight * sampled[r, l]
 
 
 @compiled(**INLINED)
-def point_stresses(rule, p, eps, elements, classes, same, stress):
+def point_stresses(tables, p, eps, elements, classes, same, stress):
     """Stress (14, lanes) with the weights at integration point p; subtracts the undeformed strains from eps."""
     lanes = eps.shape[1]
     stress[:] = 0.0
@@ -142,8 +142,8 @@ def point_stresses(rule, p, eps, elements, classes, same, stress):
             undeformed = elements.reference[c, k, p]
             for l in range(lanes):
                 eps[k, l] -= undeformed
-        for m in range(rule.pairs.shape[0]):
-            k, j, d = rule.pairs[m, 0], rule.pairs[m, 1], elements.law[c, m, p]
+        for m in range(tables.pairs.shape[0]):
+            k, j, d = tables.pairs[m, 0], tables.pairs[m, 1], elements.law[c, m, p]
             for l in range(lanes):
                 stress[k, l] += d * eps[j, l]
             if k != j:
@@ -153,8 +153,8 @@ def point_stresses(rule, p, eps, elements, classes, same, stress):
     for k in range(N_STRAINS):
         for l in range(lanes):
             eps[k, l] -= elements.reference[classes[l], k, p]
-    for m in range(rule.pairs.shape[0]):
-        k, j = rule.pairs[m]
+    for m in range(tables.pairs.shape[0]):
+        k, j = tables.pairs[m]
         for l in range(lanes):
             stress[k, l] += elements.law[classes[l], m, p] * eps[j, l]
         if k != j:
@@ -163,7 +163,7 @@ def point_stresses(rule, p, eps, elements, classes, same, stress):
 
 
 @compiled(**INLINED)
-def point_forces(rule, p, x, stress, sampled, f, force):
+def point_forces(tables, p, x, stress, sampled, f, force):
     """Adds the force of point p to force (16, 3, lanes), and its shear and thickness stresses to sampled (n_rows, lanes)."""
     lanes = stress.shape[1]
     for i in range(3):
@@ -174,30 +174,30 @@ def point_forces(rule, p, x, stress, sampled, f, force):
             f[2, i, l] = stress[3, l] * a + stress[5, l] * b + stress[6, l] * c + stress[8, l] * d
             f[3, i, l] = stress[5, l] * a + stress[4, l] * b + stress[8, l] * c + stress[7, l] * d
     for a in range(N_POSITION):
-        t1, t2 = rule.position[a, 0, p], rule.position[a, 1, p]
+        t1, t2 = tables.position[a, 0, p], tables.position[a, 1, p]
         for i in range(3):
             for l in range(lanes):
                 force[a, i, l] += t1 * f[0, i, l] + t2 * f[1, i, l]
     for a in range(CORNERS):
-        t1, t2 = rule.director[a, 0, p], rule.director[a, 1, p]
+        t1, t2 = tables.director[a, 0, p], tables.director[a, 1, p]
         for i in range(3):
             for l in range(lanes):
                 force[N_POSITION + a, i, l] += t1 * f[2, i, l] + t2 * f[3, i, l]
     for r in range(sampled.shape[0]):
-        k, s = rule.sample_rows[r]
-        weight = rule.interpolation[k, s, p]
+        k, s = tables.sample_rows[r]
+        weight = tables.interpolation[k, s, p]
         if weight != 0.0:
             for l in range(lanes):
                 sampled[r, l] += weight * stress[N_IN_PLANE + k, l]
 
 
 @compiled(**INLINED)
-def sample_forces(rule, x, sampled, f, force):
+def sample_forces(tables, x, sampled, f, force):
     """Adds the forces of the sampled stresses (n_rows, lanes) to force (16, 3, lanes)."""
     lanes = sampled.shape[1]
     f[:] = 0.0
     for r in range(sampled.shape[0]):
-        k, s = rule.sample_rows[r]
+        k, s = tables.sample_rows[r]
         for i in range(3):
             for l in range(lanes):
                 f[s, 4, i, l] += sampled[r, l] * x[s, k, i, l]
@@ -206,13 +206,13 @@ def sample_forces(rule, x, sampled, f, force):
                     f[s, k, i, l] += sampled[r, l] * x[s, 4, i, l]
     for s in range(x.shape[0]):
         for a in range(N_POSITION):
-            t1, t2 = rule.sample_position[0, s, a], rule.sample_position[1, s, a]
+            t1, t2 = tables.sample_position[0, s, a], tables.sample_position[1, s, a]
             if t1 != 0.0 or t2 != 0.0:
                 for i in range(3):
                     for l in range(lanes):
                         force[a, i, l] += t1 * f[s, 0, i, l] + t2 * f[s, 1, i, l]
         for a in range(CORNERS):
-            t1, t2, t = rule.sample_director[0, s, a], rule.sample_director[1, s, a], rule.sample_director[2, s, a]
+            t1, t2, t = tables.sample_director[0, s, a], tables.sample_director[1, s, a], tables.sample_director[2, s, a]
             if t1 != 0.0 or t2 != 0.0 or t != 0.0:
                 for i in range(3):
                     for l in range(lanes):
@@ -220,9 +220,9 @@ def sample_forces(rule, x, sampled, f, force):
 
 
 @compiled(**OPTIONS)
-def residual(start, stop, order, q, rule, maps, elements, out):
+def residual(start, stop, order, q, tables, maps, elements, out):
     """Internal force of the elements order[start:stop], added to out (n_nodes, 4, 3)."""
-    n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
+    n_samples, n_rows = tables.sample_position.shape[1], tables.sample_rows.shape[0]
     classes = np.zeros(LANES, dtype=np.int64)
     local, force = np.empty((FUNCTIONS, AXES, LANES)), np.empty((FUNCTIONS, AXES, LANES))
     x, f = np.empty((4, 3, LANES)), np.empty((4, 3, LANES))
@@ -231,23 +231,23 @@ def residual(start, stop, order, q, rule, maps, elements, out):
     eps, stress = np.empty((N_STRAINS, LANES)), np.empty((N_STRAINS, LANES))
     for base in range(start, stop, LANES):
         same = gather_batch(base, stop, order, q, maps, elements, local, classes)
-        sample_jets_batch(rule, local, sx)
-        sampled_strains(rule, sx, sampled)
+        sample_jets_batch(tables, local, sx)
+        sampled_strains(tables, sx, sampled)
         force[:] = 0.0
         collected[:] = 0.0
         for p in range(POINTS):
-            point_jets(rule, p, local, x)
-            point_strains(rule, p, x, sampled, eps)
-            point_stresses(rule, p, eps, elements, classes, same, stress)
-            point_forces(rule, p, x, stress, collected, f, force)
-        sample_forces(rule, sx, collected, sf, force)
+            point_jets(tables, p, local, x)
+            point_strains(tables, p, x, sampled, eps)
+            point_stresses(tables, p, eps, elements, classes, same, stress)
+            point_forces(tables, p, x, stress, collected, f, force)
+        sample_forces(tables, sx, collected, sf, force)
         scatter_batch(base, stop, order, force, maps, out)
 
 
 @compiled(**OPTIONS)
-def force_of(start, stop, order, q, stresses, rule, maps, elements, out):
+def force_of(start, stop, order, q, stresses, tables, maps, elements, out):
     """Force of given stresses (n_elements, 14, 16), which have the weights, added to out (n_nodes, 4, 3)."""
-    n_samples, n_rows = rule.sample_position.shape[1], rule.sample_rows.shape[0]
+    n_samples, n_rows = tables.sample_position.shape[1], tables.sample_rows.shape[0]
     classes = np.zeros(LANES, dtype=np.int64)
     local, force = np.empty((FUNCTIONS, AXES, LANES)), np.empty((FUNCTIONS, AXES, LANES))
     x, f = np.empty((4, 3, LANES)), np.empty((4, 3, LANES))
@@ -255,14 +255,14 @@ def force_of(start, stop, order, q, stresses, rule, maps, elements, out):
     collected, stress = np.empty((n_rows, LANES)), np.zeros((N_STRAINS, LANES))
     for base in range(start, stop, LANES):
         gather_batch(base, stop, order, q, maps, elements, local, classes)
-        sample_jets_batch(rule, local, sx)
+        sample_jets_batch(tables, local, sx)
         force[:] = 0.0
         collected[:] = 0.0
         for p in range(POINTS):
-            point_jets(rule, p, local, x)
+            point_jets(tables, p, local, x)
             for lane in range(min(LANES, stop - base)):
                 for k in range(N_STRAINS):
                     stress[k, lane] = stresses[order[base + lane], k, p]
-            point_forces(rule, p, x, stress, collected, f, force)
-        sample_forces(rule, sx, collected, sf, force)
+            point_forces(tables, p, x, stress, collected, f, force)
+        sample_forces(tables, sx, collected, sf, force)
         scatter_batch(base, stop, order, force, maps, out)

@@ -21,8 +21,8 @@ from skancf.elements.reference import ancf_functions, of_points
 from skancf.kernels.constants import FUNCTIONS
 from skancf.materials import Section
 from skancf.materials.shear import warn_if_layers_bend_alone
-from skancf.theories.full.depth import warn_if_off
 from skancf.theories.full.nodes import N_POSITION, DirectorNodes
+from skancf.theories.full.validity import warn_if_off
 from skancf.vectors import cross
 
 R1, R2, D1, D2, D = range(5)

@@ -69,7 +69,7 @@ def bending_between(a, b, c, da, db, dc, J, bending, on_J):
 
 
 @compiled(**INNER)
-def forces_between(rule, kind, x, y, stress, f, turned, force):
+def forces_between(tables, kind, x, y, stress, f, turned, force):
     """Forces (16, 3) on the local vectors that do the work of stresses on the change of the strains from x to y, exactly;
     ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
     for p in range(POINTS):
@@ -95,11 +95,11 @@ def forces_between(rule, kind, x, y, stress, f, turned, force):
             f[i, ON_11 + p] = m11 * f_c[i]
             f[i, ON_22 + p] = m22 * f_c[i]
             f[i, ON_12 + p] = m12 * f_c[i]
-    forces_of_jets(rule, kind, f, turned, force)
+    forces_of_jets(tables, kind, f, turned, force)
 
 
 @compiled(**OPTIONS)
-def force_between(start, stop, order, q0, q1, stress, rule, maps, elements, out):
+def force_between(start, stop, order, q0, q1, stress, tables, maps, elements, out):
     """Force of given stresses (n_elements, 6 or 9, 16), which have the weights, on the way from q0 to q1, added to out."""
     local, force, turned = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES)), np.empty((AXES, FUNCTIONS))
     middle, x, y, f = np.empty((FUNCTIONS, AXES)), np.empty((AXES, JETS)), np.empty((AXES, JETS)), np.empty((AXES, JETS))
@@ -108,14 +108,14 @@ def force_between(start, stop, order, q0, q1, stress, rule, maps, elements, out)
         c = elements.shape[e]
         kind = elements.points[c]
         gather(e, q0, maps, middle)
-        jets(rule, kind, middle, x)
+        jets(tables, kind, middle, x)
         gather(e, q1, maps, local)
-        jets(rule, kind, local, y)
-        forces_between(rule, kind, x, y, stress[e], f, turned, force)
+        jets(tables, kind, local, y)
+        forces_between(tables, kind, x, y, stress[e], f, turned, force)
         if kind > 0 and elements.assumed[c] > 0:
             # Membrane strains are quadratic: their gradient in the middle is exact.
             middle += local
             middle *= 0.5
-            gauss_slopes(rule, middle, x)
-            add_sampled_forces(rule, x, stress[e], f, turned, force)
+            gauss_slopes(tables, middle, x)
+            add_sampled_forces(tables, x, stress[e], f, turned, force)
         scatter_force(e, force, maps, out)

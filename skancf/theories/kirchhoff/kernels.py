@@ -43,7 +43,7 @@ class Elements(NamedTuple):
     rest: np.ndarray
 
 
-class Rule(NamedTuple):
+class Tables(NamedTuple):
     """What elements share: tables of each kind of integration points, the first of which are the Gauss points.
 
     ``table`` (n_kinds, 16, 80): jets of the local functions, jet by jet, ``jets`` its transpose, ``slopes`` (n_kinds, 32,
@@ -65,17 +65,17 @@ class Rule(NamedTuple):
 
 
 @compiled(**INNER)
-def jets(rule, kind, local, x):
+def jets(tables, kind, local, x):
     """r_1, r_2, r_11, r_22, r_12 at the points of a kind: x (3, 80), jet by jet."""
     for at in range(0, JETS, POINTS):
-        set_panel(3, FUNCTIONS, local, 0, AXES, 1, rule.table, TABLE * kind + at, JETS, x, at, JETS)
+        set_panel(3, FUNCTIONS, local, 0, AXES, 1, tables.table, TABLE * kind + at, JETS, x, at, JETS)
 
 
 @compiled(**INNER)
-def gauss_slopes(rule, local, x):
+def gauss_slopes(tables, local, x):
     """r_1 and r_2 at the Gauss points, into the first columns of x (3, 80)."""
     for at in (ON_1, ON_2):
-        set_panel(3, FUNCTIONS, local, 0, AXES, 1, rule.table, at, JETS, x, at, JETS)
+        set_panel(3, FUNCTIONS, local, 0, AXES, 1, tables.table, at, JETS, x, at, JETS)
 
 
 @compiled(**INNER)
@@ -135,7 +135,7 @@ def add_change(x, y, n, gamma, eps):
 
 
 @compiled(**INNER)
-def section(rule, kind, assumed, law, rest, eps, hat, extra, stress):
+def section(tables, kind, assumed, law, rest, eps, hat, extra, stress):
     """Stresses (6 or 9, 16), with the weights, that do work on the strains.
 
     The law is applied to the assumed membrane strains with the curvatures, and to the scaled rest of the membrane strains.
@@ -147,11 +147,11 @@ def section(rule, kind, assumed, law, rest, eps, hat, extra, stress):
     first = N_STRAINS * POINTS if sampled else 0
     for c in range(N_MEMBRANE):
         at = PROJECTIONS * assumed + PROJECTION * c
-        set_panel(1, POINTS, eps, first + POINTS * c, 1, 0, rule.projections, at, POINTS, hat, POINTS * c, POINTS)
+        set_panel(1, POINTS, eps, first + POINTS * c, 1, 0, tables.projections, at, POINTS, hat, POINTS * c, POINTS)
     stress[:] = 0.0
     extra[:] = 0.0
-    for m in range(rule.pairs.shape[0]):
-        k, l = rule.pairs[m]
+    for m in range(tables.pairs.shape[0]):
+        k, l = tables.pairs[m]
         for p in range(POINTS):
             stress[k, p] += law[m, p] * hat[l, p]
         if k != l:
@@ -169,26 +169,26 @@ def section(rule, kind, assumed, law, rest, eps, hat, extra, stress):
         for p in range(POINTS):
             hat[c, p] = stress[c, p] - extra[c, p]
         stress[c] = extra[c]
-        add_panel(1, POINTS, hat, POINTS * c, 1, 0, rule.transposed, at, POINTS, stress, first + POINTS * c, POINTS)
+        add_panel(1, POINTS, hat, POINTS * c, 1, 0, tables.transposed, at, POINTS, stress, first + POINTS * c, POINTS)
 
 
 @compiled(**INNER)
-def forces_of_jets(rule, kind, f, turned, force):
+def forces_of_jets(tables, kind, f, turned, force):
     """Forces (16, 3) on the local vectors of those on the jets, f (3, 80); ``turned`` (3, 16) is scratch."""
-    set_panel(3, JETS, f, 0, 1, JETS, rule.jets, TABLE * kind, FUNCTIONS, turned, 0, FUNCTIONS)
+    set_panel(3, JETS, f, 0, 1, JETS, tables.jets, TABLE * kind, FUNCTIONS, turned, 0, FUNCTIONS)
     for a in range(FUNCTIONS):
         for i in range(AXES):
             force[a, i] = turned[i, a]
 
 
 @compiled(**INNER)
-def add_sampled_forces(rule, x, stress, f, turned, force):
+def add_sampled_forces(tables, x, stress, f, turned, force):
     """Adds the forces of membrane stresses, the last three, on r_1 and r_2 at the Gauss points, x (3, 80)."""
     for i in range(AXES):
         for p in range(POINTS):
             f[i, ON_1 + p] = stress[6, p] * x[i, ON_1 + p] + stress[8, p] * x[i, ON_2 + p]
             f[i, ON_2 + p] = stress[8, p] * x[i, ON_1 + p] + stress[7, p] * x[i, ON_2 + p]
-    set_panel(3, ON_11, f, 0, 1, JETS, rule.jets, 0, FUNCTIONS, turned, 0, FUNCTIONS)
+    set_panel(3, ON_11, f, 0, 1, JETS, tables.jets, 0, FUNCTIONS, turned, 0, FUNCTIONS)
     for a in range(FUNCTIONS):
         for i in range(AXES):
             force[a, i] += turned[i, a]
@@ -210,7 +210,7 @@ def sampled_strains(x, y, reference, eps):
 
 
 @compiled(**INNER)
-def forces(rule, kind, x, n, gamma, stress, f, turned, force):
+def forces(tables, kind, x, n, gamma, stress, f, turned, force):
     """Forces (16, 3) on the local vectors; ``f`` (3, 80) and ``turned`` (3, 16) are scratch."""
     for i in range(AXES):
         for p in range(POINTS):
@@ -222,11 +222,11 @@ def forces(rule, kind, x, n, gamma, stress, f, turned, force):
             f[i, ON_11 + p] = -m11 * n[i, p]
             f[i, ON_22 + p] = -m22 * n[i, p]
             f[i, ON_12 + p] = -m12 * n[i, p]
-    forces_of_jets(rule, kind, f, turned, force)
+    forces_of_jets(tables, kind, f, turned, force)
 
 
 @compiled(**OPTIONS)
-def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, out):
+def stresses(start, stop, order, q, change, tables, maps, elements, strain_out, out):
     """Strain and stress extrapolated linearly along ``change``, strain(q) + B(q) change; the stress has the weights.
 
     Into ``strain_out`` (n_elements, 6 or 9, 16), or nowhere if that is empty, and ``out``.
@@ -240,28 +240,28 @@ def stresses(start, stop, order, q, change, rule, maps, elements, strain_out, ou
         c = elements.shape[e]
         kind, assumed, reference = elements.points[c], elements.assumed[c], elements.reference[c]
         gather(e, q, maps, local)
-        jets(rule, kind, local, x)
+        jets(tables, kind, local, x)
         surface(x, n, duals, gamma)
         strains(x, n, reference, eps)
         if change.shape[0]:
             gather(e, change, maps, moved)
-            jets(rule, kind, moved, y)
+            jets(tables, kind, moved, y)
             add_change(x, y, n, gamma, eps)
         if kind > 0 and assumed > 0:
             y[:] = 0.0
             if change.shape[0]:
-                gauss_slopes(rule, moved, y)
-            gauss_slopes(rule, local, x)
+                gauss_slopes(tables, moved, y)
+            gauss_slopes(tables, local, x)
             sampled_strains(x, y, reference, eps)
         else:
             eps[N_STRAINS:] = 0.0
-        section(rule, kind, assumed, elements.law[c], elements.rest[c], eps, hat, extra, out[e])
+        section(tables, kind, assumed, elements.law[c], elements.rest[c], eps, hat, extra, out[e])
         if strain_out.shape[0]:
             strain_out[e] = eps
 
 
 @compiled(**OPTIONS)
-def residual(start, stop, order, q, rule, maps, elements, out):
+def residual(start, stop, order, q, tables, maps, elements, out):
     """Internal force, added to out (n_nodes, 4, 3)."""
     local, force, turned = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES)), np.empty((AXES, FUNCTIONS))
     x, y, f = np.empty((AXES, JETS)), np.zeros((AXES, JETS)), np.empty((AXES, JETS))
@@ -274,22 +274,22 @@ def residual(start, stop, order, q, rule, maps, elements, out):
         c = elements.shape[e]
         kind, assumed, reference = elements.points[c], elements.assumed[c], elements.reference[c]
         gather(e, q, maps, local)
-        jets(rule, kind, local, x)
+        jets(tables, kind, local, x)
         surface(x, n, duals, gamma)
         strains(x, n, reference, eps)
         sampled = kind > 0 and assumed > 0
         if sampled:
-            gauss_slopes(rule, local, y)
+            gauss_slopes(tables, local, y)
             sampled_strains(y, nothing, reference, eps)
-        section(rule, kind, assumed, elements.law[c], elements.rest[c], eps, hat, extra, stress)
-        forces(rule, kind, x, n, gamma, stress, f, turned, force)
+        section(tables, kind, assumed, elements.law[c], elements.rest[c], eps, hat, extra, stress)
+        forces(tables, kind, x, n, gamma, stress, f, turned, force)
         if sampled:
-            add_sampled_forces(rule, y, stress, f, turned, force)
+            add_sampled_forces(tables, y, stress, f, turned, force)
         scatter_force(e, force, maps, out)
 
 
 @compiled(**OPTIONS)
-def force_of(start, stop, order, q, stress, rule, maps, elements, out):
+def force_of(start, stop, order, q, stress, tables, maps, elements, out):
     """Force of given stresses (n_elements, 6 or 9, 16), which have the weights, added to out (n_nodes, 4, 3)."""
     local, force, turned = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES)), np.empty((AXES, FUNCTIONS))
     x, f = np.empty((AXES, JETS)), np.empty((AXES, JETS))
@@ -299,10 +299,10 @@ def force_of(start, stop, order, q, stress, rule, maps, elements, out):
         c = elements.shape[e]
         kind = elements.points[c]
         gather(e, q, maps, local)
-        jets(rule, kind, local, x)
+        jets(tables, kind, local, x)
         surface(x, n, duals, gamma)
-        forces(rule, kind, x, n, gamma, stress[e], f, turned, force)
+        forces(tables, kind, x, n, gamma, stress[e], f, turned, force)
         if kind > 0 and elements.assumed[c] > 0:
-            gauss_slopes(rule, local, x)
-            add_sampled_forces(rule, x, stress[e], f, turned, force)
+            gauss_slopes(tables, local, x)
+            add_sampled_forces(tables, x, stress[e], f, turned, force)
         scatter_force(e, force, maps, out)

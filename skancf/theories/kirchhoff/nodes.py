@@ -13,10 +13,8 @@ from skancf.kernels.constants import CORNERS, FOURTH, FUNCTIONS, R_X, R_Y, VECTO
 from skancf.surfaces import Surface
 from skancf.theories.edges import no_weights, set_cubic
 from skancf.theories.rows import Row, Spot, across, condition
+from skancf.tolerances import ONE_DIRECTION
 from skancf.vectors import cross
-
-RIGHT_ANGLE = 1e-6
-"""Sine of the angle off a right one that is none."""
 
 
 class HermiteNodes:
@@ -26,6 +24,7 @@ class HermiteNodes:
     continuity = 1
     directors = False
     turns = (R_X, R_Y)
+    of_positions = (True, True, True, True)
 
     @cached_property
     def rows(self) -> np.ndarray:
@@ -74,13 +73,17 @@ class HermiteNodes:
         """The slope across the edge stays normal to the plane all along it."""
         tangent, normal, kind = spot.tangent(along), spot.normal, across(along)
         slope = spot.slopes[kind - 1]
-        if np.linalg.norm(cross(slope, cross(tangent, normal))) > RIGHT_ANGLE * np.linalg.norm(slope):
+        if np.linalg.norm(cross(slope, cross(tangent, normal))) > ONE_DIRECTION * np.linalg.norm(slope):
             return None
         return [Row(spot.node, condition({k: 1.0}, v)) for k in (kind, FOURTH) for v in (tangent, normal)]
 
     def turn_of(self, kind: int, rotation: np.ndarray, normal: np.ndarray, slopes: Sequence[np.ndarray]) -> np.ndarray:
         """Change along the normal that a small rotation (3, n) makes of the slope r_x or r_y, (n,)."""
         return np.asarray((cross(rotation, slopes[kind - 1]) * normal).sum(axis=0))
+
+    def following(self, nodal: np.ndarray, rates: np.ndarray) -> np.ndarray:
+        """All are those of positions."""
+        return rates
 
     def turned(
         self, spot: Spot, edges: Sequence[np.ndarray], rotation: np.ndarray, values: dict[int, np.ndarray],

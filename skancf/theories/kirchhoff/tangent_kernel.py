@@ -53,24 +53,24 @@ LAW, BENDING = N_STRAINS * POINTS, (N_STRAINS + 1) * N_MEMBRANE * POINTS
 
 
 @compiled(**INNER)
-def unpack(rule, law, square):
+def unpack(tables, law, square):
     """The law, with the signs and factors of the gradients, as an array (6, 6, 16)."""
     square[:] = 0.0
-    for m in range(rule.pairs.shape[0]):
-        k, l = rule.pairs[m]
+    for m in range(tables.pairs.shape[0]):
+        k, l = tables.pairs[m]
         factor = FACTORS[k] * FACTORS[l]
         for p in range(POINTS):
             square[k, l, p] = square[l, k, p] = factor * law[m, p]
 
 
 @compiled(**INNER)
-def second_by_second(rule, kind, square, gamma, scratch, S):
+def second_by_second(tables, kind, square, gamma, scratch, S):
     """N_k D_kl N_l at each point, of N_k less gamma times the first derivatives: S (16, 256); scratch (6, 16)."""
     for p in range(POINTS):
         for k in range(3):
             for a in range(FUNCTIONS):
-                scratch[k, a] = (rule.jets[kind, ON_11 + POINTS * k + p, a] - gamma[k, 0, p] * rule.jets[kind, p, a]
-                                 - gamma[k, 1, p] * rule.jets[kind, ON_2 + p, a])  # fmt: skip
+                scratch[k, a] = (tables.jets[kind, ON_11 + POINTS * k + p, a] - gamma[k, 0, p] * tables.jets[kind, p, a]
+                                 - gamma[k, 1, p] * tables.jets[kind, ON_2 + p, a])  # fmt: skip
         set_panel(3, 3, square, BENDING + p, POINTS, LAW, scratch, 0, FUNCTIONS, scratch, 3 * FUNCTIONS, FUNCTIONS)
         for a in range(0, FUNCTIONS, 8):
             at = PAIRS * p + FUNCTIONS * a
@@ -78,7 +78,7 @@ def second_by_second(rule, kind, square, gamma, scratch, S):
 
 
 @compiled(**INNER)
-def kept_law(rule, kind, square, rest, C):
+def kept_law(tables, kind, square, rest, C):
     """C (16, 16), half the law of the coefficients of the assumed strains with that of the rest; the membrane law becomes
     that of the rest."""
     for k in range(3):
@@ -88,7 +88,7 @@ def kept_law(rule, kind, square, rest, C):
                 for s in range(KEPT[l], KEPT[l + 1]):
                     total = 0.0
                     for p in range(POINTS):
-                        total += rule.kept[kind, r, p] * square[k, l, p] * rule.kept[kind, s, p]
+                        total += tables.kept[kind, r, p] * square[k, l, p] * tables.kept[kind, s, p]
                     C[r, s] = 0.5 * (1.0 + scale) * total
             for p in range(POINTS):
                 square[k, l, p] *= scale
@@ -146,7 +146,7 @@ def coefficients(x, n, duals, gamma, square, stress, shared, z, E, scratch):
 
 
 @compiled(**INNER)
-def membrane_gradient(rule, kind, x, of_first, M):
+def membrane_gradient(tables, kind, x, of_first, M):
     """Gradients of the membrane strains: M (48, 48), rows point and strain, columns component and function.
 
     ``of_first`` (2, 9, 16) is scratch: what the first derivatives are multiplied by.
@@ -158,11 +158,11 @@ def membrane_gradient(rule, kind, x, of_first, M):
             of_first[1, i, p], of_first[1, 3 + i, p], of_first[1, 6 + i, p] = 0.0, v, u
     for p in range(POINTS):
         table = TABLE * kind + FUNCTIONS * p
-        set_panel(9, 2, of_first, p, OF_POINTS, POINTS, rule.jets, table, JET, M, OF_FUNCTIONS * p, FUNCTIONS)
+        set_panel(9, 2, of_first, p, OF_POINTS, POINTS, tables.jets, table, JET, M, OF_FUNCTIONS * p, FUNCTIONS)
 
 
 @compiled(**INNER)
-def membrane_rest(rule, kind, n, gamma, square, z, coupled, T):
+def membrane_rest(tables, kind, n, gamma, square, z, coupled, T):
     """T (48, 48), rows as those of M: what the curvatures add to the membrane stresses, less those of ``z``."""
     of_jets = np.empty((5, 9, POINTS))
     for k in range(3):
@@ -180,55 +180,55 @@ def membrane_rest(rule, kind, n, gamma, square, z, coupled, T):
     for p in range(POINTS):
         table, at = TABLE * kind + FUNCTIONS * p, OF_FUNCTIONS * p
         n_jets = N_JETS if coupled else 2
-        set_panel(9, n_jets, of_jets, p, OF_POINTS, POINTS, rule.jets, table, JET, T, at, FUNCTIONS)
+        set_panel(9, n_jets, of_jets, p, OF_POINTS, POINTS, tables.jets, table, JET, T, at, FUNCTIONS)
 
 
 @compiled(**INNER)
-def add_first_derivatives(rule, kind, E, slopes, A, Y):
+def add_first_derivatives(tables, kind, E, slopes, A, Y):
     """Adds A^g times first derivatives, all components, to Y (144, 16); A (16, 144) is scratch."""
     for first in range(0, POINTS, HALF):
         for p in range(HALF):
             for g in range(2):
                 at, row = N_JETS * OF_POINTS * g + first + p, OF_FUNCTIONS * (2 * p + g)
                 table = TABLE * kind + FUNCTIONS * (first + p)
-                set_panel(9, N_JETS, E, at, OF_POINTS, POINTS, rule.jets, table, JET, A, row, FUNCTIONS)
+                set_panel(9, N_JETS, E, at, OF_POINTS, POINTS, tables.jets, table, JET, A, row, FUNCTIONS)
         for row in range(0, OF_FUNCTIONS, 6):
             at = 2 * FUNCTIONS * first
             add_panel(6, 2 * HALF, A, row, OF_FUNCTIONS, 1, slopes, at, FUNCTIONS, Y, FUNCTIONS * row, FUNCTIONS)
 
 
 @compiled(**INNER)
-def add_sampled_geometric(rule, stress, W, Y):
+def add_sampled_geometric(tables, stress, W, Y):
     """Adds half of the membrane stresses at the Gauss points times second derivatives of the strains there, the same for
     11, 22 and 33; W (32, 16) is scratch."""
     for p in range(POINTS):
         for a in range(FUNCTIONS):
-            one, two = rule.slopes[0, 2 * p, a], rule.slopes[0, 2 * p + 1, a]
+            one, two = tables.slopes[0, 2 * p, a], tables.slopes[0, 2 * p + 1, a]
             W[2 * p, a] = 0.5 * (stress[6, p] * one + stress[8, p] * two)
             W[2 * p + 1, a] = 0.5 * (stress[8, p] * one + stress[7, p] * two)
     for c in range(6):
         if FIRST[c] == SECOND[c]:
             for a in range(0, FUNCTIONS, 8):
                 at = PAIRS * c + FUNCTIONS * a
-                add_panel(8, 2 * POINTS, W, a, FUNCTIONS, 1, rule.slopes, 0, FUNCTIONS, Y, at, FUNCTIONS)
+                add_panel(8, 2 * POINTS, W, a, FUNCTIONS, 1, tables.slopes, 0, FUNCTIONS, Y, at, FUNCTIONS)
 
 
 @compiled(**INNER)
-def add_assumed(rule, kind, M, T, C, G, Z, Y):
+def add_assumed(tables, kind, M, T, C, G, Z, Y):
     """Adds the products of the gradients G of the coefficients of the assumed strains with Z to Y.
 
     M has the gradients of the strains at the Gauss points, T what is left of the stresses at the points.
     """
     of_kind = PAIRS * kind
     for i in range(0, LOCAL, FUNCTIONS):
-        set_panel(6, POINTS, rule.fit, 0, 1, POINTS, M, i, OF_FUNCTIONS, G, i, LOCAL)
-        set_panel(6, POINTS, rule.fit, 6 * POINTS, 1, POINTS, M, LOCAL + i, OF_FUNCTIONS, G, 6 * LOCAL + i, LOCAL)
-        set_panel(4, POINTS, rule.fit, 12 * POINTS, 1, POINTS, M, 2 * LOCAL + i, OF_FUNCTIONS, G, 12 * LOCAL + i, LOCAL)
-        set_panel(6, POINTS, rule.kept, of_kind, 1, POINTS, T, i, OF_FUNCTIONS, Z, i, LOCAL)
+        set_panel(6, POINTS, tables.fit, 0, 1, POINTS, M, i, OF_FUNCTIONS, G, i, LOCAL)
+        set_panel(6, POINTS, tables.fit, 6 * POINTS, 1, POINTS, M, LOCAL + i, OF_FUNCTIONS, G, 6 * LOCAL + i, LOCAL)
+        set_panel(4, POINTS, tables.fit, 12 * POINTS, 1, POINTS, M, 2 * LOCAL + i, OF_FUNCTIONS, G, 12 * LOCAL + i, LOCAL)
+        set_panel(6, POINTS, tables.kept, of_kind, 1, POINTS, T, i, OF_FUNCTIONS, Z, i, LOCAL)
         at = of_kind + 6 * POINTS
-        set_panel(6, POINTS, rule.kept, at, 1, POINTS, T, LOCAL + i, OF_FUNCTIONS, Z, 6 * LOCAL + i, LOCAL)
+        set_panel(6, POINTS, tables.kept, at, 1, POINTS, T, LOCAL + i, OF_FUNCTIONS, Z, 6 * LOCAL + i, LOCAL)
         at = of_kind + 12 * POINTS
-        set_panel(4, POINTS, rule.kept, at, 1, POINTS, T, 2 * LOCAL + i, OF_FUNCTIONS, Z, 12 * LOCAL + i, LOCAL)
+        set_panel(4, POINTS, tables.kept, at, 1, POINTS, T, 2 * LOCAL + i, OF_FUNCTIONS, Z, 12 * LOCAL + i, LOCAL)
         for a in range(0, POINTS, 8):
             add_panel(8, POINTS, C, POINTS * a, 1, POINTS, G, i, LOCAL, Z, LOCAL * a + i, LOCAL)
     for c in range(PARTS):
@@ -238,7 +238,7 @@ def add_assumed(rule, kind, M, T, C, G, Z, Y):
 
 
 @compiled(**OPTIONS)
-def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
+def tangent(start, stop, order, q, stress, tables, maps, elements, slots, out):
     """Tangent with the given stresses (n_elements, 6 or 9, 16), added to out (n_blocks, 12, 12)."""
     local, x = np.empty((FUNCTIONS, AXES)), aligned(AXES, JETS)
     n, duals, gamma = np.empty((AXES, POINTS)), np.empty((2, AXES, POINTS)), np.empty((3, 2, POINTS))
@@ -251,32 +251,32 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
     slopes, W = aligned(2 * POINTS, FUNCTIONS), aligned(2 * POINTS, FUNCTIONS)
     normals, nothing = np.empty((6, POINTS)), np.zeros((3, 2, POINTS))
     coupled = False
-    for m in range(rule.pairs.shape[0]):
-        coupled = coupled or rule.pairs[m, 0] < 3 <= rule.pairs[m, 1]
+    for m in range(tables.pairs.shape[0]):
+        coupled = coupled or tables.pairs[m, 0] < 3 <= tables.pairs[m, 1]
     last, last_kind, assumed = -1, -1, False
     for index in range(start, stop):
         e = order[index]
         c = elements.shape[e]
         kind = elements.points[c]
         if kind != last_kind:
-            slopes[:] = rule.slopes[kind]
+            slopes[:] = tables.slopes[kind]
             last_kind = kind
         if c != last:
-            unpack(rule, elements.law[c], square)
+            unpack(tables, elements.law[c], square)
             assumed = elements.assumed[c] > 0
             if assumed:
-                second_by_second(rule, kind, square, nothing, rows, S)
-                kept_law(rule, kind, square, elements.rest[c], C)
+                second_by_second(tables, kind, square, nothing, rows, S)
+                kept_law(tables, kind, square, elements.rest[c], C)
             last = c
         prefetch_blocks(e, slots, out)
         gather(e, q, maps, local)
-        jets(rule, kind, local, x)
+        jets(tables, kind, local, x)
         surface(x, n, duals, gamma)
         membrane_forces(x, square, z)
         coefficients(x, n, duals, gamma, square, stress[e], 1.0 if assumed else 0.0, z, E, scratch)
         if not assumed:
             # At a pole gamma has no bound, and the parts of the second derivatives would cancel.
-            second_by_second(rule, kind, square, gamma, rows, S)
+            second_by_second(tables, kind, square, gamma, rows, S)
         for k in range(6):
             factor = 0.5 if FIRST[k] == SECOND[k] else 1.0
             for p in range(POINTS):
@@ -284,18 +284,18 @@ def tangent(start, stop, order, q, stress, rule, maps, elements, slots, out):
         for a in range(FUNCTIONS):
             set_panel(6, POINTS, normals, 0, 1, POINTS, S, FUNCTIONS * a, PAIRS, Y, FUNCTIONS * a, PAIRS)
         Y[6 * FUNCTIONS :] = 0.0
-        add_first_derivatives(rule, kind, E, slopes, A, Y)
+        add_first_derivatives(tables, kind, E, slopes, A, Y)
         if assumed or coupled:
             if not assumed:
-                membrane_gradient(rule, kind, x, of_first, M)
+                membrane_gradient(tables, kind, x, of_first, M)
                 z[:] = 0.0
-            membrane_rest(rule, kind, n, gamma, square, z, coupled, T)
+            membrane_rest(tables, kind, n, gamma, square, z, coupled, T)
         if assumed:
             if kind > 0:
-                gauss_slopes(rule, local, x)
-                add_sampled_geometric(rule, stress[e], W, Y)
-            membrane_gradient(rule, 0, x, of_first, M)
-            add_assumed(rule, kind, M, T, C, G, Z, Y)
+                gauss_slopes(tables, local, x)
+                add_sampled_geometric(tables, stress[e], W, Y)
+            membrane_gradient(tables, 0, x, of_first, M)
+            add_assumed(tables, kind, M, T, C, G, Z, Y)
         elif coupled:
             for part in range(PARTS):
                 for a in range(0, FUNCTIONS, 8):

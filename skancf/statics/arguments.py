@@ -1,4 +1,4 @@
-"""What users ask of solvers for states of rest, checked before any work."""
+"""Arguments of solvers for states of rest, checked before any work."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from skancf.linear import check_backend
 from skancf.solution import require_same_mesh
 
 
-def check_asked(
+def check_arguments(
     system: Any, backend: Any, *, start: Any = None, rtol: Any = 1.0, counts: dict[str, Any] | None = None, **flags: Any
 ) -> None:
     """InputError for what is no system, solver, state of the system, tolerance, whole number or truth value.

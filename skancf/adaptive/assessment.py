@@ -1,14 +1,14 @@
-"""Is an adaptive answer within the depth of its theory?"""
+"""Is an adaptive answer within the validity of its theory?"""
 
 import numpy as np
 
 from skancf.adaptive.theory_error import TheoryError
 from skancf.errors import warn
 from skancf.solution import Solution
-from skancf.statics.depth import THICK, warn_if_loose, warn_if_thick
+from skancf.statics.validity import THICK, warn_if_loose, warn_if_thick
 
 
-def judge(state: Solution, left_out: TheoryError | None, is_static: bool) -> None:
+def assess(state: Solution, left_out: TheoryError | None, is_static: bool) -> None:
     """Warnings where the thin theory leaves out much of the number, or, where that cannot be told, of the energy of an
     equilibrium; and where single elements of one move in ways of their own."""
     if left_out is not None and not np.isnan(left_out.value):

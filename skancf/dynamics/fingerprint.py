@@ -1,4 +1,4 @@
-"""What a run was asked for, as arrays by name that are written beside it and compared before it goes on.
+"""The fingerprint of a run: what it was asked for, as arrays by name, written beside it and compared before it goes on.
 
 Those of one dimension or none are settings, others are products of large arrays with random vectors.
 """
@@ -14,23 +14,22 @@ from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import Run, Settings
 from skancf.history import Case
 from skancf.system.system import System
+from skancf.tolerances import ABOVE_ZERO, SAME_VALUE
 from skancf.version import __version__
 
-CLOSE = 1e-9
-"""Arrays of one problem differ by rounding at most."""
 VECTORS = 4
 """Products with so many random vectors tell one array from another."""
 TIMES, MOMENTS = 9, 257
 """Times at which forces, and functions of time, are compared."""
 ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
-Asked = dict[str, np.ndarray]
+Fingerprint = dict[str, np.ndarray]
 
 
-def difference(asked: Asked, other: Asked) -> str | None:
+def difference(fingerprint: Fingerprint, other: Fingerprint) -> str | None:
     """The first difference from what another run was asked for, in words, settings first; None if there is none."""
-    for name in sorted(asked, key=lambda name: asked[name].ndim):
-        value, known, title = asked[name], other.get(name), name.replace("_", " ")
+    for name in sorted(fingerprint, key=lambda name: fingerprint[name].ndim):
+        value, known, title = fingerprint[name], other.get(name), name.replace("_", " ")
         if value.ndim < 2:
             here, there = (None if array is None else array.tolist() for array in (value, known))
             if here != there:
@@ -39,23 +38,23 @@ def difference(asked: Asked, other: Asked) -> str | None:
             return f"its run has another {title}"
         else:
             apart, size = np.abs(known - value), np.nanmax(np.abs([known, value]), initial=0.0)
-            if not ((apart <= CLOSE * size) | (np.isnan(known) & np.isnan(value))).all():
-                part = np.nanmax(apart, initial=0.0) / max(size, 1e-300)
+            if not ((apart <= SAME_VALUE * size) | (np.isnan(known) & np.isnan(value))).all():
+                part = np.nanmax(apart, initial=0.0) / max(size, ABOVE_ZERO)
                 return f"its run has another {title}, by {part:.1e} of it"
     return None
 
 
-def asked_of(run: Run, names: Iterable[str], every: int) -> Asked:
+def fingerprint_of(run: Run, names: Iterable[str], every: int) -> Fingerprint:
     """What makes a run what it is; ``names`` are those of its records."""
     settings = run.settings
-    more = {"backend": run.solver.linear.description, "outputs": run.recorder.asked, "record": sorted(names),
+    more = {"backend": run.solver.linear.description, "outputs": run.recorder.outputs, "record": sorted(names),
             "every": every, "version": __version__}  # fmt: skip
     own = {field.name: _said(getattr(settings, field.name)) for field in fields(Settings)}
     start = {"start": _products(run.now.q), "start_velocity": _products(run.now.v)}
-    return asked_problem(run.system, settings.begin, settings.end) | flat(own | more) | start
+    return fingerprint_of_problem(run.system, settings.begin, settings.end) | flat(own | more) | start
 
 
-def asked_problem(system: System, begin: float, end: float) -> Asked:
+def fingerprint_of_problem(system: System, begin: float, end: float) -> Fingerprint:
     """The part of it that is the problem, its mesh and its theory, from ``begin`` to ``end``.
 
     Terms are seen by the sums of their forces on a state that is moved, at some times.
@@ -74,7 +73,7 @@ def asked_problem(system: System, begin: float, end: float) -> Asked:
         "terms": _at(lambda case: system.others.force(moved, moved, case), cases),
         "mass": system.mass @ moved, "viscous_damping": 0 * at if system.viscous is None else system.viscous @ moved,
         "loads": _at(lambda case: system.applied_force(moved, case, moved), cases),
-        "temperature": _at(lambda case: _or_zero(system.shell.held_back_force(moved, case), at), cases),
+        "temperature": _at(lambda case: _or_zero(system.shell.initial_stress_force(moved, case), at), cases),
         "impulses": np.array([np.append(impulse, time) for time, impulse in system.loads.impulses()]),
         **{f"function_of_time_{k}": _at(function, moments) for k, function in enumerate(functions, 1)},
     }  # fmt: skip

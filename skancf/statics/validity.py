@@ -1,4 +1,4 @@
-"""Is an answer within the depth of its theory?"""
+"""Is an answer within the validity of its theory?"""
 
 from typing import Any
 

@@ -9,8 +9,8 @@ from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
 from skancf.solving import Status
-from skancf.statics.newton import NewtonResult, System, factored
-from skancf.statics.soft import Mode, softest_mode, turning_estimate
+from skancf.statics.critical import CriticalMode, critical_mode, turning_estimate
+from skancf.statics.newton import NewtonResult, StaticSystem, factored
 from skancf.system.rigid import free_rigid_motions
 
 # Stiffness against the load relative to that at the start (Bergan's current stiffness parameter) that counts as soft.
@@ -19,15 +19,15 @@ SOFT = 0.3
 NEAR = 10.0
 
 
-def require_support(system: System) -> None:
+def require_support(system: StaticSystem) -> None:
     """InputError where a rigid motion is free, of a model that knows what a rigid motion is."""
     free = free_rigid_motions(system) if hasattr(system, "layout") else []
     if free:
         raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
 
 
-def cause(
-    system: System, solver: DirectSolver, path: Sequence[Solution], wanted: float, failed: NewtonResult,
+def diagnose(
+    system: StaticSystem, solver: DirectSolver, path: Sequence[Solution], wanted: float, failed: NewtonResult,
     ahead: Callable[[], float | None],
 ) -> tuple[Status, str]:  # fmt: skip
     """Status and message for load steps that ended: the equilibria so far, and the last solve that failed.
@@ -48,7 +48,7 @@ def cause(
     return status, f"{begin}{reason} The last equilibrium is kept."
 
 
-def _folded(system: System, q: np.ndarray) -> tuple[Status, str] | None:
+def _folded(system: StaticSystem, q: np.ndarray) -> tuple[Status, str] | None:
     shell: Any = getattr(system, "shell", None)
     with np.errstate(over="ignore", invalid="ignore"):
         found = shell.folded(q) if shell and np.isfinite(q).all() else None
@@ -61,7 +61,7 @@ def _folded(system: System, q: np.ndarray) -> tuple[Status, str] | None:
     )
 
 
-def _mechanism(system: System, solver: DirectSolver) -> tuple[Status, str] | None:
+def _mechanism(system: StaticSystem, solver: DirectSolver) -> tuple[Status, str] | None:
     try:
         factored(system, system.undeformed, 0.0, solver)
     except SingularMatrix as singular:
@@ -70,11 +70,11 @@ def _mechanism(system: System, solver: DirectSolver) -> tuple[Status, str] | Non
 
 
 def _singular(
-    system: System, solver: DirectSolver, path: Sequence[Solution], wanted: float, failed: NewtonResult
+    system: StaticSystem, solver: DirectSolver, path: Sequence[Solution], wanted: float, failed: NewtonResult
 ) -> tuple[Status, str]:
-    """A limit point or a bifurcation by the softest mode of the last equilibrium, or neither."""
+    """A limit point or a bifurcation by the critical mode of the last equilibrium, or neither."""
     last = path[-1]
-    first, now = (softest_mode(system, solver, state.q, state.load_factor) for state in (path[0], last))
+    first, now = (critical_mode(system, solver, state.q, state.load_factor) for state in (path[0], last))
     limit = _limit_estimate(system, solver, path, now)
     near = abs(limit - last.load_factor) <= NEAR * abs(wanted - last.load_factor)
     if near and first.compliance < SOFT * abs(now.compliance) and now.share > 0.5:
@@ -100,11 +100,11 @@ def limit_point(load_factor: float) -> str:
     )
 
 
-def _limit_estimate(system: System, solver: DirectSolver, path: Sequence[Solution], now: Mode) -> float:
+def _limit_estimate(system: StaticSystem, solver: DirectSolver, path: Sequence[Solution], now: CriticalMode) -> float:
     """Load factor of the limit point, by the stiffness against the load at the last two equilibria."""
     if len(path) < 2 or not np.isfinite(now.compliance):
         return np.inf
-    before = softest_mode(system, solver, path[-2].q, path[-2].load_factor)
+    before = critical_mode(system, solver, path[-2].q, path[-2].load_factor)
     if not (before.compliance and now.compliance):  # loads that do no work
         return np.inf
     return turning_estimate(

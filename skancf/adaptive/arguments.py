@@ -1,4 +1,4 @@
-"""What a user asks of the loop, and what is checked before any work."""
+"""Arguments of the loop, and what is checked before any work."""
 
 import warnings
 from collections.abc import Callable
@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from skancf.adaptive.analysis import Analysis, StaticAnalysis
-from skancf.adaptive.estimate import Estimate, residual
+from skancf.adaptive.estimate import Estimate, residual_indicator
 from skancf.adaptive.limits import drift, no_limit
-from skancf.adaptive.recovery import recovery
+from skancf.adaptive.recovery import recovery_indicator
 from skancf.adaptive.stress import face_stress
 from skancf.arguments import PROBLEM, flag, having, instance, whole
 from skancf.errors import InputError, NoLimit, OutOfDepth, number, positive, shown
@@ -17,13 +17,14 @@ from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
 from skancf.problem import Problem
 from skancf.solution import Solution
-from skancf.statics.causes import require_support
-from skancf.statics.depth import warn_without_time
+from skancf.statics.diagnosis import require_support
+from skancf.statics.validity import warn_without_time
 from skancf.system.system import System
 from skancf.theories import Theory
+from skancf.tolerances import SEVEN_DIGITS, SHARPEST
 
 INDICATORS: dict[str, Callable[[Solution], np.ndarray] | None] = {
-    "goal": None, "residual": residual, "recovery": recovery, "stress": face_stress,
+    "goal": None, "residual": residual_indicator, "recovery": recovery_indicator, "stress": face_stress,
 }  # fmt: skip
 """By what elements are marked; the error bar is that of the quantity with each of them."""
 
@@ -58,7 +59,7 @@ def check(
 
 def newton_rtol(rtol: float) -> float:
     """Of Newton's method, which gains at least a factor ten more with its last step."""
-    return min(1e-4, max(1e-7, 1e-2 * rtol))
+    return min(1e-4, max(SHARPEST, 1e-2 * rtol))
 
 
 def first_system(
@@ -88,7 +89,7 @@ def _between_lines(quantity: Any, mesh: MeshQuadTree) -> str | None:
         for side in (side for side in sides if lines[0] < side < lines[-1]):
             k = np.searchsorted(lines, side) - 1
             share = HALVINGS * (side - lines[k]) / (lines[k + 1] - lines[k])
-            if abs(share - round(share)) > 1e-6:
+            if abs(share - round(share)) > SEVEN_DIGITS:
                 return (f"within: {'xy'[axis]} = {side:.6g} lies between the mesh lines {lines[k]:.6g} and "
                         f"{lines[k + 1]:.6g}, and no halving meets it: the mean is over another rectangle on each mesh; "
                         "begin with a mesh that has the line, or without one of your own")  # fmt: skip
@@ -99,7 +100,7 @@ HALVINGS = 2**6
 """Parts of an element whose lines count as lines of the mesh."""
 
 
-class Asked(NamedTuple):
+class AdaptArguments(NamedTuple):
     """What the user asked for and allows."""
 
     rtol: float

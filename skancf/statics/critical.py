@@ -1,4 +1,4 @@
-"""The softest motions of an equilibrium: what becomes singular at limit points and bifurcations."""
+"""Critical modes of an equilibrium: what becomes singular at limit points and bifurcations."""
 
 from typing import NamedTuple
 
@@ -6,12 +6,12 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver, factor_shifted, soft_motions
-from skancf.statics.newton import System
+from skancf.statics.newton import StaticSystem
 
 INVERSE_ITERATIONS = 12
 
 
-class Mode(NamedTuple):
+class CriticalMode(NamedTuple):
     """The eigenvalue nearest to zero of a tangent against the mass, its mode, and the number of negative ones.
 
     ``share`` is the part of the load's compliance F . K^-1 F that this mode has; it tells a limit point from a bifurcation.
@@ -24,10 +24,10 @@ class Mode(NamedTuple):
     share: float = 1.0
 
 
-def softest_mode(
-    system: System, solver: DirectSolver, q: np.ndarray, load_factor: float, without_work: bool = False
-) -> Mode:
-    r"""Softest mode by inverse iteration.
+def critical_mode(
+    system: StaticSystem, solver: DirectSolver, q: np.ndarray, load_factor: float, without_work: bool = False
+) -> CriticalMode:
+    r"""The critical mode, that nearest to having no stiffness, by inverse iteration.
 
     ``without_work`` keeps to motions x with x . F = 0: their tangent is regular at a limit point. With K u = F they are the
     K-projection :math:`x - (x \cdot F / u \cdot F)\,u`, and have one negative eigenvalue less where u . F < 0.
@@ -35,7 +35,7 @@ def softest_mode(
     tangent = SkewSolver(system.tangent(q, Case(load_factor)), None, solver)
     factor_shifted(solver, tangent.matrix, system.mass)
     with np.errstate(over="ignore", invalid="ignore"):
-        return _softest(system, solver, q, tangent, without_work)
+        return _critical(system, solver, q, tangent, without_work)
 
 
 def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) -> float:
@@ -49,7 +49,9 @@ def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) ->
     return values[1] + (values[1] - values[0]) / fall if fall > 0 else np.inf
 
 
-def _softest(system: System, solver: DirectSolver, q: np.ndarray, tangent: SkewSolver, without_work: bool) -> Mode:
+def _critical(
+    system: StaticSystem, solver: DirectSolver, q: np.ndarray, tangent: SkewSolver, without_work: bool
+) -> CriticalMode:
     load = system.external_force(q) - tangent.multiply(system.prescribed())
     soft = solver.solve(load)
 
@@ -61,4 +63,4 @@ def _softest(system: System, solver: DirectSolver, q: np.ndarray, tangent: SkewS
     eigenvalue, x, compliance = float(values[0]), motions[0], float(soft @ load)
     share = float((x @ load) ** 2 / (eigenvalue * compliance)) if eigenvalue and compliance else 1.0
     negative = solver.negative_pivots - (without_work and compliance < 0)
-    return Mode(eigenvalue, x, negative, compliance, share)
+    return CriticalMode(eigenvalue, x, negative, compliance, share)

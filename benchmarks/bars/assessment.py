@@ -76,7 +76,7 @@ class Summary(NamedTuple):
     failed: int
     zeros: int
     unknown: int
-    judged: int
+    assessed: int
     reached: int
     least_first: float
     least_later: float
@@ -116,7 +116,7 @@ def title(run: dict[str, Any]) -> str:
 def told(found: Summary) -> str:
     """The summary as text."""
     return (f"{found.runs} runs, {found.failed} without an answer, {found.reached} reached, {found.zeros} of zeros, "
-            f"{found.unknown} with errors below the reference's uncertainty, {found.judged} judged by their last mesh.\n"
+            f"{found.unknown} with errors below the reference's uncertainty, {found.assessed} assessed by their last mesh.\n"
             f"Smallest efficiency on first meshes {found.least_first:.2f}, on later ones {found.least_later:.2f}; median "
             f"{found.median:.2f}; above {LARGE:g}: {found.share_large:.1%}. Runs that break the rule: {len(found.broken)}. "
             f"The rule {'holds' if found.holds else 'is broken'}.\n")  # fmt: skip

@@ -3,13 +3,14 @@
 import numpy as np
 
 from skancf.dynamics.state import State
-from skancf.dynamics.turning import SAME, nodal_frames
+from skancf.dynamics.turning import nodal_frames
 from skancf.layout.layout import Layout
 from skancf.linear import Constraints
+from skancf.tolerances import ROUNDED_PROJECTION
 from skancf.vectors import rotation, rotation_vector, sum_of_cross
 
 
-class Between:
+class StateInterpolation:
     r"""States between others, in a frame that moves and turns with the body.
 
     .. math:: r(t) = c(t) + R(t)\,x(t), \qquad R(t) = \exp(\psi(t) \times),
@@ -21,8 +22,8 @@ class Between:
 
     def __init__(self, layout: Layout, constraints: Constraints):
         held, self.layout = np.trace(constraints.of_vectors(), axis1=2, axis2=3), layout
-        self.places = _or_all((held[:, 0] > 3 - SAME) & layout.moves, layout.moves)
-        self.turning = _or_all((held[:, 1:3] > 2 - SAME).all(axis=1) & layout.moves, layout.moves)
+        self.places = _or_all((held[:, 0] > 3 - ROUNDED_PROJECTION) & layout.moves, layout.moves)
+        self.turning = _or_all((held[:, 1:3] > 2 - ROUNDED_PROJECTION).all(axis=1) & layout.moves, layout.moves)
 
     def cubic(self, t: float, times: np.ndarray, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and rates at a time between two, cubic in that frame.

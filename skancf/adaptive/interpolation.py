@@ -14,11 +14,10 @@ from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.solution import Solution
 from skancf.system.system import System
+from skancf.tolerances import ONE_PLACE, ROUNDED_VALUE
 
 # Places of nodes in the elements of another mesh of the same tree are multiples of this.
 FINEST = 2.0**20
-SAME = 1e-13
-"""Undeformed surfaces of two meshes that differ by less than this, relative, are one."""
 
 
 class Interpolation:
@@ -101,7 +100,7 @@ class Interpolation:
         """Nodes (m,) with a gap, the frames (m, 3, 3) of the old undeformed surface there, and the gap (m, 4, 3)."""
         before = nodal(np.asarray((self.matrix @ self.old.undeformed.reshape(-1, AXES)).ravel()))
         gap = self.new.undeformed - before
-        nodes = np.flatnonzero(np.abs(gap).max(axis=(1, 2)) > SAME * np.abs(before).max())
+        nodes = np.flatnonzero(np.abs(gap).max(axis=(1, 2)) > ROUNDED_VALUE * np.abs(before).max())
         return nodes, _frames(before[nodes])[0], gap[nodes]
 
 
@@ -188,7 +187,7 @@ def require_one_tree(old: Geometry, new: Geometry) -> None:
     if one is not two and not (np.array_equal(one.points, two.points) and np.array_equal(one.corners, two.corners)):
         raise InputError("transfer: the meshes grow from different coarse meshes; refine or coarsen one and the same")
     here, there = (g.surface.position(*one.points) for g in (old, new))
-    if one.closed != two.closed or np.abs(here - there).max() > 1e-9 * np.abs(here).max():
+    if one.closed != two.closed or np.abs(here - there).max() > ONE_PLACE * np.abs(here).max():
         raise InputError("transfer: the meshes lie on different surfaces")
     if old.theory.nodal_vectors != new.theory.nodal_vectors:
         raise InputError(f"transfer: the state is one of theory {old.theory.name!r}, the system of {new.theory.name!r}; "

@@ -5,8 +5,8 @@ import pytest
 from problems import SURFACES
 
 import skancf as sk
-from skancf.adaptive import carried
-from skancf.adaptive.between import Interpolation
+from skancf.adaptive import remap
+from skancf.adaptive.interpolation import Interpolation
 from skancf.adaptive.momenta import Momenta
 from skancf.errors import InputError
 from skancf.meshes import quadtree, uniform
@@ -107,7 +107,7 @@ def test_finer_and_unsettled_is_exact(rng):
     old, new = (on("flat", m, sk.Kirchhoff(assumed=False)) for m in (mesh, finer(mesh)))
     state = bent(old, rng)
     a = rng.normal(size=old.n_dofs)
-    found = carried(state, new, a, settle=False)
+    found = remap(state, new, a, settle=False)
     assert found.v is not None and found.a is not None
     points = rng.uniform(0, 1, (40, 2)) * (1.0, 0.8)
     for before, after in ((state.q, found.q), (state.velocity, found.v), (a, found.a)):
@@ -128,7 +128,7 @@ def test_settled_a_finer_mesh_has_no_more_energy(theory, rng):
     rises = []
     for state in struck(system, rng):
         new = on("flat", system.mesh.refined(), theory, thickness=0.01)
-        plain, settled = (carried(state, new, settle=settle).change for settle in (False, True))
+        plain, settled = (remap(state, new, settle=settle).change for settle in (False, True))
         energy = state.strain_energy + state.kinetic_energy
         rises.append(plain.energy / energy)
         assert settled.energy < EXACT * energy and settled.raised == 0
@@ -154,7 +154,7 @@ def test_curved_bodies_move_rigidly_without_strain(name, theory, rng):
 
     for start, end in ((moving(old), moving(new)), (moving(new), moving(old))):
         between = Interpolation(start.system.geometry, end.system.geometry)
-        exact, found = end.system, carried(start, end.system)
+        exact, found = end.system, remap(start, end.system)
         assert np.abs(found.q - end.q).max() < 1e-12
         assert np.abs(between.rates(start.q, start.velocity) - end.velocity).max() < 1e-12 * np.abs(end.velocity).max()
         stiff = 1e6 * 0.02 * 10
@@ -192,7 +192,7 @@ def test_free_bodies_keep_their_momenta(name, theory, change, rng):
     mesh = tree(name)
     old, new = (on(name, m, theory) for m in (mesh, change(mesh)))
     state = bent(old, rng)
-    found = carried(state, new).change
+    found = remap(state, new).change
     assert off(found, state) < EXACT and np.abs(found.momenta[0]).min() > 1e-3
     if name == "flat":
         assert found.moved < 1e-13
@@ -204,7 +204,7 @@ def test_a_projection_alone_loses_angular_momentum(rng):
     mesh = tree("flat")
     old, new = (on("flat", m, "kirchhoff") for m in (mesh, coarser(mesh)))
     state = held(old, rng)
-    found = carried(state, new, state.velocity)
+    found = remap(state, new, state.velocity)
     assert found.a is not None
     plain = new.momenta(found.q, found.a)
     lost = np.linalg.norm(plain - state.momenta, axis=1) / np.linalg.norm(state.momenta, axis=1)
@@ -218,7 +218,7 @@ def test_supported_bodies_keep_theirs_too(theory, supports, rng):
     mesh = tree("flat")
     old, new = (on("flat", m, theory, supports) for m in (mesh, coarser(mesh)))
     state = held(old, rng)
-    found = carried(state, new)
+    found = remap(state, new)
     assert found.v is not None and off(found.change, state) < EXACT
     assert not new.constraints.fixed_part(found.v).any()
     assert np.array_equal(new.constraints.fixed_part(found.q), new.constraints.fixed_part(new.undeformed))
@@ -236,7 +236,7 @@ def test_the_energy_never_rises(theory, change, rng):
             for speed in (1.0, 30.0):
                 rough = held(old, rng, amplitude)
                 state = sk.Solution(old, rough.q, speed * rough.velocity, time=0.25)
-                found = carried(state, new).change
+                found = remap(state, new).change
                 energy = found.strain_energy[0] + found.kinetic_energy[0]
                 if found.raised:
                     assert found.factor == 0 and found.raised == found.energy > 0
@@ -275,7 +275,7 @@ def test_states_of_a_motion(theory, rng):
     for state in struck(system, rng, t_end=0.02):
         new = on("flat", system.mesh.coarsened(np.arange(0, system.mesh.nelements // 2)), theory, thickness=0.005)
         assert new.mesh.nelements < system.mesh.nelements
-        found = carried(state, new).change
+        found = remap(state, new).change
         energy = state.strain_energy + state.kinetic_energy
         assert -0.2 * energy < found.energy <= EXACT * energy and found.raised == 0
         assert off(found, state) < EXACT and found.moved < {"kirchhoff": 1e-12, "full": 1e-6}[theory]
@@ -288,8 +288,8 @@ def test_refined_and_coarsened_again(name, theory, rng):
     mesh = tree(name)
     old, new = (on(name, m, theory) for m in (mesh, finer(mesh)))
     state, a = bent(old, rng), rng.normal(size=old.n_dofs)
-    up = carried(state, new, a, settle=False)
-    back = carried(sk.Solution(new, up.q, up.v, 0.25), old, up.a)
+    up = remap(state, new, a, settle=False)
+    back = remap(sk.Solution(new, up.q, up.v, 0.25), old, up.a)
     assert back.v is not None and np.array_equal(back.q, state.q) and np.array_equal(back.a, a)
     # Where the energy of the same positions on both meshes is not the same one.
     if back.change.factor == 1:
@@ -311,7 +311,7 @@ def test_moving_supports_keep_their_rate(theory, change):
         v = np.zeros((old.geometry.n_nodes, 4, 3))
         v[:, 0, 2] = rate + off_by
         q = old.undeformed + old.prescribed(sk.Case(time=0.25))
-        found = carried(sk.Solution(old, q, v.ravel(), time=0.25), new)
+        found = remap(sk.Solution(old, q, v.ravel(), time=0.25), new)
         assert found.v is not None
         edge = found.v.reshape(-1, 4, 3)[new.geometry.nodes_on("left"), 0]
         # Differences over 1e-7 s.
@@ -319,7 +319,7 @@ def test_moving_supports_keep_their_rate(theory, change):
         assert np.array_equal(new.constraints.fixed_part(found.q - new.undeformed), new.prescribed(sk.Case(time=0.25)))
     # Nodes at which nothing was known move with the support.
     q = old.undeformed + old.prescribed(sk.Case(time=0.25))
-    still = carried(sk.Solution(old, q, np.zeros(old.n_dofs), time=0.25), new)
+    still = remap(sk.Solution(old, q, np.zeros(old.n_dofs), time=0.25), new)
     assert still.v is not None and np.abs(still.v).max() < 1e-6
 
 
@@ -328,7 +328,7 @@ def test_at_rest(theory, rng):
     """Nothing moves that did not, and without a velocity there is none."""
     mesh = tree("tube")
     old, new = (on("tube", m, theory) for m in (mesh, coarser(mesh)))
-    found = carried(sk.Solution(old, old.undeformed), new)
+    found = remap(sk.Solution(old, old.undeformed), new)
     assert found.v is None and found.a is None and np.abs(found.q - new.undeformed).max() < 1e-12
     assert not found.change.kinetic_energy.any() and found.change.raised == 0
 
@@ -337,4 +337,4 @@ def test_what_is_refused(rng):
     system = on("flat", tree("flat"), "kirchhoff")
     other = on("flat", quadtree(uniform(SURFACES["flat"][0], 3, 2)), "kirchhoff")
     with pytest.raises(InputError, match="grow from different coarse meshes"):
-        carried(held(system, rng), other)
+        remap(held(system, rng), other)

@@ -15,10 +15,10 @@ from types import TracebackType
 
 import numpy as np
 
-from skancf.adaptive.between import Interpolation, is_finer, require_one_tree
+from skancf.adaptive.interpolation import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
-from skancf.dynamics.prescribed import prescribed_rate
+from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
 from skancf.errors import SingularMatrix, vector
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
@@ -26,17 +26,14 @@ from skancf.solving import End, Status, iterate
 from skancf.statics.stopping import work
 from skancf.system.linearised import Exact
 from skancf.system.system import System
+from skancf.tolerances import ROUNDED_PRODUCT
 
 STEPS, ENOUGH = 3, 1e-2
 """Steps towards the internal forces, at most, and the excess of strain energy over the energy where they end."""
-NOTHING = 1e-12
-"""Relative changes that are rounding."""
-MOMENT = 1e-7
-"""Time over which prescribed coordinates are differenced (s), and relative to the time."""
 
 
 @dataclass(frozen=True)
-class Change:
+class RemapChange:
     """What a change of mesh did to a state.
 
     Attributes
@@ -73,23 +70,23 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Carried:
+class Remapped:
     """Nodal coordinates on the new mesh, their rates and accelerations (None where none were given), and the change."""
 
     q: np.ndarray
     v: np.ndarray | None
     a: np.ndarray | None
-    change: Change
+    change: RemapChange
 
 
-def carried(
+def remap(
     state: Solution,
     system: System,
     acceleration: np.ndarray | None = None,
     *,
     settle: bool = True,
     backend: str = "auto",
-) -> Carried:
+) -> Remapped:
     """A state in motion on another mesh of the same quadtree, with the same theory.
 
     Parameters
@@ -134,7 +131,7 @@ def carried(
             v = now.corrected(passage.velocity(), before)
             if settle:
                 v, factor = now.slowed(v, passage.energy - passage.strain_energy(system, q))
-        return Carried(q, v, a, passage.change(q, v, factor))
+        return Remapped(q, v, a, passage.change(q, v, factor))
 
 
 class _Mass:
@@ -190,7 +187,7 @@ class _Passage:
     @staticmethod
     def _significant(lost: np.ndarray, whole: np.ndarray) -> np.ndarray:
         """What was lost, or exactly nothing."""
-        return lost if np.abs(lost).max() > NOTHING * np.abs(whole).max() else np.zeros_like(lost)
+        return lost if np.abs(lost).max() > ROUNDED_PRODUCT * np.abs(whole).max() else np.zeros_like(lost)
 
     def _centred(self) -> np.ndarray:
         """The positions of the nodes, of a free body with the centre of mass of what was lost."""
@@ -242,7 +239,7 @@ class _Passage:
     def _is_settled(self, excess: float) -> bool:
         """Was nothing lost on coarser elements, or is the strain energy the same?"""
         lost_nothing = self._lost is not None and not self._lost.any()
-        return lost_nothing or abs(excess) <= NOTHING * self.energy
+        return lost_nothing or abs(excess) <= ROUNDED_PRODUCT * self.energy
 
     def net_force(self, system: System, q: np.ndarray) -> np.ndarray:
         return system.external_force(q, self.state.case) - system.internal_force(q)
@@ -254,15 +251,15 @@ class _Passage:
     def strain_energy(self, system: System, q: np.ndarray) -> float:
         return system.strain_energy(q, self.state.case)
 
-    def change(self, q: np.ndarray, v: np.ndarray | None, factor: float) -> Change:
+    def change(self, q: np.ndarray, v: np.ndarray | None, factor: float) -> RemapChange:
         state, still = self.state, Solution(self.new, q, v)
         strain = np.array([self._strain, self.strain_energy(self.new, q)])
         kinetic = np.array([state.kinetic_energy, still.kinetic_energy])
         rise = float(np.diff(strain + kinetic)[0])
         centres = [moment / mass for moment, mass in (_moments(self.old, state.q), _moments(self.new, q))]
-        return Change(
+        return RemapChange(
             strain, kinetic, np.stack([state.momenta, still.momenta]), factor,
-            rise if rise > NOTHING * self.energy else 0.0, float(np.linalg.norm(centres[1] - centres[0])),
+            rise if rise > ROUNDED_PRODUCT * self.energy else 0.0, float(np.linalg.norm(centres[1] - centres[0])),
         )  # fmt: skip
 
 
@@ -301,7 +298,7 @@ class _Excess:
     passage: _Passage
     excess: float
 
-    def judge(self, q: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
+    def assess(self, q: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
         left = self.passage.excess(q + change)
         if not abs(left) < abs(self.excess):
             return Status.DIVERGED, ""
@@ -311,7 +308,7 @@ class _Excess:
 
 def _rate(system: System, time: float | None) -> np.ndarray:
     """The rate of the prescribed coordinates, (n_dofs,)."""
-    return np.zeros(system.n_dofs) if time is None else prescribed_rate(system, time, MOMENT * max(1.0, abs(time)))
+    return np.zeros(system.n_dofs) if time is None else prescribed_rate(system, time, RATE_STEP * max(1.0, abs(time)))
 
 
 def _moments(system: System, q: np.ndarray) -> tuple[np.ndarray, float]:

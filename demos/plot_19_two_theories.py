@@ -205,7 +205,7 @@ EQUAL = 1e-10
 
 
 def compare(name: str, mesh: object, say: Callable) -> sk.Solution:
-    """Solve by forms, and with the library's solver from there; AssertionError where they differ."""
+    """Solve by forms, and with the library's own solver; AssertionError where they differ."""
     theory = THEORIES[name]
     system = PLATE.on(mesh, theory.theory)
     say(f"theory '{name}', {system.n_dofs} unknowns, {system.to_mesh.shape[0]} degrees of freedom of the basis")

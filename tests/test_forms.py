@@ -362,6 +362,51 @@ def test_the_books_of_a_motion_balance(theory):
     assert np.abs(ledger.balance).max() < 1e-8 * ledger.turnover[-1]
 
 
+@theories
+def test_a_tangent_that_is_not_symmetric_counts_whole_in_small_deflections(theory):
+    """A pressure along the slope in a stream: as the large deflections of a small load, and eigenvalues warn."""
+    surface = sk.Rectangle(1.0, 0.5)
+    mesh, load = sk.meshes.uniform(surface, 3, 2), [sk.SurfaceLoad((0.0, 0.0, -1e-4))]
+    stream = sk.FormTerm(residual=lambda v, w: 8.0 * w.r_x[2] * v[2])
+    found = []
+    for terms in ([stream], [sk.FormTerm(residual=lambda v, w: 0.0 * v[2])]):
+        system = problem(surface, terms, [sk.Clamp("left")], load).on(mesh, theory)
+        small, large = sk.solve_linear(system), sk.solve(system, rtol=1e-10).unwrap()
+        assert close(small.change, large.change, 1e-5)
+        assert np.allclose(small.reactions(), large.reactions(), rtol=1e-5, atol=1e-12)
+        found.append(small.displacement((1.0, 0.5))[2])
+    assert abs(found[0] / found[1] - 1) > 0.05, "the stream counts"
+    streaming = problem(surface, [stream], [sk.Clamp("left")], load)
+    with pytest.warns(sk.OutOfDepth, match="terms of one's own, have no potential"):
+        sk.modes(streaming.on(mesh, theory), 1)
+    small, large = (sk.adapt(streaming, sk.Displacement((1.0, 0.5), (0, 0, 1)), rtol=1e-2, linear=linear, mesh=mesh,
+                             theory=theory, max_dofs=3000) for linear in (True, False))  # fmt: skip
+    assert np.isclose(small.value, large.value, rtol=1e-4) and np.isclose(small.error_bar, large.error_bar, rtol=1e-2)
+
+
+@pytest.mark.parametrize("rule", [sk.EnergyMomentum(rho_inf=1.0), sk.GeneralizedAlpha(1.0)])
+def test_what_time_does_to_an_energy_is_work(rule):
+    """A foundation that hardens while a plate swings on it; a residual alone, of which all is work, moves it alike."""
+    surface = sk.Rectangle(1.0, 0.5)
+
+    def hard(w):
+        return 2e3 * (1 + 100 * w.time)
+
+    forms = {"energy": lambda w: 0.5 * hard(w) * w.u[2] ** 2}, {"residual": lambda v, w: hard(w) * w.u[2] * v[2]}
+    ends = []
+    for form in forms:
+        system = problem(surface, [sk.FormTerm(**form)]).on(sk.meshes.uniform(surface, 1, 1), "kirchhoff")
+        motion = sk.simulate(system, 0.05, dt=0.001, rule=rule, velocity=sk.RigidVelocity((0.0, 0.0, 1.0)), outputs=2,
+                             balance=None, progress=False)  # fmt: skip
+        ledger = motion.ledger
+        assert system.others[0].timed == ("energy" in form)
+        assert np.abs(ledger.work).max() > 0.05 * ledger.kinetic[0], "time does work"
+        # Means of ends and middles of steps of a thirtieth of a period.
+        assert np.abs(ledger.balance).max() < 5e-3 * ledger.turnover[-1]
+        ends.append(motion.q[-1])
+    assert close(*ends, 1e-3)
+
+
 # --- what is refused -------------------------------------------------------------------------------------------------
 
 WRONG = {

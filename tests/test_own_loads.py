@@ -363,3 +363,46 @@ def test_what_adapt_says_of_loads_of_ones_own():
         sk.adapt(screwed("kirchhoff", [Follower(-3.0, AT)]).problem, sk.SectionForce("M11", at=AT), 1e-2)
     with pytest.raises(sk.NoLimit, match="a Timed there sinks"):
         sk.adapt(screwed("full", [Timed(AT, (0, 0, -1.0), Bends())]).problem, sk.Displacement(AT), 1e-2, theory="full")
+
+
+class Wrongly:
+    """A load whose class on a mesh has some methods of one's own."""
+
+    def __init__(self, **methods):
+        self.methods = methods
+
+    def on(self, assembly):
+        return type("WronglyOnMesh", (Acting,), self.methods)()
+
+
+def given(value):
+    return lambda self, *_: value
+
+
+@pytest.mark.parametrize("methods, message", [
+    ({"force": given(np.zeros((3, 4, 3)))}, r"force of the load .* of shape \(3, 4, 3\); give finite numbers of shape"),
+    ({"force": given(np.zeros(108))}, r"of shape \(108,\); give finite numbers of shape \(9, 4, 3\)"),
+    ({"force": given(None)}, r"= None, of shape \(\); give finite numbers of shape \(9, 4, 3\)"),
+    ({"force": given(np.full((9, 4, 3), np.nan))}, r"give finite numbers of shape \(9, 4, 3\)"),
+    ({"force": given(np.zeros((9, 4, 3), complex))}, r"give finite numbers of shape \(9, 4, 3\)"),
+    ({"initial_stresses": given(np.zeros(3))}, r"initial_stresses of the load .* of shape \(3,\); give"),
+])  # fmt: skip
+def test_loads_of_ones_own_are_looked_at_when_a_system_is_made(methods, message):
+    problem = sk.Problem(PLATE, 0.1, sk.Isotropic(1e6, 0.3, 1e3), [sk.Clamp("left")], [Wrongly(**methods)])
+    with pytest.raises(sk.InputError, match=message):
+        problem.on(sk.meshes.uniform(PLATE, 2, 2))
+
+
+@pytest.mark.parametrize("elements, matrices, message", [
+    ([0], np.eye(12)[None], r"matrices of shape \(1, 12, 12\) for 1 elements: give \(1, 48, 48\)"),
+    ([0], 1j * np.eye(48)[None], "of real numbers"),
+    ([4], np.eye(48)[None], r"elements array\(\[4\]\): give whole numbers \(m,\) from 0 to 3"),
+    ([-1], np.eye(48)[None], "from 0 to 3"), ([0.0], np.eye(48)[None], "give whole numbers"),
+])  # fmt: skip
+def test_stiffnesses_of_ones_own_are_looked_at_before_compiled_code_is(elements, matrices, message):
+    load = Wrongly(add_stiffness=lambda self, q, case, blocks: blocks.add(np.array(elements), matrices))
+    problem = sk.Problem(PLATE, 0.1, sk.Isotropic(1e6, 0.3, 1e3), [sk.Clamp("left")], [load])
+    system = problem.on(sk.meshes.uniform(PLATE, 2, 2))
+    for asked in (system.tangent, system.skew):
+        with pytest.raises(sk.InputError, match=message):
+            asked(system.undeformed)

@@ -295,9 +295,11 @@ def forces_at_rest(system: System, state: State) -> Forces:
 
 
 def heat(system: System, start: State, end: State) -> float:
-    """Change of the strain energy with the temperature, the mean of that at both ends."""
-    if not system.shell.heats:
+    """Change of the strain energy with the temperature, and of other energies with time, the mean of that at both ends."""
+    timed = [term for term in system.others if term.timed]
+    if not (system.shell.heats or timed):
         return 0.0
     at = [Case(time=start.time), Case(time=end.time)]
     values = [system.shell.energy(s.q, at[1]) - system.shell.energy(s.q, at[0]) for s in (start, end)]
+    values += [(term.energy(s.q, at[1]) or 0.0) - (term.energy(s.q, at[0]) or 0.0) for term in timed for s in (start, end)]
     return 0.5 * sum(values)

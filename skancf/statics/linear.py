@@ -6,7 +6,7 @@ import numpy as np
 
 from skancf.errors import DidNotConverge, OutOfDepth
 from skancf.history import Case
-from skancf.linear import DirectSolver
+from skancf.linear import DirectSolver, SkewSolver
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.diagnosis import require_support
@@ -74,6 +74,7 @@ def change_by(system: System, solver: DirectSolver, load_factor: float = 1.0) ->
     whole."""
     model, case = Linearised(system), Case(load_factor)
     moved = model.held(load_factor)
-    change = solver.solve(model.external_force(moved, case) - model.internal_force(moved, None, case)) + moved
+    tangent = SkewSolver(system.stiffness(), model.skew(moved), solver)
+    change = tangent.solve(model.external_force(moved, case) - model.internal_force(moved, None, case)) + moved
     solver.warn_if_lost()
     return change

@@ -91,7 +91,7 @@ FAR = "the first correction turns a slope by {:.2g} of its length, more than the
 def skew_part(system: Any, q: np.ndarray, load_factor: float) -> sp.csr_matrix | None:
     """Skew-symmetric part of the tangent at (q, load factor); None if there is none."""
     hook: Any = getattr(system, "skew", None)
-    return hook(q, Case(load_factor)) if hook and load_factor else None
+    return hook(q, Case(load_factor)) if hook and (load_factor or getattr(system, "others", None)) else None
 
 
 def factored(

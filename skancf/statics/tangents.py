@@ -13,8 +13,8 @@ from skancf.system.system import System
 from skancf.tolerances import ROUNDED_PRODUCT
 
 SYMMETRIC_ONLY = (
-    "Loads that follow a free edge have no potential, so that the tangent is not symmetric: only its symmetric part is "
-    "counted, and flutter is not found; a run of simulate(system) shows it"
+    "Loads that follow a free edge, or terms of one's own, have no potential, so that the tangent is not symmetric: only "
+    "its symmetric part is counted, and flutter is not found; a run of simulate(system) shows it"
 )
 
 

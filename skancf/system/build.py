@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import having
-from skancf.errors import shown
+from skancf.errors import InputError, shown
 from skancf.functions import Noted, is_ours
 from skancf.history import FULL
 from skancf.layout.constrain import constrain
@@ -51,7 +51,20 @@ def _acting(load: Any, assembly: Assembly) -> Any:
         acting = load.on(assembly)
     having(f"load.on of {shown(load)}", acting, [name for name in vars(Acting) if not name.startswith("_")],
            "what acts on the mesh, of a class that is derived from skancf.loads.acting.Acting")  # fmt: skip
+    start, shape = assembly.geometry.undeformed, assembly.sections.reference.shape[1:]
+    with Noted("load.force or load.initial_stresses"):
+        force, stresses = acting.force(start.copy(), FULL), acting.initial_stresses(FULL)
+    _check_values(f"force of the load {shown(load)}", force, start.shape)
+    if stresses is not None:
+        _check_values(f"initial_stresses of the load {shown(load)}", stresses, (assembly.geometry.n_elements, *shape))
     return acting
+
+
+def _check_values(name: str, values: Any, shape: tuple[int, ...]) -> None:
+    array = np.asarray(values)
+    if array.shape != shape or array.dtype.kind not in "fiu" or not np.isfinite(array).all():
+        raise InputError(f"{name} in the undeformed state = {shown(values)}, of shape {array.shape}; give finite numbers of "
+                         f"shape {shape}")  # fmt: skip
 
 
 def _matrices(name: str, supports: Sequence[Any], assembly: Assembly) -> list[tuple[np.ndarray, np.ndarray]]:

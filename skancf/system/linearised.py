@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -188,20 +189,30 @@ class Linearised(Model):
     def internal_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """With what terms beside the shell have in the undeformed state."""
         force, others = self.system.stiffness() @ x, getattr(self.system, "others", None)
-        return force + others.force(self.system.undeformed, None, case) if others else force
+        if not others:
+            return force
+        force = force + others.force(self.system.undeformed, None, case)
+        return force if self._skew is None else force + self._skew @ x
 
     def external_force(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:
         return case.factor * self.system.external_force(self.system.undeformed)
 
     def others_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         force, springs = self.system.others.force(self.system.undeformed, None, case), self.system.foundation
-        return force if springs is None else force + springs @ x
+        force = force if springs is None else force + springs @ x
+        return force if self._skew is None else force + self._skew @ x
+
+    @cached_property
+    def _skew(self) -> sp.csr_matrix | None:
+        """Of the structure's terms; loads are those on the undeformed state and have none."""
+        others = getattr(self.system, "others", None)
+        return others.skew(self.system.undeformed) if others else None
 
     def tangent(self, x: np.ndarray, case: Case = FULL) -> BlockMatrix:
         return self.system.stiffness()
 
     def skew(self, x: np.ndarray, case: Case = FULL) -> sp.csr_matrix | None:
-        return None
+        return self._skew
 
     def elastic(self, x: np.ndarray) -> BlockMatrix:
         return self.system.stiffness()

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from skancf.errors import InputError, shown
 from skancf.kernels import gather
-from skancf.kernels.constants import AXES, BLOCK, FUNCTIONS
+from skancf.kernels.constants import AXES, BLOCK, FUNCTIONS, LOCAL
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.linear import BlockMatrix, BlockPattern
@@ -107,17 +107,36 @@ class OnElements:
         return bool(self.blocks.skew)
 
     def add(self, elements: np.ndarray, matrices: np.ndarray) -> None:
-        """Add matrices (m, 48, 48) of elements (m,), component by component."""
+        """Add matrices (m, 48, 48) of elements (m,), component by component.
+
+        Raises
+        ------
+        InputError
+            For matrices of another shape, and for elements that are none of the mesh.
+        """
+        elements, matrices = _of_elements(elements, matrices, len(self.cells))
         if self.skew:
             self.blocks.add(self.cells[elements], nodal_matrices(self.geometry, elements, matrices))
             return
         whole = 0.5 * (matrices + matrices.swapaxes(1, 2))
         slots = self.blocks.slots_of(self.cells)
-        gather.add_local(np.asarray(elements, np.int32), whole, self.geometry.maps, slots, self.blocks.values)
+        gather.add_local(elements.astype(np.int32), whole, self.geometry.maps, slots, self.blocks.values)
 
     def run(self, kernel: Any, *arguments: Any) -> None:
         """``kernel(start, stop, order, *arguments, slots, values)`` over all elements."""
         self._schedule.run(kernel, *arguments, self.blocks.slots_of(self.cells), self.blocks.values)
+
+
+def _of_elements(elements: Any, matrices: Any, n_elements: int) -> tuple[np.ndarray, np.ndarray]:
+    """Both as arrays; compiled code would read what is not there."""
+    elements, matrices = np.asarray(elements), np.asarray(matrices)
+    if elements.ndim != 1 or elements.dtype.kind not in "iu" or not ((elements >= 0) & (elements < n_elements)).all():
+        raise InputError(f"elements {shown(elements)}: give whole numbers (m,) from 0 to {n_elements - 1}")
+    wanted = (len(elements), LOCAL, LOCAL)
+    if matrices.shape != wanted or matrices.dtype.kind not in "fiu":
+        raise InputError(f"matrices of shape {matrices.shape} for {len(elements)} elements: give {wanted}, of real numbers, "
+                         "component by component of their local vectors")  # fmt: skip
+    return elements, matrices
 
 
 def nodal_matrices(geometry: Geometry, elements: np.ndarray, matrices: np.ndarray) -> np.ndarray:

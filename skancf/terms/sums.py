@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.history import FULL, Case, no_case
 from skancf.linear import BlockMatrix
-from skancf.terms.blocks import Blocks
+from skancf.terms.blocks import Blocks, SkewBlocks
 from skancf.terms.term import Term
 
 
@@ -46,6 +47,12 @@ class Terms(Sequence[Term]):
         blocks = self._blocks()
         self.add_tangents(q, None, case, blocks)
         return None if blocks.is_zero else blocks.matrix()
+
+    def skew(self, q: np.ndarray, case: Case = FULL) -> sp.csr_matrix | None:
+        """Its skew part; None where it is zero."""
+        blocks = SkewBlocks(self._blocks().pattern)
+        self.add_tangents(q, None, case, blocks)
+        return blocks.skew_matrix()
 
     def add_tangents(self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Blocks, first: int = 0) -> None:
         """Add those of all from the ``first`` one on."""

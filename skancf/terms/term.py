@@ -24,9 +24,12 @@ class Term:
     load : bool
         Whether it acts from outside: it counts with the load factor, by ``case.amplitude(history)``, and its work is that
         of loads. Other terms belong to the structure.
+    timed : bool
+        Whether its energy depends on the time, too: what time does to it is booked as work.
     """
 
     load: bool = False
+    timed: bool = False
 
     def bind(self, blocks: Blocks) -> None:
         """Called once, when all terms are known, with sums of its own to keep constant matrices from. Default: nothing."""

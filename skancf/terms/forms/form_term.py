@@ -161,6 +161,15 @@ def _check_form(name: str, form: Any) -> None:
         return  # a builtin has no signature
 
 
+class _Watched(Case):
+    """A case that notes whether a form reads its time."""
+
+    def __getattribute__(self, name: str) -> Any:
+        if name == "time":
+            vars(self)["read"] = True
+        return super().__getattribute__(name)
+
+
 class OnSurface(Term):
     """Forms at the points of a mesh.
 
@@ -182,6 +191,7 @@ class OnSurface(Term):
     def _check(self) -> None:
         """InputError for forms that are wrong at the undeformed state, or not analytic where that is needed."""
         case, rng = Case(time=0.0), np.random.default_rng(0)
+        watched = _Watched(time=0.0)
         for chunk in self.chunks:
             for name, form in self.forms.items():
                 tests = [integrand.every(chunk)] * list(FORMS).index(name)
@@ -192,6 +202,10 @@ class OnSurface(Term):
                                      "on the velocity as a residual")  # fmt: skip
                 self._of_velocity |= VELOCITY in read and name == "residual"
         chunk = self.chunks[0]
+        if "energy" in self.forms:
+            vars(watched)["read"] = False
+            self.forms["energy"](chunk, chunk.undeformed.jet, watched)
+            self.timed = vars(watched)["read"]
         if "residual" in self.forms:
             self._check_linear(chunk, case, rng)
         for name, derivative in (("energy", "residual"), ("residual", "tangent")):

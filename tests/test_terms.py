@@ -473,3 +473,35 @@ def test_a_system_lives_as_long_as_it_is_used():
         assert [each() for each in alive] == 4 * [None]
     finally:
         gc.enable()
+
+
+class Loose(Body):
+    """A body of which a direction is neither held nor has a stiffness."""
+
+    def part(self, geometry):
+        part = super().part(geometry)
+        held = part.held.copy()
+        held[0, 7] = False
+        return Part("loose", part.undeformed, part.scales, part.places, held)
+
+    def on(self, shell, layout):
+        cells = np.array([[shell.geometry.node_at(self.at), layout.part("loose").start]])
+        return Quadratic(layout, cells, between(self.stiffness), self.mass, cells[0, 1:])
+
+
+def test_what_nothing_resists_is_named_by_its_part():
+    for solve in (sk.solve_linear, sk.solve):
+        with pytest.raises(sk.InputError, match=r"nothing resists unknowns of part 'loose', in its block 0.*held"):
+            solve(on([Loose()], n=1))
+
+
+def test_solvers_turn_back_from_a_tangent_that_is_not_finite():
+    def energy(w):
+        return 20.0 * w.u[2] ** 2
+
+    def tangent(u, v, w):
+        return 40.0 * u[2] * v[2] * np.where(np.abs(w.u[2]) > 1e-3, np.nan, 1.0)
+
+    form = sk.FormTerm(energy=energy, residual=lambda v, w: 40.0 * w.u[2] * v[2], tangent=tangent)
+    result = sk.solve(on([form], n=1))
+    assert not result.ok and "not finite" in result.message

@@ -40,7 +40,10 @@ class SurfaceLoad:
 
 @dataclass(frozen=True)
 class Gravity:
-    """Dead weight of the whole body under an acceleration (m/s2), at the centre of mass of each section."""
+    """Dead weight of the whole plate or shell under an acceleration (m/s2), at the centre of mass of each section.
+
+    Bodies of terms of one's own have weights of their own.
+    """
 
     acceleration: tuple[float, float, float] = (0.0, 0.0, -9.80665)
     history: History | None = None

@@ -24,6 +24,19 @@ def require_support(system: StaticSystem) -> None:
     free = free_rigid_motions(system) if hasattr(system, "layout") else []
     if free:
         raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
+    if hasattr(system, "layout") and len(system.layout.parts) > 1:
+        _require_resistance(system)
+
+
+def _require_resistance(system: Any) -> None:
+    """InputError where nothing resists an unknown of a part beside the plate in the undeformed state."""
+    layout = system.layout
+    loose = ~system.constraints.fixed & (layout.blocks(system.stiffness().diagonal()) == 0)
+    for part in layout.parts[1:]:
+        blocks = np.flatnonzero(loose[layout.part(part.name)].any(axis=1))
+        if blocks.size:
+            raise InputError(f"no equilibrium: nothing resists unknowns of part {part.name!r}, in its block {blocks[0]} for "
+                             "one; let its term have a stiffness there, or hold them (held)")  # fmt: skip
 
 
 def diagnose(

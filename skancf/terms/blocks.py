@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.errors import InputError, shown
+from skancf.errors import InputError, SingularMatrix, shown
 from skancf.kernels import gather
 from skancf.kernels.constants import AXES, BLOCK, FUNCTIONS, LOCAL
 from skancf.kernels.schedule import Schedule
@@ -136,6 +136,7 @@ def _of_elements(elements: Any, matrices: Any, n_elements: int) -> tuple[np.ndar
     if matrices.shape != wanted or matrices.dtype.kind not in "fiu":
         raise InputError(f"matrices of shape {matrices.shape} for {len(elements)} elements: give {wanted}, of real numbers, "
                          "component by component of their local vectors")  # fmt: skip
+    _require_finite(matrices)
     return elements, matrices
 
 
@@ -157,4 +158,11 @@ def _split(cells: np.ndarray, matrices: np.ndarray) -> np.ndarray:
     if np.shape(matrices) != (m, n * BLOCK, n * BLOCK) or np.asarray(matrices).dtype.kind not in "fiu":
         raise InputError(f"matrices of shape {np.shape(matrices)} for cells of shape {(m, n)}: give "
                          f"{(m, n * BLOCK, n * BLOCK)}, {BLOCK} unknowns a block, of real numbers")  # fmt: skip
+    _require_finite(matrices)
     return np.asarray(matrices).reshape(m, n, BLOCK, n, BLOCK).transpose(0, 1, 3, 2, 4)
+
+
+def _require_finite(matrices: np.ndarray) -> None:
+    """SingularMatrix for a tangent that is not finite, from which solvers turn back as from one that is singular."""
+    if not np.isfinite(matrices).all():
+        raise SingularMatrix("the tangent of a term is not finite")

@@ -93,7 +93,10 @@ class Term:
         tried, and forces asked for, more often. Default: nothing."""
 
     def state(self) -> dict[str, Any]:
-        """What it remembers between steps, see :class:`~skancf.dynamics.HasState`. Default: nothing."""
+        """What it remembers between steps, see :class:`~skancf.dynamics.HasState`. Default: nothing.
+
+        It is not forgotten when a run ends: give another run a system of its own.
+        """
         return {}
 
     def restore(self, state: dict[str, Any]) -> None:

@@ -93,8 +93,9 @@ class FormTerm(Addition):
     Test functions u and v are vectors (3, ...), variations of r, with ``grad``, ``hess`` (`kirchhoff`) and ``d``, the
     variation of the director, with ``d.grad`` (`full`).
 
-    Integrals are over the undeformed area; over the deformed one, multiply by ``w.J``. Forms are called with some elements
-    at a time, and must be functions of what w holds.
+    Integrals are over the undeformed area of the elements, or the length of their edges, those of the interpolated surface
+    where it is curved; over the deformed area, multiply by ``w.J``. Forms are called with some elements at a time, and must
+    be functions of what w holds.
 
     Examples
     --------

@@ -118,9 +118,7 @@ class PointLaw(Protocol):
     def thinning(self) -> np.ndarray:
         """Strain 33 per unit of 11, 22, 12 in plane stress, of small strain: (3,)."""
 
-    def respond(
-        self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None
-    ) -> PointResponse:
+    def respond(self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None) -> PointResponse:
         """Plane stress at C11, C22, C12 (3, n), with a first guess of C33 (n,) and what the law remembers (n_history, n).
 
         What is out of its range is told by :attr:`PointResponse.code`, and no error.

@@ -40,9 +40,9 @@ def at_points(C, guess, par, out):
 
 @dataclass(frozen=True)
 class Gent(OfInvariants):
-    r"""Rubber of chains that end somewhere, :math:`\psi = -\tfrac{\mu J_m}{2} \ln \bigl( 1 - (J^{-2/3} I_1 - 3) / J_m \bigr)`.
+    r"""Rubber of chains that end somewhere.
 
-    A compressible one has :math:`\tfrac K4 (J^2 - 1 - 2 \ln J)` too.
+    .. math:: \psi = -\tfrac{\mu J_m}{2} \ln \Bigl( 1 - \frac{J^{-2/3} I_1 - 3}{J_m} \Bigr) + \tfrac K4 (J^2 - 1 - 2 \ln J)
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Gent(OfInvariants):
     _at_points = staticmethod(at_points)
 
     @property
-    def limit(self) -> str:
+    def limit(self) -> str:  # type: ignore[override]
         return f"I1 - 3, at equal volume, must stay below most = {self.most:g}"
 
     def _check(self) -> None:

@@ -1,6 +1,7 @@
 """What laws of rubber have in common."""
 
 from abc import abstractmethod
+from functools import cached_property
 from math import inf
 from typing import Any
 
@@ -13,16 +14,11 @@ from skancf.materials.isotropic import Isotropic
 from skancf.materials.law import SHEAR_CORRECTION, corrected
 from skancf.materials.point_law import PointResponse, deformation
 
-BULK = r"""
-    Without ``bulk`` and ``poisson`` the law is incompressible; with one of them it resists a change of volume by
-    :math:`\tfrac K4 (J^2 - 1 - 2 \ln J)`, :math:`K = 2 \mu (1 + \nu) / (3 - 6 \nu)`.
-"""
-
 
 class Rubber:
     """A law with an energy, elastic and without memory. Those of this library derive from it.
 
-    They give ``compiled``, ``_at_points`` and ``_numbers``.
+    They give ``parameters``, ``compiled`` and ``_at_points``.
     """
 
     density: float
@@ -32,19 +28,20 @@ class Rubber:
     shear_correction = SHEAR_CORRECTION
     limit = ""
     """What deformations the law has no energy for."""
+    incompressible: bool
+    """Whether volume cannot change."""
+    parameters: Any
+    """The numbers that ``compiled`` takes; of a law of invariants of this library the first is the bulk modulus."""
     compiled: Any
     """Compiled, at one point: (C11, C22, C12, guess of C33 or 0, parameters) to energy, S11, S22, S12, the six numbers of D,
     C33 and a code. For callers that are compiled themselves."""
     _at_points: Any
 
-    @property
-    @abstractmethod
-    def parameters(self) -> np.ndarray:
-        """The numbers that ``compiled`` takes; of a law of invariants the first is the bulk modulus."""
+    @cached_property
+    def _numbers(self) -> np.ndarray:
+        return np.array(self.parameters, dtype=float)
 
-    def respond(
-        self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None
-    ) -> PointResponse:
+    def respond(self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None) -> PointResponse:
         """Plane stress, without an error where there is none.
 
         Parameters
@@ -61,7 +58,7 @@ class Rubber:
         """
         n = C.shape[1]
         out = np.empty((RESULTS, n))
-        self._at_points(C, np.zeros(n) if guess is None else guess, self.parameters, out)
+        self._at_points(C, np.zeros(n) if guess is None else guess, self._numbers, out)
         return PointResponse(out[0], out[1:4], out[4:10], out[10], out[11].astype(np.int64))
 
     def plane_stress(self, C: Any, guess: Any = None) -> PointResponse:
@@ -83,11 +80,6 @@ class Rubber:
         if guess is not None:
             guess = np.ascontiguousarray(np.broadcast_to(np.asarray(guess, dtype=float), C.shape[1:]))
         return self.respond(C, guess).checked(self, C)
-
-    @property
-    def incompressible(self) -> bool:
-        """Whether volume cannot change."""
-        return bool(np.isinf(self.parameters[0]))
 
     def in_plane_stiffness(self) -> np.ndarray:
         """D of plane stress at the undeformed state, rows and columns 11, 22, 12: (3, 3) (Pa)."""
@@ -130,6 +122,11 @@ class OfInvariants(Rubber):
     @abstractmethod
     def shear_modulus(self) -> float:
         """Of small strain (Pa)."""
+
+    @property
+    def incompressible(self) -> bool:  # type: ignore[override]
+        """Whether volume cannot change."""
+        return bool(np.isinf(self.bulk_modulus))
 
     @property
     def rest_poisson(self) -> float:

@@ -65,8 +65,8 @@ class MooneyRivlin(OfInvariants):
         number("c10", self.c10)
         number("c01", self.c01)
         if not self.shear_modulus > 0:
-            raise InputError(f"c10 = {self.c10}, c01 = {self.c01}: the shear modulus 2 (c10 + c01) = {self.shear_modulus} Pa "
-                             "must be greater than zero")  # fmt: skip
+            raise InputError(f"c10 = {self.c10}, c01 = {self.c01}: the shear modulus 2 (c10 + c01) = {self.shear_modulus} "
+                             "Pa must be greater than zero")  # fmt: skip
 
     @property
     def shear_modulus(self) -> float:

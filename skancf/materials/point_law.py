@@ -130,12 +130,6 @@ def is_point_law(material: Any) -> bool:
     return not isinstance(material, type) and callable(getattr(material, "plane_stress", None))
 
 
-def point_law_of(material: Any) -> PointLaw:
-    """A law at points as sections know it."""
-    law: PointLaw = material
-    return law
-
-
 def deformation(C: Any, rows: int = 3) -> np.ndarray:
     """C as (rows, n) floats."""
     array = np.ascontiguousarray(finite("C", C))

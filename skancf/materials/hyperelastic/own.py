@@ -118,6 +118,10 @@ class Hyperelastic(Rubber):
     def _at_points(self) -> Any:
         return self._kernels.at_points
 
+    @property
+    def _in_solids(self) -> Any:
+        return self._kernels.in_solids
+
     @cached_property
     def _rest(self) -> tuple[float, ...]:
         """Energy, first and second derivatives by C11, C22, C12, C33 at the undeformed state."""

@@ -22,9 +22,11 @@ from math import inf, isfinite, nan, sqrt
 from typing import Any, NamedTuple
 
 import numba
+import numpy as np
 
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, point_function
+from skancf.materials.hyperelastic.solid_kernels import store_solid
 from skancf.materials.point_law import BEYOND, FINE, FOLDED
 
 TINY_STEP = 2.0**-100
@@ -36,18 +38,19 @@ DIAGONAL = complex(sqrt(0.5), sqrt(0.5))
 
 
 class Kernels(NamedTuple):
-    """Of one energy: ``at_point`` and ``at_points`` as those of other laws, and ``at_rest``, all derivatives by a, b, d, c
-    as :func:`skancf.materials.hyperelastic.kernels.of_components`."""
+    """Of one energy: ``at_point``, ``at_points`` and ``in_solids`` as those of other laws; ``at_rest``, all derivatives by
+    a, b, d, c as :func:`skancf.materials.hyperelastic.kernels.of_components`."""
 
     at_point: Any
     at_points: Any
     at_rest: Any
+    in_solids: Any
 
 
 @lru_cache(maxsize=64)
 def kernels_of(energy: Any, components: bool, incompressible: bool) -> Kernels:
     """Compiled functions of an energy of (I1, I2, J, parameters), or of (C11, C22, C33, C12, parameters)."""
-    point, rest = (of_components if components else of_invariants)(energy, incompressible)
+    point, rest, derivatives = (of_components if components else of_invariants)(energy, incompressible)
     loop = numba.njit(**LOOP)
 
     def at_points(C, guess, par, out):
@@ -57,7 +60,12 @@ def kernels_of(energy: Any, components: bool, incompressible: bool) -> Kernels:
     def at_rest(par):
         return rest(None, 1.0, 1.0, 0.0, 1.0, par)
 
-    return Kernels(point, loop(at_points), loop(at_rest))
+    def in_solids(C, par, out):
+        inverse, G = np.empty((3, 3)), np.empty((3, 6))
+        for k in range(C.shape[1]):
+            store_solid(derivatives, C, k, par, out, inverse, G)
+
+    return Kernels(point, loop(at_points), loop(at_rest), None if components or incompressible else loop(in_solids))
 
 
 @point_function
@@ -65,8 +73,8 @@ def real_or_infinite(value):
     return value.real if value.imag == 0.0 else inf
 
 
-def of_invariants(psi, incompressible):
-    """The numbers of a point, and derivatives by components, of an energy of I1, I2, J."""
+def by_invariants(psi):
+    """Values and derivatives of an energy of I1, I2, J: as a real number, by I1 and I2 where J is 1, and by all three."""
 
     @point_function
     def value(x, y, z, par):
@@ -105,10 +113,17 @@ def of_invariants(psi, incompressible):
         return (still(I1, I2, J, par), one.imag / s, two.imag / s, three.imag / s, q1 / (k1 * k1), q2 / (k2 * k2),
                 qJ / (kJ * kJ), 0.5 * q12 / (k1 * k2), 0.5 * q1J / (k1 * kJ), 0.5 * q2J / (k2 * kJ))  # fmt: skip
 
+    return still, of_two, derivatives
+
+
+def of_invariants(psi, incompressible):
+    """The numbers of a point, and derivatives by components and by invariants, of an energy of I1, I2, J."""
+    still, of_two, derivatives = by_invariants(psi)
+
     @point_function
     def slope(T, p, c, par):
         J, s = sqrt(p * c), TINY_STEP * c
-        return value(complex(T + c, s), complex(p + c * T, s * T), complex(J, 0.5 * s * J / c), par).imag / s
+        return psi(complex(T + c, s), complex(p + c * T, s * T), complex(J, 0.5 * s * J / c), par).imag / s
 
     @point_function
     def across(unused, a, b, d, c, par):
@@ -128,7 +143,7 @@ def of_invariants(psi, incompressible):
             return kernels.incompressible(of_two, a, b, d, par)
         return kernels.compressible(across, full, derivatives, a, b, d, guess, par)
 
-    return at_point, full
+    return at_point, full, derivatives
 
 
 def of_components(psi, incompressible):
@@ -189,4 +204,4 @@ def of_components(psi, incompressible):
             return kernels.failed(BEYOND)
         return energy, 2.0 * ga, 2.0 * gb, gd, 4.0 * aa, 4.0 * bb, dd, 4.0 * ab, 2.0 * ad, 2.0 * bd, 1.0 / p, FINE
 
-    return at_point, full
+    return at_point, full, None

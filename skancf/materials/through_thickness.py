@@ -36,7 +36,7 @@ from skancf.materials.thickness_kernels import deformations, resultants
 
 POINTS = 3
 """Gauss points through the thickness: in bending of rubber to a radius of five thicknesses they are 0.004 % off, and normals
-that keep their length 0.2 % (docs/decisions/0025)."""
+that keep their length 0.2 % (docs/decisions/0026)."""
 
 
 @dataclass(frozen=True)

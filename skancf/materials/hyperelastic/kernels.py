@@ -196,13 +196,14 @@ def of_components(derivatives, a, b, d, c, par):
 
 @point_function
 def condensed(full, c):
-    """The numbers of a point from all derivatives, where the one by c is zero."""
-    energy, ga, gb, gd, _, aa, bb, dd, cc, ab, ad, bd, ac, bc, dc = full
+    """The numbers of a point from all derivatives, where the one by c is small: what it leaves is taken off."""
+    energy, ga, gb, gd, gc, aa, bb, dd, cc, ab, ad, bd, ac, bc, dc = full
     if not isfinite(energy + ga + gb + gd + cc + aa + bb + dd):
         return failed(BEYOND)
-    ra, rb, rd = ac / cc, bc / cc, dc / cc
-    return (energy, 2.0 * ga, 2.0 * gb, gd, 4.0 * (aa - ac * ra), 4.0 * (bb - bc * rb), dd - dc * rd, 4.0 * (ab - ac * rb),
-            2.0 * (ad - ac * rd), 2.0 * (bd - bc * rd), c, FINE)  # fmt: skip
+    ra, rb, rd, less = ac / cc, bc / cc, dc / cc, gc / cc
+    return (energy - 0.5 * gc * less, 2.0 * (ga - ac * less), 2.0 * (gb - bc * less), gd - dc * less,
+            4.0 * (aa - ac * ra), 4.0 * (bb - bc * rb), dd - dc * rd,
+            4.0 * (ab - ac * rb), 2.0 * (ad - ac * rd), 2.0 * (bd - bc * rd), c - less, FINE)  # fmt: skip
 
 
 @point_function

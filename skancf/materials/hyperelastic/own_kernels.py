@@ -34,6 +34,8 @@ STEP = 2.0**-10
 """Of the size of what it changes; its fourth power is 1e-12."""
 AHEAD = 2.0**-20
 """How far the slope of Newton's method looks, relatively."""
+SUSPECT = 2.0**-40
+"""Of the energy: its change over a tiny step is 1e-30, unless it is a number that is not real."""
 DIAGONAL = complex(sqrt(0.5), sqrt(0.5))
 
 
@@ -69,49 +71,59 @@ def kernels_of(energy: Any, components: bool, incompressible: bool) -> Kernels:
 
 
 @point_function
-def real_or_infinite(value):
-    return value.real if value.imag == 0.0 else inf
+def is_off(value):
+    """Whether a value a tiny step from real arguments may be no real number there: it is looked at once more."""
+    return not abs(value.real) * SUSPECT >= abs(value.imag)
 
 
 def by_invariants(psi):
-    """Values and derivatives of an energy of I1, I2, J: as a real number, by I1 and I2 where J is 1, and by all three."""
+    """Values and derivatives of an energy of I1, I2, J: as a real number, by I1 and I2 where J is 1, and by all three.
+
+    J is handed over as a real number where only the others move: its powers and logarithms are then cheap.
+    """
 
     @point_function
-    def value(x, y, z, par):
-        return psi(x, y, z, par)
+    def still(I1, I2, J, par):
+        """The energy; infinite where it is no real number."""
+        value = psi(complex(I1), complex(I2), complex(J), par)
+        return value.real if value.imag == 0.0 else inf
 
     @point_function
-    def still(x, y, z, par):
-        return real_or_infinite(value(complex(x), complex(y), complex(z), par))
+    def twice_of_two(I1, I2, J, u, v, par):
+        """Second derivative along (u, v, 0)."""
+        u, v = DIAGONAL * u, DIAGONAL * v
+        return psi(I1 + u, I2 + v, J, par).imag + psi(I1 - u, I2 - v, J, par).imag
 
     @point_function
     def twice(I1, I2, J, u, v, w, par):
         """Second derivative along (u, v, w)."""
         u, v, w = DIAGONAL * u, DIAGONAL * v, DIAGONAL * w
-        return value(I1 + u, I2 + v, J + w, par).imag + value(I1 - u, I2 - v, J - w, par).imag
+        return psi(I1 + u, I2 + v, J + w, par).imag + psi(I1 - u, I2 - v, J - w, par).imag
+
+    @point_function
+    def of_two_at(I1, I2, J, par):
+        """Energy and derivatives 1, 2, 11, 22, 12."""
+        s, k1, k2 = TINY_STEP, STEP * I1 / 3.0, STEP * I2 / 3.0
+        one, two = psi(complex(I1, s), complex(I2), J, par), psi(complex(I1), complex(I2, s), J, par)
+        energy = still(I1, I2, J, par) if is_off(one) else one.real
+        x, y = twice_of_two(I1, I2, J, k1, 0.0, par), twice_of_two(I1, I2, J, 0.0, k2, par)
+        xy = twice_of_two(I1, I2, J, k1, k2, par) - x - y
+        return energy, one.imag / s, two.imag / s, x / (k1 * k1), y / (k2 * k2), 0.5 * xy / (k1 * k2)
 
     @point_function
     def of_two(i1, i2, par):
-        I1, I2, s, o = 3.0 + i1, 3.0 + i2, TINY_STEP, complex(1.0)
-        one, two = value(complex(I1, s), complex(I2), o, par), value(complex(I1), complex(I2, s), o, par)
-        k1, k2 = STEP * I1 / 3.0, STEP * I2 / 3.0
-        x, y = twice(I1, I2, 1.0, k1, 0.0, 0.0, par), twice(I1, I2, 1.0, 0.0, k2, 0.0, par)
-        xy = twice(I1, I2, 1.0, k1, k2, 0.0, par) - x - y
-        energy = still(I1, I2, 1.0, par)
-        return energy, one.imag / s, two.imag / s, x / (k1 * k1), y / (k2 * k2), 0.5 * xy / (k1 * k2)
+        return of_two_at(3.0 + i1, 3.0 + i2, 1.0, par)
 
     @point_function
     def derivatives(i1, i2, x, par):
         I1, I2, J, s = 3.0 + i1, 3.0 + i2, sqrt(1.0 + x), TINY_STEP
-        one, two = value(complex(I1, s), complex(I2), complex(J), par), value(complex(I1), complex(I2, s), complex(J), par)
-        three = value(complex(I1), complex(I2), complex(J, s), par)
+        energy, g1, g2, h11, h22, h12 = of_two_at(I1, I2, J, par)
+        gJ = psi(complex(I1), complex(I2), complex(J, s), par).imag / s
         k1, k2, kJ = STEP * I1 / 3.0, STEP * I2 / 3.0, STEP * J
-        q1, q2 = twice(I1, I2, J, k1, 0.0, 0.0, par), twice(I1, I2, J, 0.0, k2, 0.0, par)
         qJ = twice(I1, I2, J, 0.0, 0.0, kJ, par)
-        q12, q1J = twice(I1, I2, J, k1, k2, 0.0, par) - q1 - q2, twice(I1, I2, J, k1, 0.0, kJ, par) - q1 - qJ
-        q2J = twice(I1, I2, J, 0.0, k2, kJ, par) - q2 - qJ
-        return (still(I1, I2, J, par), one.imag / s, two.imag / s, three.imag / s, q1 / (k1 * k1), q2 / (k2 * k2),
-                qJ / (kJ * kJ), 0.5 * q12 / (k1 * k2), 0.5 * q1J / (k1 * kJ), 0.5 * q2J / (k2 * kJ))  # fmt: skip
+        q1J = twice(I1, I2, J, k1, 0.0, kJ, par) - k1 * k1 * h11 - qJ
+        q2J = twice(I1, I2, J, 0.0, k2, kJ, par) - k2 * k2 * h22 - qJ
+        return energy, g1, g2, gJ, h11, h22, qJ / (kJ * kJ), h12, 0.5 * q1J / (k1 * kJ), 0.5 * q2J / (k2 * kJ)
 
     return still, of_two, derivatives
 
@@ -121,17 +133,19 @@ def of_invariants(psi, incompressible):
     still, of_two, derivatives = by_invariants(psi)
 
     @point_function
-    def slope(T, p, c, par):
+    def on_the_way(T, p, c, par):
+        """The energy a tiny step ahead in C33."""
         J, s = sqrt(p * c), TINY_STEP * c
-        return psi(complex(T + c, s), complex(p + c * T, s * T), complex(J, 0.5 * s * J / c), par).imag / s
+        return psi(complex(T + c, s), complex(p + c * T, s * T), complex(J, 0.5 * s * J / c), par)
 
     @point_function
     def across(unused, a, b, d, c, par):
         T, p = a + b, a * b - d * d
-        if not isfinite(still(T + c, p + c * T, sqrt(p * c), par)):
+        here = on_the_way(T, p, c, par)
+        if is_off(here) and not isfinite(still(T + c, p + c * T, sqrt(p * c), par)):
             return nan, nan
-        first = slope(T, p, c, par)
-        return first, (slope(T, p, c * (1.0 + AHEAD), par) - first) / (c * AHEAD)
+        first, more = here.imag / (TINY_STEP * c), c * (1.0 + AHEAD)
+        return first, (on_the_way(T, p, more, par).imag / (TINY_STEP * more) - first) / (c * AHEAD)
 
     @point_function
     def full(unused, a, b, d, c, par):
@@ -157,7 +171,9 @@ def of_components(psi, incompressible):
 
     @point_function
     def still(a, b, c, d, par):
-        return real_or_infinite(value(complex(a), complex(b), complex(c), complex(d), par))
+        """The energy; infinite where it is no real number."""
+        real = value(complex(a), complex(b), complex(c), complex(d), par)
+        return real.real if real.imag == 0.0 else inf
 
     @point_function
     def once(a, b, c, d, u, v, w, x, par):
@@ -179,17 +195,18 @@ def of_components(psi, incompressible):
         ab, ad = twice(a, b, c, d, ka, kb, 0.0, 0.0, par) - aa - bb, twice(a, b, c, d, ka, 0.0, 0.0, kd, par) - aa - dd
         bd, ac = twice(a, b, c, d, 0.0, kb, 0.0, kd, par) - bb - dd, twice(a, b, c, d, ka, 0.0, kc, 0.0, par) - aa - cc
         bc, dc = twice(a, b, c, d, 0.0, kb, kc, 0.0, par) - bb - cc, twice(a, b, c, d, 0.0, 0.0, kc, kd, par) - cc - dd
-        energy = still(a, b, c, d, par)
+        energy = still(a, b, c, d, par) if is_off(ga) else ga.real
         return (energy, ga.imag / s, gb.imag / s, gd.imag / s, gc.imag / s, aa / (ka * ka), bb / (kb * kb), dd / (kd * kd),
                 cc / (kc * kc), 0.5 * ab / (ka * kb), 0.5 * ad / (ka * kd), 0.5 * bd / (kb * kd), 0.5 * ac / (ka * kc),
                 0.5 * bc / (kb * kc), 0.5 * dc / (kd * kc))  # fmt: skip
 
     @point_function
     def across(unused, a, b, d, c, par):
-        if not isfinite(still(a, b, c, d, par)):
-            return nan, nan
         s, more = TINY_STEP, c * (1.0 + AHEAD)
-        first = once(a, b, c, d, 0.0, 0.0, 1.0, 0.0, par).imag / s
+        here = once(a, b, c, d, 0.0, 0.0, 1.0, 0.0, par)
+        if is_off(here) and not isfinite(still(a, b, c, d, par)):
+            return nan, nan
+        first = here.imag / s
         return first, (once(a, b, more, d, 0.0, 0.0, 1.0, 0.0, par).imag / s - first) / (c * AHEAD)
 
     @point_function

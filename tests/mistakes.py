@@ -315,6 +315,7 @@ def add_materials(add: Any, s: Scene) -> None:
         angle=0.1, kind="3d", shear_correction=0.8, expansion=(0.0, 0.0, 0.0))  # fmt: skip
     add("Anisotropic", sk.Anisotropic, matrix=1e7 * np.eye(6), density=1e3, angle=0.1, kind="3d", shear_correction=0.8,
         expansion=(0.0,) * 6)  # fmt: skip
+    add_rubbers(add)
     add("Layer", sk.Layer, material=s.material, thickness=0.1, angle=0.1)
     add("Laminate", sk.Laminate, layers=[sk.Layer(s.material, 0.1)], offset=0.1, kinds={"layers": "items"})
     add("Damping", sk.Damping, mass=0.1, stiffness=0.1)
@@ -325,6 +326,25 @@ def add_materials(add: Any, s: Scene) -> None:
     add("through_thickness", sk.through_thickness, mesh=s.plain, thickness=0.1, n=2, n_z=2)
     add("Full", sk.Full, assumed=True, n_thickness=3)
     add("Kirchhoff", sk.Kirchhoff, assumed=True)
+
+
+def energy(I1: Any, I2: Any, J: Any, parameters: Any) -> Any:
+    return parameters[0] * (I1 - 3.0 - 2.0 * np.log(J)) + 1e6 * (J - 1.0) ** 2
+
+
+def add_rubbers(add: Any) -> None:
+    laws = {
+        "NeoHooke": (sk.NeoHooke, {"shear": 1e6}),
+        "MooneyRivlin": (sk.MooneyRivlin, {"c10": 4e5, "c01": 1e5}),
+        "Ogden": (sk.Ogden, {"terms": [(1e6, 1.5), (-1e4, -2.0)]}),
+        "Yeoh": (sk.Yeoh, {"c10": 4e5, "c20": 1e4, "c30": 1e3}),
+        "Gent": (sk.Gent, {"shear": 1e6, "most": 30.0}),
+    }
+    for name, (law, own) in laws.items():
+        add(name, law, **own, density=1e3, poisson=0.4, expansion=1e-4, takes="poisson:none")
+        add(f"{name}, bulk", law, **own, density=1e3, bulk=1e7, expansion=1e-4, takes="bulk:none")
+    add("Hyperelastic", sk.Hyperelastic, energy=energy, parameters=[1e6], density=1e3, incompressible=False, expansion=1e-4,
+        transverse_shear=1e5, takes="transverse_shear:none", kinds={"energy": "function"})  # fmt: skip
 
 
 def add_histories(add: Any) -> None:

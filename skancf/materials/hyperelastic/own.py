@@ -81,11 +81,9 @@ class Hyperelastic(Rubber):
     def __post_init__(self) -> None:
         plain(self)
         function("energy", self.energy, EXAMPLE)
-        given = [self.parameters] if np.ndim(self.parameters) == 0 else self.parameters
-        array = finite("parameters", given).copy()
+        array = np.atleast_1d(finite("parameters", self.parameters))
         if array.ndim != 1:
             raise InputError(f"parameters of shape {array.shape}: give a row of numbers")
-        array.flags.writeable = False
         object.__setattr__(self, "parameters", tuple(array.tolist()))
         positive("density", self.density, "kg/m3")
         number("expansion", self.expansion)

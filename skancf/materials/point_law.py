@@ -101,6 +101,22 @@ class PointLaw(Protocol):
     """A law at a point, as sections that integrate through the thickness know it.
 
     It is a :class:`~skancf.materials.Law` too: ``stiffness``, ``thermal_strain`` and ``thinning`` are those of small strain.
+
+    A class of your own needs ``density`` and ``plane_stress(C, guess)`` only, which returns a :class:`PointResponse`, or energy
+    (n,), stress (3, n), stiffness (6, n) and C33 (n,); the rest is taken from these. A problem checks it at small strains when it
+    is made, :func:`skancf.testing.check_law` at others.
+
+    Examples
+    --------
+    >>> class Hooke:
+    ...     density = 1000.0
+    ...
+    ...     def plane_stress(self, C, guess=None):
+    ...         E = np.array([(C[0] - 1) / 2, (C[1] - 1) / 2, C[2]])  # 11, 22, and twice 12
+    ...         D = np.diag([2e6, 2e6, 1e6])
+    ...         S = D @ E
+    ...         six = np.repeat([[2e6], [2e6], [1e6], [0.0], [0.0], [0.0]], C.shape[1], axis=1)
+    ...         return (E * S).sum(axis=0) / 2, S, six, np.ones(C.shape[1])
     """
 
     n_history: int

@@ -119,12 +119,12 @@ from skancf.surfaces import (
     Rectangle,
     SphereSector,
 )
-from skancf.terms.forms import FormTerm
 from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
 if TYPE_CHECKING:
     from skancf import output, testing
+    from skancf.terms.forms import FormTerm
 
 __all__ = [
     "AdaptiveResult",
@@ -266,9 +266,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """``output`` and ``testing`` are loaded when they are first used: many runs show nothing, and few test terms."""
+    """Some are loaded when they are first used: many runs show nothing, and few test terms or have forms."""
     if name in ("output", "testing"):
         return importlib.import_module(f"skancf.{name}")
+    if name == "FormTerm":
+        return importlib.import_module("skancf.terms.forms").FormTerm
     raise AttributeError(f"module 'skancf' has no attribute {name!r}")
 
 

@@ -24,7 +24,6 @@ import numpy as np
 
 from skancf.history import FULL, Case
 from skancf.system.linearised import Model
-from skancf.system.regularity import singularities
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
 from skancf.theories.kirchhoff.theory import local_frame
@@ -56,8 +55,8 @@ class ShearForm:
 
     def __init__(self, system: System, case: Case = FULL):
         self.system, self.geometry, self.case = system, system.geometry, case
-        rim, found = rim_of(system), singularities(system, case)
-        self._facets, self._strong = rim.tilting, rim.strong(found)
+        rim = rim_of(system, case)
+        self._facets, self._strong = rim.tilting, rim.strong
         section = system.problem.section
         self._compliance = np.linalg.inv(section.shear_stiffness())
         points, weights = BILINEAR

@@ -43,6 +43,9 @@ class Assembly(Protocol):
     def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
         """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
 
+    def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
+        """Energy of the strains (J), less the work of ``initial`` stresses on them, with their own, ``thermal``."""
+
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
     ) -> None:

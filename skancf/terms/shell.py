@@ -100,11 +100,9 @@ class Shell(Term):
 
         with the free strain of the temperature change of a case, and its factor.
         """
-        strains, stresses = self.assembly.stresses(self.nodal(q), None, keep_strains=True)
-        energy, initial = 0.5 * float(np.vdot(strains, stresses)), self.initial_stresses(case)
-        if initial is not None:
-            energy += self.thermal_energy(case) - float(np.vdot(initial, strains))
-        return energy
+        initial = self.initial_stresses(case)
+        thermal = 0.0 if initial is None else self.thermal_energy(case)
+        return self.assembly.strain_energy(self.nodal(q), initial, thermal)
 
     def add_mass(self, blocks: Blocks) -> None:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""

@@ -43,6 +43,11 @@ class CompiledAssembly:
         )
         return strains, out
 
+    def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
+        strains, stresses = self.stresses(q, None, keep_strains=True)
+        energy = 0.5 * float(np.vdot(strains, stresses))
+        return energy if initial is None else energy + (thermal - float(np.vdot(initial, strains)))
+
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
     ) -> None:

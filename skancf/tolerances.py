@@ -126,6 +126,8 @@ AT_REST = 1e-6
 """Of what the loads move: what other forces may move a structure that counts as one at rest without loads."""
 ROOT = 1e-14
 """Of the size of what is sought: the last correction of an inner iteration for one place or length."""
+LAST_STEP = 1e-8
+"""Of what is sought: after a step of Newton's method that is smaller, the next one is rounding."""
 ROOT_OF_COUNTS = 1e-13
 """Of the logarithm of an element length."""
 ROOT_OF_GROWTH, ROOT_OF_GROWTH_RTOL = 1e-16, 1e-15

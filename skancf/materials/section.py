@@ -6,7 +6,7 @@ Classical lamination theory is that of R. M. Jones, *Mechanics of Composite Mate
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -58,9 +58,6 @@ class Section:
     expansion: np.ndarray
     thinning: Any = None
     points_law: PointLaw | None = None
-
-    at_points: ClassVar[bool] = False
-    """Whether its laws are asked at points through the thickness, because they are not linear in the strain."""
 
     def __post_init__(self) -> None:
         n = np.size(self.z) - 1

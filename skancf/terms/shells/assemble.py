@@ -12,11 +12,11 @@ from skancf.theories import Full, Kirchhoff
 ASSEMBLIES: dict[tuple[type, bool], type] = {
     (Full, False): FullAssembly, (Kirchhoff, False): ThinAssembly, (Kirchhoff, True): ThinPointAssembly,
 }  # fmt: skip
-"""By theory, and whether the section has laws at points."""
+"""By theory, and whether the section has a law at points."""
 
 
 def assemble(geometry: Geometry, section: Section) -> Assembly:
     """The assembly of the geometry's theory."""
     schedule = Schedule(geometry.nodes, geometry.mesh.p[:, geometry.mesh.t].mean(axis=1))
-    made: Assembly = ASSEMBLIES[type(geometry.theory), section.at_points](geometry, section, schedule)
+    made: Assembly = ASSEMBLIES[type(geometry.theory), section.points_law is not None](geometry, section, schedule)
     return made

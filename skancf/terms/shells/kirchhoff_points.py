@@ -8,6 +8,7 @@ from skancf.kernels.constants import POINTS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
+from skancf.materials.through_thickness import SectionResponse, heights, through_thickness
 from skancf.terms.shells.kirchhoff import ThinAssembly
 from skancf.theories.kirchhoff import kernels, point_kernels
 from skancf.theories.kirchhoff.kernels import N_MEMBRANE, N_STRAINS
@@ -28,10 +29,14 @@ class Answer:
         The state.
     everything : (n_elements, 6 or 9, 16) array
         All covariant strains.
-    hat, local : (n_elements, 6, 16), (n_elements, 16, 6) array
-        Those that the law sees, covariant and in the local frame.
+    hat : (n_elements, 6, 16) array
+        Covariant strains that the law sees.
+    local : (6, n_elements, 16) array
+        The same in the local frame.
     energy : (n_elements, 16) array
         Per area.
+    code : (n_heights, n_elements, 16) array
+        Where it is not 0 the law has no stress, see :mod:`skancf.materials.point_law`.
     stress : (n_elements, 6, 16) array
         On the strains that the law sees.
     law : (n_elements, 21, 16) array
@@ -43,6 +48,7 @@ class Answer:
     hat: np.ndarray
     local: np.ndarray
     energy: np.ndarray
+    code: np.ndarray
     stress: np.ndarray
     law: np.ndarray
 
@@ -65,6 +71,8 @@ class ThinPointAssembly(ThinAssembly):
             np.arange(n, dtype=shape.dtype), sections.points[shape], np.empty((0, 0, 0)), np.empty((0, 0, 0)),
             sections.assumed[shape], rest[shape],
         )  # fmt: skip
+        self._heights = heights(section)
+        self._curvature = np.ascontiguousarray(np.moveaxis(sections.curvature[shape], -1, 0)).reshape(3, -1)
         self._answers: list[Answer] = []
 
     def _law_of_rest(self) -> np.ndarray:
@@ -88,21 +96,27 @@ class ThinPointAssembly(ThinAssembly):
 
     def _ask(self, q: np.ndarray) -> Answer:
         everything, hat, local = self._strains(q, NOWHERE)
-        n, sections = len(local), self.sections
-        curvature = sections.curvature[sections.shape].reshape(-1, 3)
-        energy, forces, stiffness = self.section.respond(local.reshape(-1, N_STRAINS), curvature)
+        n = len(hat)
+        found = self._through_thickness(local.reshape(N_STRAINS, -1), self._curvature)
         stress, law = np.empty((n, N_STRAINS, POINTS)), np.empty((n, len(EVERY_PAIR), POINTS))
+        forces, stiffness = found.forces.reshape(-1, n, POINTS), found.stiffness.reshape(-1, n, POINTS)
         self.schedule.run(
-            point_kernels.to_covariant, forces.reshape(n, POINTS, N_STRAINS),
-            stiffness.reshape(n, POINTS, N_STRAINS, N_STRAINS), EVERY_PAIR, self._elements, self._places, stress, law,
-        )  # fmt: skip
-        return Answer(q.copy(), everything, hat, local, energy.reshape(n, POINTS), stress, law)
+            point_kernels.to_covariant, forces, stiffness, EVERY_PAIR, self._elements, self._places, stress, law
+        )
+        energy, code = found.energy.reshape(n, POINTS), found.code.reshape(-1, n, POINTS)
+        return Answer(q.copy(), everything, hat, local, energy, code, stress, law)
+
+    def _through_thickness(self, strains: np.ndarray, curvature: np.ndarray) -> SectionResponse:
+        """Of strains (6, n) in the local frame."""
+        law = self.section.points_law
+        assert law is not None
+        return through_thickness(law, *self._heights, strains[:3], strains[3:], curvature)
 
     def _strains(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """All strains, those that the law sees, and without a change these in the local frame."""
         n = self.geometry.n_elements
         everything = np.empty((n, *self.sections.reference.shape[1:]))
-        hat, local = np.empty((n, N_STRAINS, POINTS)), np.empty((0 if len(change) else n, POINTS, N_STRAINS))
+        hat, local = np.empty((n, N_STRAINS, POINTS)), np.empty((N_STRAINS, 0 if len(change) else n, POINTS))
         self.schedule.run(
             point_kernels.strains, q, change, self._tables, self.geometry.maps, self._elements, self._places, everything,
             hat, local,

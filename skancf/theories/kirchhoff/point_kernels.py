@@ -97,7 +97,7 @@ def spread(tables, kind, assumed, stress, extra, hat):
 @compiled(**OPTIONS)
 def strains(start, stop, order, q, change, tables, maps, elements, places, all_out, hat_out, law_out):
     """All strains, extrapolated linearly along ``change``, (n_elements, 6 or 9, 16), those that the law sees, (n_elements, 6,
-    16), and these in the local frame, (n_elements, 16, 6), or nowhere if that is empty."""
+    16), and these in the local frame, (6, n_elements, 16), or nowhere if that is empty."""
     local, moved = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES))
     x, y = np.empty((AXES, JETS)), np.empty((AXES, JETS))
     n, duals, gamma = np.empty((AXES, POINTS)), np.empty((2, AXES, POINTS)), np.empty((3, 2, POINTS))
@@ -108,26 +108,27 @@ def strains(start, stop, order, q, change, tables, maps, elements, places, all_o
         element_strains(e, q, change, tables, maps, elements, local, moved, x, y, n, duals, gamma, eps)
         assume(tables, elements.points[c], elements.assumed[c], eps, hat)
         all_out[e], hat_out[e] = eps, hat
-        if law_out.shape[0]:
-            to_local(places.turn[c], places.side[c], hat, law_out[e])
+        if law_out.shape[1]:
+            to_local(places.turn[c], places.side[c], hat, law_out[:, e])
 
 
 @compiled(**INNER)
 def to_local(turn, side, hat, out):
-    """Local strains (16, 6) of covariant ones (6, 16)."""
+    """Local strains (6, 16) of covariant ones (6, 16)."""
     for p in range(POINTS):
         for k in range(3):
             membrane = bent = 0.0
             for l in range(3):
                 membrane += turn[k, l, p] * hat[l, p]
                 bent += turn[k, l, p] * hat[3 + l, p]
-            out[p, k], out[p, 3 + k] = membrane, side * bent
+            out[k, p], out[3 + k, p] = membrane, side * bent
 
 
 @compiled(**OPTIONS)
 def to_covariant(start, stop, order, forces, stiffness, pairs, elements, places, stress_out, law_out):
     """Stresses (n_elements, 6, 16) on the strains that the law sees, and entries of their law (n_elements, 21, 16), with the
-    weights, from section forces (n_elements, 16, 6) and their stiffness (n_elements, 16, 6, 6) in the local frame."""
+    weights, from section forces (6, n_elements, 16) and entries of their stiffness (21, n_elements, 16) in the local frame."""
+    local = np.empty((N_STRAINS, N_STRAINS))
     half, whole = np.empty((N_STRAINS, N_STRAINS)), np.empty((N_STRAINS, N_STRAINS))
     for index in range(start, stop):
         e = order[index]
@@ -138,15 +139,18 @@ def to_covariant(start, stop, order, forces, stiffness, pairs, elements, places,
             for k in range(3):
                 membrane = bent = 0.0
                 for l in range(3):
-                    membrane += turn[l, k, p] * forces[e, p, l]
-                    bent += turn[l, k, p] * forces[e, p, 3 + l]
+                    membrane += turn[l, k, p] * forces[l, e, p]
+                    bent += turn[l, k, p] * forces[3 + l, e, p]
                 stress_out[e, k, p], stress_out[e, 3 + k, p] = area * membrane, area * side * bent
+            for m in range(pairs.shape[0]):
+                k, l = pairs[m]
+                local[k, l] = local[l, k] = stiffness[m, e, p]
             for row in range(N_STRAINS):
                 for k in range(3):
                     membrane = bent = 0.0
                     for l in range(3):
-                        membrane += stiffness[e, p, row, l] * turn[l, k, p]
-                        bent += stiffness[e, p, row, 3 + l] * turn[l, k, p]
+                        membrane += local[row, l] * turn[l, k, p]
+                        bent += local[row, 3 + l] * turn[l, k, p]
                     half[row, k], half[row, 3 + k] = area * membrane, area * side * bent
             for column in range(N_STRAINS):
                 for k in range(3):
@@ -175,7 +179,7 @@ def add_law(start, stop, order, law, pairs, change, out):
 
 @compiled(**OPTIONS)
 def stresses(start, stop, order, law_stress, everything, hat, tables, elements, places, out):
-    """Stresses on all strains (n_elements, 6 or 9, 16): those on the strains that the law sees (n_elements, 6, 16), and those
+    """Stresses on all strains (n_elements, 6 or 9, 16): those on the strains that the law sees (n_elements, 6, 16), and that
     of the rest of the membrane strains, from all strains and those that the law sees."""
     extra, scratch = np.empty((N_MEMBRANE, POINTS)), np.empty((N_STRAINS, POINTS))
     for index in range(start, stop):

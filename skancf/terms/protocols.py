@@ -78,6 +78,13 @@ class Assembly(Protocol):
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
         """Strain in the local frame at a depth (n_elements, n, 6), temperature as in :meth:`section_forces`."""
 
+    def stress_of(self, elastic: np.ndarray, z: float, small: bool = False) -> np.ndarray:
+        """Second Piola-Kirchhoff stress of strains without the free ones, (..., 6), at a depth; to first order in ``small``
+        ones."""
+
+    def refusal(self) -> str | None:
+        """Why and where a law had no stress for the state that it was asked for last; None where it had."""
+
 
 class Prescription(Protocol):
     """Prescribed coordinates in time."""

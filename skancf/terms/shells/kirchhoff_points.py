@@ -4,11 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.errors import InputError
 from skancf.kernels.constants import POINTS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
+from skancf.materials.law import IN_PLANE, THICKNESS
+from skancf.materials.parallel import strains_at
+from skancf.materials.point_law import why
+from skancf.materials.thickness_kernels import deformations
 from skancf.materials.through_thickness import SectionResponse, heights, through_thickness
+from skancf.terms.protocols import Heat
 from skancf.terms.shells.kirchhoff import ThinAssembly
 from skancf.theories.kirchhoff import kernels, point_kernels
 from skancf.theories.kirchhoff.kernels import N_MEMBRANE, N_STRAINS
@@ -71,7 +77,8 @@ class ThinPointAssembly(ThinAssembly):
             np.arange(n, dtype=shape.dtype), sections.points[shape], np.empty((0, 0, 0)), np.empty((0, 0, 0)),
             sections.assumed[shape], rest[shape],
         )  # fmt: skip
-        self._heights = heights(section)
+        assert section.points_law is not None
+        self._law, self._heights = section.points_law, heights(section)
         self._curvature = np.ascontiguousarray(np.moveaxis(sections.curvature[shape], -1, 0)).reshape(3, -1)
         self._answers: list[Answer] = []
 
@@ -108,9 +115,7 @@ class ThinPointAssembly(ThinAssembly):
 
     def _through_thickness(self, strains: np.ndarray, curvature: np.ndarray) -> SectionResponse:
         """Of strains (6, n) in the local frame."""
-        law = self.section.points_law
-        assert law is not None
-        return through_thickness(law, *self._heights, strains[:3], strains[3:], curvature)
+        return through_thickness(self._law, *self._heights, strains[:3], strains[3:], curvature)
 
     def _strains(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """All strains, those that the law sees, and without a change these in the local frame."""
@@ -154,4 +159,73 @@ class ThinPointAssembly(ThinAssembly):
     def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
         answer = self.answer(q)
         rest = answer.everything[:, :N_MEMBRANE] - answer.hat[:, :N_MEMBRANE]
-        return float(np.vdot(self.areas, answer.energy)) + self.rest_energy(rest)
+        energy = float(np.vdot(self.areas, answer.energy)) + self.rest_energy(rest)
+        return energy if initial is None else energy + (thermal - float(np.vdot(initial, answer.everything)))
+
+    def thermal_stresses(self, temperature: Heat) -> np.ndarray:
+        raise InputError("a temperature change with a law at points: the free strain would have to go into the law, which "
+                         "sections do not do yet; take a linear law, whose thermal stress is that of small strain")
+
+    def _at_places(self, strains: np.ndarray, b: np.ndarray) -> SectionResponse:
+        """What the section says of local strains (m, n, 6) where the undeformed curvatures are b."""
+        curvature = np.ascontiguousarray(np.moveaxis(b, -1, 0)).reshape(3, -1)
+        return self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature)
+
+    def _work_conjugate(self, strains: np.ndarray, b: np.ndarray) -> np.ndarray:
+        found = self._at_places(strains, b)
+        forces = np.moveaxis(found.forces.reshape(N_STRAINS, *b.shape[:-1]), 0, -1)
+        if not np.iscomplexobj(strains):
+            return forces
+        return forces + 1j * (_square(found.stiffness, b.shape[:-1]) @ strains.imag[..., None])[..., 0]
+
+    def _law_at(self, q: np.ndarray, points: np.ndarray, elements: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return _square(self._at_places(self.section_strains(q, points, elements)[0], b).stiffness, b.shape[:-1])
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+        parts, b = self.section_strains(q, points)
+        out = np.zeros((*b.shape[:-1], 6), parts.dtype)
+        if np.iscomplexobj(parts):  # a small change of the undeformed state
+            out[..., IN_PLANE] = (strains_at(b, z)[..., :3, :] @ parts[..., None])[..., 0]
+            out[..., THICKNESS] = out[..., IN_PLANE] @ self.section.thinning[self.section.layer_at(z)]
+            return out
+        flat = np.ascontiguousarray(np.moveaxis(np.concatenate([parts, b], axis=-1), -1, 0)).reshape(9, -1)
+        C = np.empty((3, flat.shape[1]))
+        deformations(np.array([z]), flat[:3], flat[3:6], flat[6:], C)
+        across = self._law.respond(C).stretch33
+        out[..., IN_PLANE] = _of_places(np.stack([C[0] - 1, C[1] - 1, 2 * C[2]]) / 2, b)
+        out[..., THICKNESS] = _of_places(across[None] - 1, b)[..., 0] / 2
+        return out
+
+    def stress_of(self, elastic: np.ndarray, z: float, small: bool = False) -> np.ndarray:
+        out = np.zeros_like(elastic)
+        if small:
+            out[..., IN_PLANE] = elastic[..., IN_PLANE] @ self.section.in_plane()[self.section.layer_at(z)]
+            return out
+        plane = np.moveaxis(elastic[..., IN_PLANE], -1, 0).reshape(3, -1)
+        found = self._law.respond(np.stack([1 + 2 * plane[0], 1 + 2 * plane[1], plane[2]]))
+        out[..., IN_PLANE] = _of_places(found.stress, elastic)
+        return out
+
+    def refusal(self) -> str | None:
+        code = self._answers[0].code if self._answers else np.zeros((1, 1, 1), dtype=int)
+        if not code.any():
+            return None
+        height, e, p = (int(at[0]) for at in np.nonzero(code))
+        points = self.geometry.integration.local
+        x, y = self.geometry.parameters(points if points.ndim == 2 else points[e], np.array([e]))[:, 0, p]
+        strain = ", ".join(f"{value:.4g}" for value in self._answers[0].local[:3, e, p])
+        return (f"{type(self._law).__name__} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = "
+                f"{self._heights[0][height]:.4g}, membrane strain ({strain}): {why(self._law, int(code[height, e, p]))}")
+
+
+def _square(entries: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Symmetric matrices (*shape, 6, 6) from their entries (21, n)."""
+    k, l = EVERY_PAIR.T
+    out = np.empty((*shape, N_STRAINS, N_STRAINS))
+    out[..., k, l] = out[..., l, k] = np.moveaxis(entries.reshape(-1, *shape), 0, -1)
+    return out
+
+
+def _of_places(values: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """Values (k, n) at the places of an array (m, n, ...): (m, n, k)."""
+    return np.moveaxis(values.reshape(-1, *like.shape[:-1]), 0, -1)

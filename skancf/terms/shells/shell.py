@@ -56,6 +56,12 @@ class CompiledAssembly:
             type(self).tangent_kernel, q, stresses, self._tables, self.geometry.maps, elements, slots, out
         )
 
+    def stress_of(self, elastic: np.ndarray, z: float, small: bool = False) -> np.ndarray:
+        return np.asarray(elastic @ self.section.stiffness[self.section.layer_at(z)])
+
+    def refusal(self) -> str | None:
+        return None
+
     @property
     def plain_elements(self) -> Any:
         """What the kernels read where membrane strains are taken as they are; the same where none are assumed."""

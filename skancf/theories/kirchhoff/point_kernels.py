@@ -96,8 +96,8 @@ def spread(tables, kind, assumed, stress, extra, hat):
 
 @compiled(**OPTIONS)
 def strains(start, stop, order, q, change, tables, maps, elements, places, all_out, hat_out, law_out):
-    """All strains, extrapolated linearly along ``change``, (n_elements, 6 or 9, 16), those that the law sees, (n_elements, 6,
-    16), and these in the local frame, (6, n_elements, 16), or nowhere if that is empty."""
+    """All strains, extrapolated linearly along ``change``, (n_elements, 6 or 9, 16), those that the law sees (n_elements,
+    6, 16), and these in the local frame, (6, n_elements, 16), or nowhere if that is empty."""
     local, moved = np.empty((FUNCTIONS, AXES)), np.empty((FUNCTIONS, AXES))
     x, y = np.empty((AXES, JETS)), np.empty((AXES, JETS))
     n, duals, gamma = np.empty((AXES, POINTS)), np.empty((2, AXES, POINTS)), np.empty((3, 2, POINTS))
@@ -127,7 +127,7 @@ def to_local(turn, side, hat, out):
 @compiled(**OPTIONS)
 def to_covariant(start, stop, order, forces, stiffness, pairs, elements, places, stress_out, law_out):
     """Stresses (n_elements, 6, 16) on the strains that the law sees, and entries of their law (n_elements, 21, 16), with the
-    weights, from section forces (6, n_elements, 16) and entries of their stiffness (21, n_elements, 16) in the local frame."""
+    weights, from section forces (6, n_elements, 16) and entries of their stiffness (21, n_elements, 16), local ones."""
     local = np.empty((N_STRAINS, N_STRAINS))
     half, whole = np.empty((N_STRAINS, N_STRAINS)), np.empty((N_STRAINS, N_STRAINS))
     for index in range(start, stop):

@@ -135,8 +135,14 @@ def thickness(slopes, derivatives, a, b, d, guess, par):
             low = y
         elif force == 0.0:
             return c, True
-        else:
-            return c, False
+        else:  # beyond a limit: towards the thickness of the least distortion, which is within it or nothing is
+            least = log(0.5 * (a + b))
+            if y < least:
+                low = y
+            else:
+                high = y
+            y = 0.5 * (y + least)
+            continue
         rise = force + c * c * second
         step = -LARGEST_STEP if force > 0.0 else LARGEST_STEP
         if rise > 0.0 and isfinite(rise):

@@ -19,7 +19,7 @@ BULK = r"""
 """
 
 
-class Hyperelastic:
+class Rubber:
     """A law with an energy, elastic and without memory. Those of this library derive from it.
 
     They give ``compiled``, ``_at_points`` and ``_numbers``.
@@ -102,7 +102,7 @@ class Hyperelastic:
         return self.expansion * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 
 
-class OfInvariants(Hyperelastic):
+class OfInvariants(Rubber):
     """An isotropic law with a shear modulus, and Poisson's ratio or a bulk modulus if it is compressible."""
 
     poisson: float | None

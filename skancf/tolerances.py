@@ -139,6 +139,8 @@ LEFT_BY_REFINEMENT = 1e-6
 """Of an answer: what is left when corrections no longer shrink, and is said if it is more."""
 GMRES_RTOL = 1e-9
 """Of the solution without the skew part of a matrix: what is left when the one with it is found."""
+NO_CHANGE = 1e-6
+"""Of a strain between two states, relative to the strains: what is of third order in it is rounding of the energy."""
 NEWTON_EXACT = 1e-9
 """Newton's method in rules for time steps that are to keep energy to its last digits; in the energy norm, relative."""
 NEWTON_DAMPED = 1e-6

@@ -26,6 +26,8 @@ class Assembly(Protocol):
     recovers_bending: ClassVar[bool]
     """Whether moments are good in the middles of elements only; then it has ``bending_forces`` and ``bending_strains``, the
     part of section forces and strains that makes them so."""
+    linear: ClassVar[bool]
+    """Whether stresses are linear in the strains."""
 
     @property
     def areas(self) -> np.ndarray:
@@ -81,6 +83,13 @@ class Assembly(Protocol):
     def stress_of(self, elastic: np.ndarray, z: float, small: bool = False) -> np.ndarray:
         """Second Piola-Kirchhoff stress of strains without the free ones, (..., 6), at a depth; to first order in ``small``
         ones."""
+
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        """Stresses by the law of small strain, which is that of the undeformed state."""
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
+        """What the mean of the stresses of two states needs besides to do the work of the energy on the change of the
+        strains; None where laws are linear, and the mean does it."""
 
     def refusal(self) -> str | None:
         """Why and where a law had no stress for the state that it was asked for last; None where it had."""

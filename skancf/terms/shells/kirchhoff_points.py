@@ -18,6 +18,7 @@ from skancf.terms.protocols import Heat
 from skancf.terms.shells.kirchhoff import ThinAssembly
 from skancf.theories.kirchhoff import kernels, point_kernels
 from skancf.theories.kirchhoff.kernels import N_MEMBRANE, N_STRAINS
+from skancf.tolerances import NO_CHANGE
 
 EVERY_PAIR = np.array([(k, l) for k in range(N_STRAINS) for l in range(k, N_STRAINS)])
 REMEMBERED = 3
@@ -64,6 +65,8 @@ class ThinPointAssembly(ThinAssembly):
 
     What assumed membrane strains leave out of them has the law of the undeformed state.
     """
+
+    linear = False
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         super().__init__(geometry, section, schedule)
@@ -137,7 +140,8 @@ class ThinPointAssembly(ThinAssembly):
         if change is not None:
             everything, hat, _ = self._strains(q, change)
             stress = stress.copy()
-            self.schedule.run(point_kernels.add_law, answer.law, EVERY_PAIR, hat - answer.hat, stress)
+            own = self._own.shape
+            self.schedule.run(point_kernels.add_law, answer.law, own, EVERY_PAIR, hat - answer.hat, stress)
         return everything, self._on_all(stress, everything, hat)
 
     def _on_all(self, stress: np.ndarray, everything: np.ndarray, hat: np.ndarray) -> np.ndarray:
@@ -147,6 +151,29 @@ class ThinPointAssembly(ThinAssembly):
             point_kernels.stresses, stress, everything, hat, self._tables, self._elements, self._places, out
         )
         return out
+
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        return super().stresses(q, None, keep_strains=False)[1]
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray:
+        r"""Along the change of the strains in the metric C of small strain,
+
+        .. math:: \frac{\psi_1 - \psi_0 - \bar S \cdot \Delta\varepsilon}{\Delta\varepsilon \cdot C \Delta\varepsilon}\,
+            C \Delta\varepsilon,
+
+        at each point; zero where the strain changes so little that it would be rounding.
+        """
+        start, end = self.answer(q0), self.answer(q1)
+        sections, change = self.sections, end.hat - start.hat
+        along = np.zeros_like(change)
+        self.schedule.run(point_kernels.add_law, sections.law, sections.shape, sections.pairs, change, along)
+        energies = self.areas * start.energy, self.areas * end.energy
+        missing = energies[1] - energies[0] - 0.5 * ((start.stress + end.stress) * change).sum(axis=1)
+        squares = (along * change).sum(axis=1)
+        large = squares > NO_CHANGE**2 * (np.abs(energies[0]) + np.abs(energies[1]))
+        along *= np.where(large, missing / np.where(large, squares, 1.0), 0.0)[:, None]
+        nothing = np.zeros_like(start.everything)
+        return self._on_all(along, nothing, nothing)
 
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False

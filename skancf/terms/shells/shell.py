@@ -18,6 +18,7 @@ class CompiledAssembly:
     tangent_kernel: ClassVar[Callable[..., None]]
     assumes_membrane: ClassVar[bool] = False
     recovers_bending: ClassVar[bool] = False
+    linear: ClassVar[bool] = True
     sections: Any
     _tables: Any
     _elements: Any
@@ -58,6 +59,12 @@ class CompiledAssembly:
 
     def stress_of(self, elastic: np.ndarray, z: float, small: bool = False) -> np.ndarray:
         return np.asarray(elastic @ self.section.stiffness[self.section.layer_at(z)])
+
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        return self.stresses(q, None, keep_strains=False)[1]
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
+        return None
 
     def refusal(self) -> str | None:
         return None

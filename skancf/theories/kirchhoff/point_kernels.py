@@ -164,17 +164,18 @@ def to_covariant(start, stop, order, forces, stiffness, pairs, elements, places,
 
 
 @compiled(**OPTIONS)
-def add_law(start, stop, order, law, pairs, change, out):
-    """Adds what a law (n_elements, 21, 16) makes of a change of strains, (n_elements, 6, 16)."""
+def add_law(start, stop, order, law, of_element, pairs, change, out):
+    """Adds what the law of each element, one of (n_laws, n_pairs, 16), makes of a change of strains, (n_elements, 6, 16)."""
     for index in range(start, stop):
         e = order[index]
+        own = law[of_element[e]]
         for m in range(pairs.shape[0]):
             k, l = pairs[m]
             for p in range(POINTS):
-                out[e, k, p] += law[e, m, p] * change[e, l, p]
+                out[e, k, p] += own[m, p] * change[e, l, p]
             if k != l:
                 for p in range(POINTS):
-                    out[e, l, p] += law[e, m, p] * change[e, k, p]
+                    out[e, l, p] += own[m, p] * change[e, k, p]
 
 
 @compiled(**OPTIONS)

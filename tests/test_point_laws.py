@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.materials import Gent, MooneyRivlin, NeoHooke, Ogden, Yeoh
-from skancf.materials.point_law import PAIRS, BeyondLaw
+from skancf.materials import Gent, MooneyRivlin, NeoHooke, Ogden, Yeoh, section_of
+from skancf.materials.point_law import PAIRS, PAIRS_3D, BeyondLaw
 
 MU, RHO = 1.5e6, 1000.0
 OGDEN = [(6.3e5, 1.3), (0.012e5, 5.0), (-0.1e5, -2.0)]
@@ -82,7 +82,7 @@ def tension(name, stretch, mu=MU):
 @pytest.mark.parametrize("stretch", [0.3, 0.9, 1.000001, 2.0, 4.0])
 def test_incompressible_rubber_in_tension(name, stretch):
     J, width, height, cauchy = uniaxial(laws()[name], stretch)
-    assert J == pytest.approx(1.0, abs=1e-14)
+    assert pytest.approx(1.0, abs=1e-14) == J
     assert width == pytest.approx(stretch**-0.5, rel=1e-13)
     assert height == pytest.approx(stretch**-0.5, rel=1e-13)
     assert cauchy == pytest.approx(tension(name, stretch), rel=1e-12, abs=1e-15 * MU)
@@ -210,7 +210,8 @@ def test_nearly_incompressible_goes_to_incompressible():
     for name, law in laws().items():
         exact = law.plane_stress(C).stress
         errors = [
-            np.abs(laws(bulk=k * MU)[name].plane_stress(C).stress - exact).max() / np.abs(exact).max() for k in (1e3, 1e4, 1e5)
+            np.abs(laws(bulk=k * MU)[name].plane_stress(C).stress - exact).max() / np.abs(exact).max()
+            for k in (1e3, 1e4, 1e5)
         ]
         assert errors[0] < 1e-2
         assert errors[1] / errors[0] == pytest.approx(0.1, rel=0.05)
@@ -257,7 +258,7 @@ def test_a_stretch_beyond_the_limit_of_gent(more):
     if more:  # at the volume that it had, this is beyond the limit, and it thickens
         swollen = law.plane_stress([[30.0], [1.0], [0.0]])
         assert np.isfinite(swollen.stress).all() and swollen.stretch33[0] > 1 / 30
-    with pytest.raises(BeyondLaw, match="beyond what the law allows.*must stay below most = 5"):
+    with pytest.raises(BeyondLaw, match=r"beyond what the law allows.*must stay below most = 5"):
         law.plane_stress([[1.0, 1e3], [1.0, 1.0], [0.0, 0.0]])
 
 
@@ -284,3 +285,138 @@ def test_bulk_modulus_and_ratio_say_the_same():
     by_bulk = replace(by_ratio, poisson=None, bulk=by_ratio.bulk_modulus)
     assert by_bulk.rest_poisson == pytest.approx(0.45, rel=1e-14)
     assert NeoHooke(MU, RHO, poisson=0.5).incompressible and NeoHooke(MU, RHO).incompressible
+
+
+SOLID = {name: law for name, law in ALL.items() if not name.startswith("OG") and law.rest_poisson < 0.5}
+ROWS, COLUMNS = [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]
+
+
+@pytest.mark.parametrize("law", SOLID.values(), ids=SOLID)
+def test_in_three_dimensions(law):
+    """Derivatives by differences; where S33 is zero it is plane stress; at rest it is Hooke's law."""
+    F = np.eye(3)[:, :, None] + 0.2 * np.random.default_rng(0).uniform(-1, 1, (3, 3, 20))
+    F[:, :, 0] = np.eye(3)
+    C = np.einsum("kin,kjn->ijn", F, F)[ROWS, COLUMNS]
+    found = law.respond3d(C)
+    D = np.empty((6, 6, 20))
+    for entry, (k, l) in zip(found.stiffness, PAIRS_3D, strict=True):
+        D[k, l] = D[l, k] = entry
+    size = np.abs(D).max()
+    for m in range(6):
+        unit = 1e-5 * np.eye(6)[:, [m]]
+        up, down = law.respond3d(C + unit), law.respond3d(C - unit)
+        factor = (2 if m < 3 else 1) / 2e-5
+        assert np.abs(factor * (up.energy - down.energy) - found.stress[m]).max() < 1e-9 * size
+        assert np.abs(factor * (up.stress - down.stress) - D[:, m]).max() < 2e-9 * size  # third derivatives by 1e-10
+    nu, mu = law.rest_poisson, law.shear_modulus
+    lame = law.bulk_modulus - 2 / 3 * mu
+    hooke = np.diag([2 * mu] * 3 + [mu] * 3)
+    hooke[:3, :3] += lame
+    assert np.abs(D[:, :, 0] - hooke).max() < 1e-12 * size and np.isfinite(nu)
+    plane = law.plane_stress(C[[0, 1, 5]])
+    zero = np.zeros(20)
+    same = law.respond3d(np.array([C[0], C[1], plane.stretch33, zero, zero, C[5]]))
+    assert np.abs(same.stress[[0, 1, 5]] - plane.stress).max() < 1e-12 * size and np.abs(same.stress[2]).max() < 1e-12 * size
+
+
+def test_solids_need_a_compressible_law_of_invariants():
+    C = np.array([[1.0, 1.0], [1.0, 1.0], [1.0, 1.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
+    found = NeoHooke(MU, RHO, poisson=0.3).respond3d(C)
+    assert list(found.code) == [0, 1] and np.isnan(found.stress[:, 1]).all()
+    for law, text in (
+        (NeoHooke(MU, RHO), "incompressible.*theory 'kirchhoff'"),
+        (laws(poisson=0.3)["OG"], "three dimensions"),
+    ):
+        with pytest.raises(sk.errors.InputError, match=text):
+            law.respond3d(C)
+
+
+class Square:
+    """St. Venant-Kirchhoff, written by a user: right, or with one mistake."""
+
+    density = 1000.0
+
+    def __init__(self, mistake=""):
+        self.mistake = mistake
+
+    def plane_stress(self, C, guess=None):
+        E = np.array([(C[0] - 1) / 2, (C[1] - 1) / 2, C[2]])
+        young, nu = 2e6, 0.3
+        plane = young / (1 - nu**2) * np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]])
+        stress = plane @ E
+        energy = 0.5 * (E * stress).sum(axis=0)
+        entries = np.array([plane[k, l] for k, l in PAIRS])
+        if self.mistake == "energy":
+            energy = energy + 1e6 * E[0] ** 3
+        elif self.mistake == "shear":
+            stress = stress * [[1], [1], [2]]
+        elif self.mistake == "stiffness":
+            entries[3] *= 1.01
+        elif self.mistake == "rest":
+            stress = stress + 10.0
+        elif self.mistake == "constant":
+            energy = energy + 5.0
+        elif self.mistake == "shape":
+            stress = stress[:2]
+        elif self.mistake == "nan":
+            stress = stress * np.nan
+        c33 = 1 - nu / (1 - nu) * 2 * (E[0] + E[1])
+        if self.mistake == "thickness":
+            c33 = c33 + 1.0
+        return energy, stress, np.repeat(entries[:, None], C.shape[1], axis=1), c33
+
+
+def test_a_law_of_ones_own():
+    law = Square()
+    assert max(sk.testing.check_law(law).values()) < 1e-10
+    section = sk.Problem(surface=sk.Rectangle(1.0, 1.0), thickness=0.1, material=law).section
+    linear = section_of(sk.Isotropic(2e6, 0.3, 1000.0), 0.1)
+    assert np.abs(section.abd() - linear.abd()).max() < 1e-9 * linear.abd().max()
+    assert section.thinning[0] == pytest.approx(linear.thinning[0], abs=1e-9)
+    assert np.allclose(section.shear_stiffness(), linear.shear_stiffness(), rtol=1e-9)
+    assert section.mass == linear.mass
+    E = np.array([0.2, -0.1, 0.05])
+    found = section.points_law.respond((np.array([[1.0], [1.0], [0.0]]).T + E * [2, 2, 1]).T.copy())
+    assert found.stress[:, 0] == pytest.approx(linear.in_plane()[0] @ E, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("mistake", "message"),
+    [
+        ("energy", "stress against energy: at C = .* S11 is .* and the difference of energy by the strain 11"),
+        ("shear", "stress against energy: .* S12 is .* factors of two of the shear"),
+        ("stiffness", r"stiffness against stress: .* D2211 is .*|stiffness against stress: .* D1122"),
+        ("rest", "has the stress S11 = 10"),
+        ("constant", "has the energy 5 J/m3"),
+        ("shape", r"give a PointResponse, or energy \(n,\)"),
+        ("nan", "it has no stress or no stiffness"),
+        ("thickness", "C33 of the undeformed state is 2"),
+    ],
+)
+def test_a_law_that_contradicts_itself_is_refused_before_any_work(mistake, message):
+    with pytest.raises(sk.errors.InputError, match=message):
+        sk.Problem(surface=sk.Rectangle(1.0, 1.0), thickness=0.1, material=Square(mistake))
+
+
+def test_what_remembers_and_what_has_no_density_is_refused():
+    law = Square()
+    law.n_history = 4
+    with pytest.raises(sk.errors.InputError, match="laws with memory cannot be solved yet"):
+        section_of(law, 0.1)
+    law = Square()
+    law.density = None
+    with pytest.raises(sk.errors.InputError, match="density"):
+        section_of(law, 0.1)
+
+
+def test_laminates_of_rubber_are_refused():
+    with pytest.raises(sk.errors.InputError, match=r"layers of NeoHooke.*one layer"):
+        sk.Layer(NeoHooke(MU, RHO), 0.01)
+    with pytest.raises(sk.errors.InputError, match="needs a thickness"):
+        section_of(NeoHooke(MU, RHO), None)
+
+
+@pytest.mark.parametrize("law", [*laws().values(), *laws(poisson=0.4).values()])
+def test_check_law_passes_those_of_the_library(law):
+    assert max(sk.testing.check_law(law).values()) < 1e-9
+    assert max(sk.testing.check_law(law, states(law, np.random.default_rng(1))).values()) < 1e-6

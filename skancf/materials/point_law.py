@@ -118,9 +118,7 @@ class PointLaw(Protocol):
     def thinning(self) -> np.ndarray:
         """Strain 33 per unit of 11, 22, 12 in plane stress, of small strain: (3,)."""
 
-    def respond(
-        self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None
-    ) -> PointResponse:
+    def respond(self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None) -> PointResponse:
         """Plane stress at C11, C22, C12 (3, n), with a first guess of C33 (n,) and what the law remembers (n_history, n).
 
         What is out of its range is told by :attr:`PointResponse.code`, and no error.
@@ -130,12 +128,6 @@ class PointLaw(Protocol):
 def is_point_law(material: Any) -> bool:
     """Whether a material is a law at points, and not a matrix."""
     return not isinstance(material, type) and callable(getattr(material, "plane_stress", None))
-
-
-def point_law_of(material: Any) -> PointLaw:
-    """A law at points as sections know it."""
-    law: PointLaw = material
-    return law
 
 
 def deformation(C: Any, rows: int = 3) -> np.ndarray:

@@ -13,7 +13,8 @@ import numpy as np
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, positive
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, require_law, stiffness_of, thinning, thinning_of
-from skancf.materials.point_law import PointLaw, is_point_law, point_law_of
+from skancf.materials.own_point_law import point_law_of
+from skancf.materials.point_law import PointLaw, is_point_law
 from skancf.tolerances import ROUNDED_PLACE
 
 LEAST, MOST = 1e-80, 1e80

@@ -29,7 +29,6 @@ from typing import Any
 
 import numpy as np
 
-from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError
 from skancf.materials.point_law import PointLaw
 from skancf.materials.section import Section
@@ -51,7 +50,7 @@ class SectionResponse:
     forces : (6, n) array
         N (N/m), then M (N), each in the order 11, 22, 12.
     stiffness : (21, n) array
-        Derivative of the forces by the strains, entries k <= l row by row: 11 with all six, 22 with the last five, and so on.
+        Derivative of the forces by the strains, entries k <= l row by row: 11 with all six, 22 with the last five, ...
     stretch33 : (n_heights, n) array
         C33 at each height.
     code : (n_heights, n) int array

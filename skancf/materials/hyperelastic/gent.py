@@ -10,6 +10,7 @@ from skancf.errors import positive
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
+from skancf.materials.hyperelastic.solid_kernels import store_solid
 
 
 @compiled(**POINT)
@@ -38,11 +39,18 @@ def at_points(C, guess, par, out):
         kernels.store(out, k, at_point(C[0, k], C[1, k], C[2, k], guess[k], par))
 
 
+@compiled(**LOOP)
+def in_solids(C, par, out):
+    inverse, G = np.empty((3, 3)), np.empty((3, 6))
+    for k in range(C.shape[1]):
+        store_solid(derivatives, C, k, par, out, inverse, G)
+
+
 @dataclass(frozen=True)
 class Gent(OfInvariants):
-    r"""Rubber of chains that end somewhere, :math:`\psi = -\tfrac{\mu J_m}{2} \ln \bigl( 1 - (J^{-2/3} I_1 - 3) / J_m \bigr)`.
+    r"""Rubber of chains that end somewhere.
 
-    A compressible one has :math:`\tfrac K4 (J^2 - 1 - 2 \ln J)` too.
+    .. math:: \psi = -\tfrac{\mu J_m}{2} \ln \Bigl( 1 - \frac{J^{-2/3} I_1 - 3}{J_m} \Bigr) + \tfrac K4 (J^2 - 1 - 2 \ln J)
 
     Parameters
     ----------
@@ -69,9 +77,10 @@ class Gent(OfInvariants):
     expansion: float = 0.0
     compiled = at_point
     _at_points = staticmethod(at_points)
+    _in_solids = staticmethod(in_solids)
 
     @property
-    def limit(self) -> str:
+    def limit(self) -> str:  # type: ignore[override]
         return f"I1 - 3, at equal volume, must stay below most = {self.most:g}"
 
     def _check(self) -> None:

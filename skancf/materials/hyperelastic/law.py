@@ -1,6 +1,7 @@
 """What laws of rubber have in common."""
 
 from abc import abstractmethod
+from functools import cached_property
 from math import inf
 from typing import Any
 
@@ -9,20 +10,16 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
 from skancf.materials.hyperelastic.kernels import RESULTS
+from skancf.materials.hyperelastic.solid_kernels import SOLID_RESULTS
 from skancf.materials.isotropic import Isotropic
 from skancf.materials.law import SHEAR_CORRECTION, corrected
 from skancf.materials.point_law import PointResponse, deformation
-
-BULK = r"""
-    Without ``bulk`` and ``poisson`` the law is incompressible; with one of them it resists a change of volume by
-    :math:`\tfrac K4 (J^2 - 1 - 2 \ln J)`, :math:`K = 2 \mu (1 + \nu) / (3 - 6 \nu)`.
-"""
 
 
 class Rubber:
     """A law with an energy, elastic and without memory. Those of this library derive from it.
 
-    They give ``compiled``, ``_at_points`` and ``_numbers``.
+    They give ``parameters``, ``compiled`` and ``_at_points``.
     """
 
     density: float
@@ -32,19 +29,21 @@ class Rubber:
     shear_correction = SHEAR_CORRECTION
     limit = ""
     """What deformations the law has no energy for."""
+    incompressible: bool
+    """Whether volume cannot change."""
+    parameters: Any
+    """The numbers that ``compiled`` takes; of a law of invariants of this library the first is the bulk modulus."""
     compiled: Any
     """Compiled, at one point: (C11, C22, C12, guess of C33 or 0, parameters) to energy, S11, S22, S12, the six numbers of D,
     C33 and a code. For callers that are compiled themselves."""
     _at_points: Any
+    _in_solids: Any = None
 
-    @property
-    @abstractmethod
-    def parameters(self) -> np.ndarray:
-        """The numbers that ``compiled`` takes; of a law of invariants the first is the bulk modulus."""
+    @cached_property
+    def _numbers(self) -> np.ndarray:
+        return np.array(self.parameters, dtype=float)
 
-    def respond(
-        self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None
-    ) -> PointResponse:
+    def respond(self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None) -> PointResponse:
         """Plane stress, without an error where there is none.
 
         Parameters
@@ -61,7 +60,7 @@ class Rubber:
         """
         n = C.shape[1]
         out = np.empty((RESULTS, n))
-        self._at_points(C, np.zeros(n) if guess is None else guess, self.parameters, out)
+        self._at_points(C, np.zeros(n) if guess is None else guess, self._numbers, out)
         return PointResponse(out[0], out[1:4], out[4:10], out[10], out[11].astype(np.int64))
 
     def plane_stress(self, C: Any, guess: Any = None) -> PointResponse:
@@ -84,10 +83,30 @@ class Rubber:
             guess = np.ascontiguousarray(np.broadcast_to(np.asarray(guess, dtype=float), C.shape[1:]))
         return self.respond(C, guess).checked(self, C)
 
-    @property
-    def incompressible(self) -> bool:
-        """Whether volume cannot change."""
-        return bool(np.isinf(self.parameters[0]))
+    def respond3d(self, C: Any) -> PointResponse:
+        """Energy, stress and stiffness in three dimensions.
+
+        Parameters
+        ----------
+        C : (6, n) array
+            Components 11, 22, 33, 23, 13, 12 of the right Cauchy-Green tensor.
+
+        Returns
+        -------
+        PointResponse
+            With ``stress`` (6, n), and ``stiffness`` (21, n) in the order of :data:`skancf.materials.point_law.PAIRS_3D`.
+            What has no stress is told by its ``code``.
+
+        Raises
+        ------
+        InputError
+            For an incompressible law, whose pressure no deformation tells, and for one that is not of invariants.
+        """
+        require_solid(self)
+        C = deformation(C, 6)
+        out = np.empty((SOLID_RESULTS, C.shape[1]))
+        self._in_solids(C, self._numbers, out)
+        return PointResponse(out[0], out[1:7], out[7:28], C[2].copy(), out[28].astype(np.int64))
 
     def in_plane_stiffness(self) -> np.ndarray:
         """D of plane stress at the undeformed state, rows and columns 11, 22, 12: (3, 3) (Pa)."""
@@ -100,6 +119,17 @@ class Rubber:
     def thermal_strain(self) -> np.ndarray:
         """Free strain per kelvin, shape (6,)."""
         return self.expansion * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+
+
+def require_solid(law: Any) -> None:
+    """InputError for a law at points that has no stress in three dimensions."""
+    name = type(law).__name__
+    if getattr(law, "incompressible", False):
+        raise InputError(f"material = {name}: it is incompressible, and no deformation of a solid tells its pressure; give "
+                         "it poisson = 0.49 or less, or take theory 'kirchhoff', where stress across is zero")  # fmt: skip
+    if not callable(getattr(law, "respond3d", None)) or getattr(law, "_in_solids", law) is None:
+        raise InputError(f"material = {name}: it has no stress in three dimensions, which theory 'full' needs; take a law "
+                         "of invariants, such as NeoHooke with poisson = 0.45, or theory 'kirchhoff'")  # fmt: skip
 
 
 class OfInvariants(Rubber):
@@ -130,6 +160,11 @@ class OfInvariants(Rubber):
     @abstractmethod
     def shear_modulus(self) -> float:
         """Of small strain (Pa)."""
+
+    @property
+    def incompressible(self) -> bool:  # type: ignore[override]
+        """Whether volume cannot change."""
+        return bool(np.isinf(self.bulk_modulus))
 
     @property
     def rest_poisson(self) -> float:

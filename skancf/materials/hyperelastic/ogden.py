@@ -5,8 +5,8 @@ derivatives :math:`t_i` and second ones :math:`h_{ij}` by the logarithms. In the
 
 .. math:: \frac{t_1 / l_1 - t_2 / l_2}{l_1 - l_2} = \frac{t_1 - t_2}{l_1 (l_1 - l_2)} - \frac{t_2}{l_1 l_2},
 
-and :math:`t_1 - t_2` is a sum of :math:`e^{\alpha y_2} (e^{\alpha (y_1 - y_2)} - 1)`, which keeps its digits however near the
-stretches are to each other.
+and :math:`t_1 - t_2` is a sum of :math:`e^{\alpha y_2} (e^{\alpha (y_1 - y_2)} - 1)`, which keeps its digits however near
+the stretches are to each other.
 """
 
 from collections.abc import Sequence
@@ -121,7 +121,9 @@ def of_components(unused, a, b, d, c, par):
     t1, t2, t3 = 0.5 * f1 + less, 0.5 * f2 + less, 0.5 * f3 + less
     h11, h22, h33 = g1 / 12.0 + more, g2 / 12.0 + more, g3 / 12.0 + more
     h12, h13, h23 = more - (g1 + g2) / 12.0, more - (g1 + g3) / 12.0, more - (g2 + g3) / 12.0
-    ga, gb, gd, aa, bb, dd, ab, ad, bd, u, v = in_plane(t1, t2, h11, h22, h12, shearing(y2, l2, apart, par), l1, l2, cos, sin)
+    ga, gb, gd, aa, bb, dd, ab, ad, bd, u, v = in_plane(
+        t1, t2, h11, h22, h12, shearing(y2, l2, apart, par), l1, l2, cos, sin
+    )
     F13, F23 = h13 / (l1 * c), h23 / (l2 * c)
     return (energy + of_volume, ga, gb, gd, t3 / c, aa, bb, dd, (h33 - t3) / (c * c), ab, ad, bd,
             F13 * u[0] + F23 * v[0], F13 * u[1] + F23 * v[1], F13 * u[2] + F23 * v[2])  # fmt: skip
@@ -137,7 +139,9 @@ def incompressible(a, b, d, par):
     energy, f1, f2, f3, g1, g2, g3 = terms(0.5 * L1, y2, -0.5 * (L1 + L2), par)
     t1, t2 = 0.5 * (f1 - f3), 0.5 * (f2 - f3)
     h11, h22, h12 = 0.25 * (g1 + g3), 0.25 * (g2 + g3), 0.25 * g3
-    ga, gb, gd, aa, bb, dd, ab, ad, bd, _, _ = in_plane(t1, t2, h11, h22, h12, shearing(y2, l2, apart, par), l1, l2, cos, sin)
+    ga, gb, gd, aa, bb, dd, ab, ad, bd, _, _ = in_plane(
+        t1, t2, h11, h22, h12, shearing(y2, l2, apart, par), l1, l2, cos, sin
+    )
     if not isfinite(energy + ga + gb + gd + aa + bb + dd):
         return kernels.failed(BEYOND)
     return energy, 2.0 * ga, 2.0 * gb, gd, 4.0 * aa, 4.0 * bb, dd, 4.0 * ab, 2.0 * ad, 2.0 * bd, 1.0 / p, FINE
@@ -204,8 +208,8 @@ class Ogden(OfInvariants):
         if not pairs[:, 1].all():
             raise InputError(f"terms = {self.terms}: an exponent is zero; leave that term out, it has no energy")
         if not self.shear_modulus > 0:
-            raise InputError(f"terms = {self.terms}: the shear modulus, half the sum of mu alpha, is {self.shear_modulus:g} Pa "
-                             "and must be greater than zero")  # fmt: skip
+            raise InputError(f"terms = {self.terms}: the shear modulus, half the sum of mu alpha, is {self.shear_modulus:g} "
+                             "Pa and must be greater than zero")  # fmt: skip
 
     @property
     def shear_modulus(self) -> float:

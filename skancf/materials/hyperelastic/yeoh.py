@@ -9,6 +9,7 @@ from skancf.errors import number, positive
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
+from skancf.materials.hyperelastic.solid_kernels import store_solid
 
 
 @compiled(**POINT)
@@ -33,6 +34,13 @@ def at_point(a, b, d, guess, par):
 def at_points(C, guess, par, out):
     for k in range(C.shape[1]):
         kernels.store(out, k, at_point(C[0, k], C[1, k], C[2, k], guess[k], par))
+
+
+@compiled(**LOOP)
+def in_solids(C, par, out):
+    inverse, G = np.empty((3, 3)), np.empty((3, 6))
+    for k in range(C.shape[1]):
+        store_solid(derivatives, C, k, par, out, inverse, G)
 
 
 @dataclass(frozen=True)
@@ -63,6 +71,7 @@ class Yeoh(OfInvariants):
     expansion: float = 0.0
     compiled = at_point
     _at_points = staticmethod(at_points)
+    _in_solids = staticmethod(in_solids)
 
     def _check(self) -> None:
         positive("c10", self.c10, "Pa")

@@ -20,6 +20,7 @@ from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
 from skancf.thinness import BILINEAR, Fields, ShearForm, share_of, shear_forces
 from skancf.tolerances import ONE_PLACE, SAME_VALUE
+from skancf.true_stress import TrueStresses
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 # Strains of both faces that differ by no more than this part of the largest are one: there is no depth to choose.
@@ -27,7 +28,7 @@ ONE_STRAIN = 1e-3
 
 
 @dataclass(frozen=True)
-class Solution:
+class Solution(TrueStresses):
     """One state: nodal coordinates with their system.
 
     Attributes
@@ -180,9 +181,9 @@ class Solution:
         return self._stresses_of(self.strains, points, z)
 
     def _stresses_of(self, strains: Callable[..., np.ndarray], points: np.ndarray, z: Depth | None) -> np.ndarray:
-        section, depth = self.system.problem.section, self._chosen(z, points)
+        depth = self._chosen(z, points)
         elastic = strains(points, depth) - self._free_strains(self._inside(points), depth)
-        return np.asarray(elastic @ section.stiffness[section.layer_at(depth)])
+        return self.system.assembly.stress_of(elastic, depth, small=self.linear)
 
     def _chosen(self, z: Depth | None, points: np.ndarray) -> float:
         """The depth that was asked for; if none was, the reference surface where all depths have the same."""

@@ -1,4 +1,4 @@
-"""Checks of terms of one's own, on demand.
+"""Checks of terms and laws of one's own, on demand.
 
 A term with a force that is not the derivative of its energy, or a tangent that is not that of its force, seldom fails:
 Newton's method converges slowly, or to the wrong answer. :func:`check_term` finds it by differences, and says where.
@@ -17,6 +17,8 @@ from skancf.errors import InputError, finite, positive
 from skancf.history import Case
 from skancf.kernels.constants import AXES, BLOCK
 from skancf.linear import BlockMatrix, BlockPattern
+from skancf.materials.own_point_law import check_law
+from skancf.materials.point_check import WrongLaw
 from skancf.meshes import uniform
 from skancf.problem import Problem
 from skancf.system import System
@@ -24,6 +26,8 @@ from skancf.terms.blocks import Blocks, SkewBlocks
 from skancf.terms.own import check_cells, check_energy, check_force
 from skancf.tolerances import ROUNDED_FORCE, ROUNDED_VALUE, SAME_VALUE
 from skancf.vectors import rotation
+
+__all__ = ["Report", "WrongLaw", "WrongTerm", "check_law", "check_term"]
 
 STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 """Of differences, in the sizes of the unknowns; of several the best counts: large ones leave out what bends, small ones are

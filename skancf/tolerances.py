@@ -126,6 +126,8 @@ AT_REST = 1e-6
 """Of what the loads move: what other forces may move a structure that counts as one at rest without loads."""
 ROOT = 1e-14
 """Of the size of what is sought: the last correction of an inner iteration for one place or length."""
+LAST_STEP = 1e-8
+"""Of what is sought: after a step of Newton's method that is smaller, the next one is rounding."""
 ROOT_OF_COUNTS = 1e-13
 """Of the logarithm of an element length."""
 ROOT_OF_GROWTH, ROOT_OF_GROWTH_RTOL = 1e-16, 1e-15
@@ -137,6 +139,8 @@ LEFT_BY_REFINEMENT = 1e-6
 """Of an answer: what is left when corrections no longer shrink, and is said if it is more."""
 GMRES_RTOL = 1e-9
 """Of the solution without the skew part of a matrix: what is left when the one with it is found."""
+NO_CHANGE = 1e-6
+"""Of a strain between two states, relative to the strains: what is of third order in it is rounding of the energy."""
 NEWTON_EXACT = 1e-9
 """Newton's method in rules for time steps that are to keep energy to its last digits; in the energy norm, relative."""
 NEWTON_DAMPED = 1e-6

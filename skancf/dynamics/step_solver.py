@@ -153,7 +153,9 @@ class StepSolver:
         return u + self.system.constraints.fixed_part(target - u), rigid
 
     def _place(self, residual: np.ndarray) -> str:
-        """Where in the plate the residual is largest."""
+        """Where in the plate the residual is largest, or a law has no stress."""
+        if said := self.system.assembly.refusal():
+            return f"({said})"
         sizes = self.system.layout.blocks(np.nan_to_num(np.abs(residual), nan=np.inf)).max(axis=1)
         block, geometry = int(np.argmax(sizes)), self.system.geometry
         if block >= geometry.n_nodes:

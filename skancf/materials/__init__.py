@@ -1,14 +1,17 @@
 """Laws: strain to stress, as pure functions at a point; sections: the layers through the thickness; damping."""
 
 from skancf.materials.damping import Damping
+from skancf.materials.hyperelastic import Gent, Hyperelastic, MooneyRivlin, NeoHooke, Ogden, Yeoh
 from skancf.materials.isotropic import Isotropic
 from skancf.materials.laminate import Laminate, Layer
 from skancf.materials.law import Anisotropic, Law
 from skancf.materials.orthotropic import Orthotropic
+from skancf.materials.point_law import BeyondLaw, PointLaw, PointResponse
 from skancf.materials.section import Section, section_of
 
 ALL = [Isotropic, Orthotropic, Anisotropic]
 
 __all__ = [
-    "ALL", "Anisotropic", "Damping", "Isotropic", "Laminate", "Law", "Layer", "Orthotropic", "Section", "section_of",
+    "ALL", "Anisotropic", "BeyondLaw", "Damping", "Gent", "Hyperelastic", "Isotropic", "Laminate", "Law", "Layer",
+    "MooneyRivlin", "NeoHooke", "Ogden", "Orthotropic", "PointLaw", "PointResponse", "Section", "Yeoh", "section_of",
 ]  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive, shown
 from skancf.materials.law import Law, require_law, stiffness_of, thinning_of, turned, turned_strain, turned_thinning
+from skancf.materials.point_law import is_point_law
 from skancf.materials.section import Section, stack
 from skancf.materials.shear import with_shear_of_equilibrium
 
@@ -37,6 +38,9 @@ class Layer:
 
     def __post_init__(self) -> None:
         plain(self)
+        if is_point_law(self.material):
+            raise InputError(f"layers of {type(self.material).__name__}: laminates of laws at points are not there yet; "
+                             "give such a law to a plate of one layer, or a linear one to the layer")  # fmt: skip
         require_law(self.material)
         positive("thickness of a layer", self.thickness, "m")
         number("angle", self.angle)

@@ -13,6 +13,8 @@ import numpy as np
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, positive
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, require_law, stiffness_of, thinning, thinning_of
+from skancf.materials.own_point_law import point_law_of
+from skancf.materials.point_law import PointLaw, is_point_law
 from skancf.tolerances import ROUNDED_PLACE
 
 LEAST, MOST = 1e-80, 1e80
@@ -41,6 +43,9 @@ class Section:
     thinning : (n, 3) array, optional
         Strain 33 of each layer per unit of 11, 22, 12 where S33 = S23 = S13 = 0. Default: that of its stiffness, which a law
         of plane stress has no more.
+    points_law : PointLaw, optional
+        The law of a section that is not linear, of one layer, whose stiffness and thinning are those of small strain. None
+        for linear sections.
 
     Raises
     ------
@@ -53,6 +58,7 @@ class Section:
     density: np.ndarray
     expansion: np.ndarray
     thinning: Any = None
+    points_law: PointLaw | None = None
 
     def __post_init__(self) -> None:
         n = np.size(self.z) - 1
@@ -264,10 +270,15 @@ def section_of(material: Any, thickness: float | None) -> Section:
         if thickness is not None:
             raise InputError(f"thickness = {thickness}: a laminate brings its own, the sum of its layers'; leave it out")
         return material.section()
-    require_law(material)
+    if not is_point_law(material):
+        require_law(material)
     if thickness is None:
         raise InputError(f"thickness: missing; a plate of one material ({type(material).__name__}) needs a thickness")
     half = positive("thickness", thickness, "m") / 2
+    if is_point_law(material):
+        law = point_law_of(material)
+        one = stack([-half, half], [law.stiffness()], [law.density], [law.thermal_strain()], [law.thinning()])
+        return replace(one, points_law=law)
     return stack([-half, half], [stiffness_of(material)], [material.density], [material.thermal_strain()],
                  [thinning_of(material)])  # fmt: skip
 

@@ -165,7 +165,7 @@ def newton(
     largest = max(energies, default=1.0) or 1.0
     norms = tuple(float(np.sqrt(energy / largest)) for energy in energies)
     lost = found.status is Status.NOT_FINITE and not found.message
-    message = _where(system, found.residual) if lost else found.message
+    message = refusal(system) or _where(system, found.residual) if lost else found.message
     pivots = solver.negative_pivots if energies and found.status is not Status.SINGULAR else 0
     lam, bound = float(found.x[-1]), criterion.bound
     return NewtonResult(found.x[:-1], found.status, norms, pivots, message, lam, tangents.along, bound)
@@ -250,6 +250,13 @@ def largest_turn(system: Any, change: np.ndarray) -> float:
     """Largest change of a slope, relative to its undeformed length; zero for models without slopes."""
     shell = getattr(system, "shell", None)
     return shell.largest_turn(change) if shell else 0.0
+
+
+def refusal(system: Any) -> str | None:
+    """Where and why a law had no stress for the last state; None where it had, and for models without one."""
+    shell = getattr(system, "shell", None)
+    said: str | None = shell.assembly.refusal() if shell else None
+    return said
 
 
 def _where(system: StaticSystem, values: np.ndarray) -> str:

@@ -26,6 +26,8 @@ class Assembly(Protocol):
     recovers_bending: ClassVar[bool]
     """Whether moments are good in the middles of elements only; then it has ``bending_forces`` and ``bending_strains``, the
     part of section forces and strains that makes them so."""
+    linear: ClassVar[bool]
+    """Whether stresses are linear in the strains."""
 
     @property
     def areas(self) -> np.ndarray:
@@ -42,6 +44,9 @@ class Assembly(Protocol):
 
     def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
         """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
+
+    def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
+        """Energy of the strains (J), less the work of ``initial`` stresses on them, with their own, ``thermal``."""
 
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
@@ -74,6 +79,20 @@ class Assembly(Protocol):
 
     def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
         """Strain in the local frame at a depth (n_elements, n, 6), temperature as in :meth:`section_forces`."""
+
+    def stress_of(self, elastic: np.ndarray, z: float, small: bool = False) -> np.ndarray:
+        """Second Piola-Kirchhoff stress of strains without the free ones, (..., 6), at a depth; to first order in ``small``
+        ones."""
+
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        """Stresses by the law of small strain, which is that of the undeformed state."""
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
+        """What the mean of the stresses of two states needs besides to do the work of the energy on the change of the
+        strains; None where laws are linear, and the mean does it."""
+
+    def refusal(self) -> str | None:
+        """Why and where a law had no stress for the state that it was asked for last; None where it had."""
 
 
 class Prescription(Protocol):

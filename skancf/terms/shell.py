@@ -66,6 +66,14 @@ class Shell(Term):
         change = None if change is None else self.nodal(change)
         return self.assembly.stresses(self.nodal(q), change, keep_strains=False)[1]
 
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        """Those by the law of small strain."""
+        return self.assembly.small_stresses(self.nodal(q))
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
+        """Stresses beside the mean of those of two states, that make it do the work of the energy; None where it does."""
+        return self.assembly.exact_work(self.nodal(q0), self.nodal(q1))
+
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         """Forces (n_dofs,) that do the work of given stresses."""
         return self.flat(self.assembly.force_of(self.nodal(q), stresses))
@@ -100,11 +108,9 @@ class Shell(Term):
 
         with the free strain of the temperature change of a case, and its factor.
         """
-        strains, stresses = self.assembly.stresses(self.nodal(q), None, keep_strains=True)
-        energy, initial = 0.5 * float(np.vdot(strains, stresses)), self.initial_stresses(case)
-        if initial is not None:
-            energy += self.thermal_energy(case) - float(np.vdot(initial, strains))
-        return energy
+        initial = self.initial_stresses(case)
+        thermal = 0.0 if initial is None else self.thermal_energy(case)
+        return self.assembly.strain_energy(self.nodal(q), initial, thermal)
 
     def add_mass(self, blocks: Blocks) -> None:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""

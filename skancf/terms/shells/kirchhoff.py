@@ -192,15 +192,22 @@ class ThinAssembly(CompiledAssembly):
         strains, b = self.section_strains(q, points, elements)
         if temperature is not None:
             strains = strains - self.curved.free_strains(b, *temperature)
-        forces = self.curved.forces(b, (self.curved.law(b) @ strains[..., None])[..., 0])
-        return np.asarray(forces.swapaxes(1, 2))
+        return np.asarray(self.curved.forces(b, self._work_conjugate(strains, b)).swapaxes(1, 2))
+
+    def _work_conjugate(self, strains: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Forces and moments that do work on local strains, both (m, n, 6), where the undeformed curvatures are b."""
+        return np.asarray((self.curved.law(b) @ strains[..., None])[..., 0])
+
+    def _law_at(self, q: np.ndarray, points: np.ndarray, elements: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Derivative of them by the strains, (m, n, 6, 6)."""
+        return self.curved.law(b)
 
     def section_force_gradient(
         self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
     ) -> np.ndarray:
         geometry, theory = self.geometry, cast(Kirchhoff, self.geometry.theory)
         turn, b = self._frame(points, elements)
-        law = self.curved.forces(b[..., None, :], self.curved.law(b))  # rows are symmetric to columns
+        law = self.curved.forces(b[..., None, :], self._law_at(q, points, elements, b))  # rows are symmetric to columns
         stresses = np.einsum("ikep,epij,ejp->ekp", turn, law, weights, optimize=True)
         local = geometry.local(q, elements)
         forces = theory.strain_forces(local, points, stresses)

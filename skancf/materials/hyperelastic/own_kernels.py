@@ -1,0 +1,207 @@
+r"""Compiled plane stress of an energy of one's own, from values of it alone, at complex numbers.
+
+First derivatives are those of a step i s so small that its square is nothing; second ones of two steps of opposite sign at
+45 degrees in the complex plane,
+
+.. math::
+    f'(x) = \operatorname{Im} f(x + i s) / s, \qquad
+    f''(x) = \operatorname{Im} \bigl( f(x + \sqrt i h) + f(x - \sqrt i h) \bigr) / h^2 + O(h^4),
+
+in which no two numbers of equal size are subtracted, so that they have twelve digits. Mixed ones are those along sums.
+
+An energy that is no real number at real arguments, such as a logarithm of a negative one, counts as infinite.
+
+References
+----------
+K.-L. Lai and J. L. Crassidis, Extensions of the first and second complex-step derivative approximations, *Journal of
+Computational and Applied Mathematics* 219 (2008) 276-293.
+"""
+
+from functools import lru_cache
+from math import inf, isfinite, nan, sqrt
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+
+from skancf.materials.hyperelastic import kernels
+from skancf.materials.hyperelastic.kernels import LOOP, point_function
+from skancf.materials.hyperelastic.solid_kernels import store_solid
+from skancf.materials.point_law import BEYOND, FINE, FOLDED
+
+TINY_STEP = 2.0**-100
+STEP = 2.0**-10
+"""Of the size of what it changes; its fourth power is 1e-12."""
+AHEAD = 2.0**-20
+"""How far the slope of Newton's method looks, relatively."""
+DIAGONAL = complex(sqrt(0.5), sqrt(0.5))
+
+
+class Kernels(NamedTuple):
+    """Of one energy: ``at_point``, ``at_points`` and ``in_solids`` as those of other laws; ``at_rest``, all derivatives by
+    a, b, d, c as :func:`skancf.materials.hyperelastic.kernels.of_components`."""
+
+    at_point: Any
+    at_points: Any
+    at_rest: Any
+    in_solids: Any
+
+
+@lru_cache(maxsize=64)
+def kernels_of(energy: Any, components: bool, incompressible: bool) -> Kernels:
+    """Compiled functions of an energy of (I1, I2, J, parameters), or of (C11, C22, C33, C12, parameters)."""
+    point, rest, derivatives = (of_components if components else of_invariants)(energy, incompressible)
+    loop = numba.njit(**LOOP)
+
+    def at_points(C, guess, par, out):
+        for k in range(C.shape[1]):
+            kernels.store(out, k, point(C[0, k], C[1, k], C[2, k], guess[k], par))
+
+    def at_rest(par):
+        return rest(None, 1.0, 1.0, 0.0, 1.0, par)
+
+    def in_solids(C, par, out):
+        inverse, G = np.empty((3, 3)), np.empty((3, 6))
+        for k in range(C.shape[1]):
+            store_solid(derivatives, C, k, par, out, inverse, G)
+
+    return Kernels(point, loop(at_points), loop(at_rest), None if components or incompressible else loop(in_solids))
+
+
+@point_function
+def real_or_infinite(value):
+    return value.real if value.imag == 0.0 else inf
+
+
+def by_invariants(psi):
+    """Values and derivatives of an energy of I1, I2, J: as a real number, by I1 and I2 where J is 1, and by all three."""
+
+    @point_function
+    def value(x, y, z, par):
+        return psi(x, y, z, par)
+
+    @point_function
+    def still(x, y, z, par):
+        return real_or_infinite(value(complex(x), complex(y), complex(z), par))
+
+    @point_function
+    def twice(I1, I2, J, u, v, w, par):
+        """Second derivative along (u, v, w)."""
+        u, v, w = DIAGONAL * u, DIAGONAL * v, DIAGONAL * w
+        return value(I1 + u, I2 + v, J + w, par).imag + value(I1 - u, I2 - v, J - w, par).imag
+
+    @point_function
+    def of_two(i1, i2, par):
+        I1, I2, s, o = 3.0 + i1, 3.0 + i2, TINY_STEP, complex(1.0)
+        one, two = value(complex(I1, s), complex(I2), o, par), value(complex(I1), complex(I2, s), o, par)
+        k1, k2 = STEP * I1 / 3.0, STEP * I2 / 3.0
+        x, y = twice(I1, I2, 1.0, k1, 0.0, 0.0, par), twice(I1, I2, 1.0, 0.0, k2, 0.0, par)
+        xy = twice(I1, I2, 1.0, k1, k2, 0.0, par) - x - y
+        energy = still(I1, I2, 1.0, par)
+        return energy, one.imag / s, two.imag / s, x / (k1 * k1), y / (k2 * k2), 0.5 * xy / (k1 * k2)
+
+    @point_function
+    def derivatives(i1, i2, x, par):
+        I1, I2, J, s = 3.0 + i1, 3.0 + i2, sqrt(1.0 + x), TINY_STEP
+        one, two = value(complex(I1, s), complex(I2), complex(J), par), value(complex(I1), complex(I2, s), complex(J), par)
+        three = value(complex(I1), complex(I2), complex(J, s), par)
+        k1, k2, kJ = STEP * I1 / 3.0, STEP * I2 / 3.0, STEP * J
+        q1, q2 = twice(I1, I2, J, k1, 0.0, 0.0, par), twice(I1, I2, J, 0.0, k2, 0.0, par)
+        qJ = twice(I1, I2, J, 0.0, 0.0, kJ, par)
+        q12, q1J = twice(I1, I2, J, k1, k2, 0.0, par) - q1 - q2, twice(I1, I2, J, k1, 0.0, kJ, par) - q1 - qJ
+        q2J = twice(I1, I2, J, 0.0, k2, kJ, par) - q2 - qJ
+        return (still(I1, I2, J, par), one.imag / s, two.imag / s, three.imag / s, q1 / (k1 * k1), q2 / (k2 * k2),
+                qJ / (kJ * kJ), 0.5 * q12 / (k1 * k2), 0.5 * q1J / (k1 * kJ), 0.5 * q2J / (k2 * kJ))  # fmt: skip
+
+    return still, of_two, derivatives
+
+
+def of_invariants(psi, incompressible):
+    """The numbers of a point, and derivatives by components and by invariants, of an energy of I1, I2, J."""
+    still, of_two, derivatives = by_invariants(psi)
+
+    @point_function
+    def slope(T, p, c, par):
+        J, s = sqrt(p * c), TINY_STEP * c
+        return psi(complex(T + c, s), complex(p + c * T, s * T), complex(J, 0.5 * s * J / c), par).imag / s
+
+    @point_function
+    def across(unused, a, b, d, c, par):
+        T, p = a + b, a * b - d * d
+        if not isfinite(still(T + c, p + c * T, sqrt(p * c), par)):
+            return nan, nan
+        first = slope(T, p, c, par)
+        return first, (slope(T, p, c * (1.0 + AHEAD), par) - first) / (c * AHEAD)
+
+    @point_function
+    def full(unused, a, b, d, c, par):
+        return kernels.of_components(derivatives, a, b, d, c, par)
+
+    @point_function
+    def at_point(a, b, d, guess, par):
+        if incompressible:
+            return kernels.incompressible(of_two, a, b, d, par)
+        return kernels.compressible(across, full, derivatives, a, b, d, guess, par)
+
+    return at_point, full, derivatives
+
+
+def of_components(psi, incompressible):
+    """The same of an energy of C11, C22, C33, C12."""
+
+    @point_function
+    def value(a, b, c, d, par):
+        if incompressible:
+            c = 1.0 / (a * b - d * d)
+        return psi(a, b, c, d, par)
+
+    @point_function
+    def still(a, b, c, d, par):
+        return real_or_infinite(value(complex(a), complex(b), complex(c), complex(d), par))
+
+    @point_function
+    def once(a, b, c, d, u, v, w, x, par):
+        s = TINY_STEP
+        return value(complex(a, s * u), complex(b, s * v), complex(c, s * w), complex(d, s * x), par)
+
+    @point_function
+    def twice(a, b, c, d, u, v, w, x, par):
+        u, v, w, x = DIAGONAL * u, DIAGONAL * v, DIAGONAL * w, DIAGONAL * x
+        return value(a + u, b + v, c + w, d + x, par).imag + value(a - u, b - v, c - w, d - x, par).imag
+
+    @point_function
+    def full(unused, a, b, d, c, par):
+        ka, kb, kc, kd, s = STEP * a, STEP * b, STEP * c, STEP * sqrt(a * b), TINY_STEP
+        ga, gb = once(a, b, c, d, 1.0, 0.0, 0.0, 0.0, par), once(a, b, c, d, 0.0, 1.0, 0.0, 0.0, par)
+        gc, gd = once(a, b, c, d, 0.0, 0.0, 1.0, 0.0, par), once(a, b, c, d, 0.0, 0.0, 0.0, 1.0, par)
+        aa, bb = twice(a, b, c, d, ka, 0.0, 0.0, 0.0, par), twice(a, b, c, d, 0.0, kb, 0.0, 0.0, par)
+        cc, dd = twice(a, b, c, d, 0.0, 0.0, kc, 0.0, par), twice(a, b, c, d, 0.0, 0.0, 0.0, kd, par)
+        ab, ad = twice(a, b, c, d, ka, kb, 0.0, 0.0, par) - aa - bb, twice(a, b, c, d, ka, 0.0, 0.0, kd, par) - aa - dd
+        bd, ac = twice(a, b, c, d, 0.0, kb, 0.0, kd, par) - bb - dd, twice(a, b, c, d, ka, 0.0, kc, 0.0, par) - aa - cc
+        bc, dc = twice(a, b, c, d, 0.0, kb, kc, 0.0, par) - bb - cc, twice(a, b, c, d, 0.0, 0.0, kc, kd, par) - cc - dd
+        energy = still(a, b, c, d, par)
+        return (energy, ga.imag / s, gb.imag / s, gd.imag / s, gc.imag / s, aa / (ka * ka), bb / (kb * kb), dd / (kd * kd),
+                cc / (kc * kc), 0.5 * ab / (ka * kb), 0.5 * ad / (ka * kd), 0.5 * bd / (kb * kd), 0.5 * ac / (ka * kc),
+                0.5 * bc / (kb * kc), 0.5 * dc / (kd * kc))  # fmt: skip
+
+    @point_function
+    def across(unused, a, b, d, c, par):
+        if not isfinite(still(a, b, c, d, par)):
+            return nan, nan
+        s, more = TINY_STEP, c * (1.0 + AHEAD)
+        first = once(a, b, c, d, 0.0, 0.0, 1.0, 0.0, par).imag / s
+        return first, (once(a, b, more, d, 0.0, 0.0, 1.0, 0.0, par).imag / s - first) / (c * AHEAD)
+
+    @point_function
+    def at_point(a, b, d, guess, par):
+        if not incompressible:
+            return kernels.compressible(across, full, across, a, b, d, guess, par)
+        p = a * b - d * d
+        if not (a > 0.0 and p > 0.0):
+            return kernels.failed(FOLDED)
+        energy, ga, gb, gd, _, aa, bb, dd, _, ab, ad, bd, _, _, _ = full(None, a, b, d, 1.0 / p, par)
+        if not isfinite(energy + ga + gb + gd + aa + bb + dd):
+            return kernels.failed(BEYOND)
+        return energy, 2.0 * ga, 2.0 * gb, gd, 4.0 * aa, 4.0 * bb, dd, 4.0 * ab, 2.0 * ad, 2.0 * bd, 1.0 / p, FINE
+
+    return at_point, full, None

@@ -74,7 +74,7 @@ from skancf.loads import (
     SurfaceLoad,
     Temperature,
 )
-from skancf.materials import Anisotropic, Damping, Isotropic, Laminate, Layer, Orthotropic
+from skancf.materials import Anisotropic, Damping, Isotropic, Laminate, Layer, Orthotropic, Zone
 from skancf.problem import Problem
 from skancf.solution import Solution
 from skancf.solving import Status
@@ -229,6 +229,7 @@ __all__ = [
     "Temperature",
     "TheoryError",
     "Trapezoidal",
+    "Zone",
     "__version__",
     "adapt",
     "adaptive",

@@ -1,14 +1,17 @@
 """Laws: strain to stress, as pure functions at a point; sections: the layers through the thickness; damping."""
 
 from skancf.materials.damping import Damping
+from skancf.materials.field import SectionField, sections_of
 from skancf.materials.isotropic import Isotropic
 from skancf.materials.laminate import Laminate, Layer
 from skancf.materials.law import Anisotropic, Law
 from skancf.materials.orthotropic import Orthotropic
 from skancf.materials.section import Section, section_of
+from skancf.materials.zones import Zone
 
 ALL = [Isotropic, Orthotropic, Anisotropic]
 
 __all__ = [
-    "ALL", "Anisotropic", "Damping", "Isotropic", "Laminate", "Law", "Layer", "Orthotropic", "Section", "section_of",
+    "ALL", "Anisotropic", "Damping", "Isotropic", "Laminate", "Law", "Layer", "Orthotropic", "Section", "SectionField",
+    "Zone", "section_of", "sections_of",
 ]  # fmt: skip

@@ -97,8 +97,8 @@ class Rim:
     @property
     def _couples(self) -> bool:
         """Does the section couple bending and twisting along its axes?"""
-        D = self.system.problem.section.abd()[3:, 3:]
-        return bool((D[:2, 2] ** 2 > COUPLED**2 * D[2, 2] * D.diagonal()[:2]).any())
+        D = [section.abd()[3:, 3:] for section in self.system.assembly.section.samples()]
+        return any(bool((d[:2, 2] ** 2 > COUPLED**2 * d[2, 2] * d.diagonal()[:2]).any()) for d in D)
 
     def _single(self, found: list[Singularity]) -> np.ndarray:
         """Nodes held or sprung on their own, (n_nodes,), but not the free corners of up to 90 degrees that only rest: there

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 
 
@@ -22,7 +23,7 @@ class CompiledAssembly:
     _tables: Any
     _elements: Any
 
-    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+    def __init__(self, geometry: Geometry, section: Section | SectionsOnMesh, schedule: Schedule):
         self.geometry, self.section, self.schedule = geometry, section, schedule
 
     @property

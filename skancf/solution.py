@@ -333,8 +333,7 @@ class Solution:
         return out
 
     def nodal_stresses(self, z: Depth | None = None) -> np.ndarray:
-        """Second Piola-Kirchhoff stress (Pa), as :meth:`nodal_section_forces`, at z as of :meth:`strains`: (n_mesh_nodes, 6).
-        """
+        """Stress (Pa) at z as :meth:`stresses` has it, at nodes as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
         return self._at_nodes(self.recovered_stresses(CORNERS.T, z))
 
     @property

@@ -11,8 +11,14 @@ from skancf.errors import InputError
 from skancf.layout.geometry import Geometry
 from skancf.layout.patches import edge_numbers
 from skancf.materials import Section, SectionField
+from skancf.materials.section import trace
 from skancf.materials.zones import Zone, overlap
 from skancf.tolerances import ONE_PLACE
+
+SIDES = np.array([[0.5, 1.0, 0.5, 0.0], [0.0, 0.5, 1.0, 0.5]])
+"""Points (2, 4) in the middles of an element's sides, as ``mesh.t2f`` has them."""
+JUMP = 0.01
+"""Of the larger membrane stiffness, or of the thickness: a smaller difference between zones is none."""
 
 
 class SectionsOnMesh:
@@ -48,13 +54,32 @@ class SectionsOnMesh:
     @cached_property
     def borders(self) -> np.ndarray:
         """Facets between zones, (n_facets,) bool: an edge that is divided on one side, and its parts."""
+        low, high = self._at_facets(np.broadcast_to(self.zones[:, None], (len(self.zones), 4)))
+        return np.asarray(low < high)
+
+    @cached_property
+    def beside_jumps(self) -> np.ndarray:
+        """Elements with a side at which the membrane stiffness of the section jumps, or the height of what carries it,
+        (n_elements,) bool."""
+        section, jumps = self.at(SIDES), np.zeros(len(self.borders), dtype=bool)
+        stiffness = trace(section.abd()[..., :3, :3])
+        for values, size in ((stiffness, stiffness), (section.neutral, section.thickness)):
+            low, high = self._at_facets(values)
+            jumps |= high - low > JUMP * self._at_facets(size)[1]
+        return np.asarray((self.borders & jumps)[self.geometry.mesh.t2f].any(axis=0))
+
+    def _at_facets(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of values on the sides of elements (n_elements, 4) the smallest and the largest at each facet, (n_facets,), of a
+        divided edge those at the whole and its parts."""
         mesh, numbers = self.geometry.mesh, edge_numbers(self.geometry)
-        of_elements, n = numbers[mesh.t2f], int(numbers.max()) + 1
-        low, high = np.full(n, len(self.field.zones)), np.full(n, -1)
-        for side in of_elements:
-            np.minimum.at(low, side, self.zones)
-            np.maximum.at(high, side, self.zones)
-        return np.asarray((low < high)[numbers])
+        # Facets of two elements are by themselves, others may be parts of an edge, or at a seam.
+        shared = np.bincount(mesh.t2f.ravel(), minlength=len(numbers)) > 1
+        numbers = np.where(shared, numbers.max() + 1 + np.arange(len(numbers)), numbers)
+        n = int(numbers.max()) + 1
+        low, high = np.full(n, np.inf), np.full(n, -np.inf)
+        np.minimum.at(low, numbers[mesh.t2f], values.T)
+        np.maximum.at(high, numbers[mesh.t2f], values.T)
+        return low[numbers], high[numbers]
 
     def samples(self) -> list[Section]:
         """Of each zone the section where it is thickest, and where it is farthest off the surface, each as that of a plate

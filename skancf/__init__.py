@@ -74,7 +74,19 @@ from skancf.loads import (
     SurfaceLoad,
     Temperature,
 )
-from skancf.materials import Anisotropic, Damping, Isotropic, Laminate, Layer, Orthotropic
+from skancf.materials import (
+    Anisotropic,
+    Damping,
+    Hyperelastic,
+    Isotropic,
+    Laminate,
+    Layer,
+    MooneyRivlin,
+    NeoHooke,
+    Ogden,
+    Orthotropic,
+    Zone,
+)
 from skancf.problem import Problem
 from skancf.solution import Solution
 from skancf.solving import Status
@@ -170,6 +182,7 @@ __all__ = [
     "Gravity",
     "HalveAndGrow",
     "HyperbolicParaboloid",
+    "Hyperelastic",
     "ImplicitMidpoint",
     "Impulse",
     "InputError",
@@ -183,14 +196,17 @@ __all__ = [
     "MappedSurface",
     "Maximum",
     "Modes",
+    "MooneyRivlin",
     "Motion",
     "MovingForce",
     "MovingLine",
+    "NeoHooke",
     "Never",
     "NewtonCount",
     "NoLimit",
     "NoRotation",
     "NotEnoughMemory",
+    "Ogden",
     "Orthotropic",
     "OutOfDepth",
     "Parallelogram",
@@ -229,6 +245,7 @@ __all__ = [
     "Temperature",
     "TheoryError",
     "Trapezoidal",
+    "Zone",
     "__version__",
     "adapt",
     "adaptive",

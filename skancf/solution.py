@@ -13,7 +13,8 @@ from skancf.errors import InputError, finite, number, shown, vector
 from skancf.history import Case
 from skancf.layout.layout import vectors
 from skancf.layout.patches import averaging_nodes
-from skancf.materials.heights import Depth, depth_of
+from skancf.materials import Section
+from skancf.materials.heights import Depth, depth_of, unlike_faces
 from skancf.recovered import section_forces, strain_excess
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
@@ -122,14 +123,14 @@ class Solution(TrueStresses):
     def displacement(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
         out = probe(self.system, at) @ vectors(self.change)
-        if depth := self._depth(z):
+        if np.any(depth := self._depths(at, z)):
             out = out + depth * self._tilts(at)
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def position(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
         out = probe(self.system, at) @ vectors(self.q)
-        if depth := self._depth(z):
+        if np.any(depth := self._depths(at, z)):
             out = out + depth * (normals(self.system, at, self.system.undeformed) + self._tilts(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
@@ -160,7 +161,8 @@ class Solution(TrueStresses):
         points : (2, n) array
             In the reference square.
         z : float or {"top", "middle", "bottom"}
-            Depth (m). It may be left out where strain and law do not change through the thickness.
+            Height above the reference surface (m); where the thickness varies, names are the faces and the middle of each
+            place. It may be left out where strain and law do not change through the thickness.
 
         Raises
         ------
@@ -168,7 +170,7 @@ class Solution(TrueStresses):
             Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
         """
         assembly, inside = self.system.assembly, self._inside(points)
-        depth = self._chosen(z, points)
+        depth = depth_of(self._section(points), self._chosen(z, points))
         heat = self._heat(inside)
         return self._of_state(lambda q: assembly.strains(self.system.shell.nodal(q), inside, depth, heat))
 
@@ -181,23 +183,26 @@ class Solution(TrueStresses):
         return self._stresses_of(self.strains, points, z)
 
     def _stresses_of(self, strains: Callable[..., np.ndarray], points: np.ndarray, z: Depth | None) -> np.ndarray:
-        depth = self._chosen(z, points)
-        elastic = strains(points, depth) - self._free_strains(self._inside(points), depth)
-        return self.system.assembly.stress_of(elastic, depth, small=self.linear)
+        section, z = self._section(points), self._chosen(z, points)
+        depth = depth_of(section, z)
+        elastic = strains(points, z) - self._free_strains(self._inside(points), depth)
+        return self.system.assembly.stress_of(elastic, section, depth, small=self.linear)
 
-    def _chosen(self, z: Depth | None, points: np.ndarray) -> float:
+    def _chosen(self, z: Depth | None, points: np.ndarray) -> Depth:
         """The depth that was asked for; if none was, the reference surface where all depths have the same."""
         if z is not None:
-            return self._depth(z)
-        depth, section = 0.0, self.system.problem.section
-        section.layer_at(depth)
-        bottom, top = section.z[[0, -1]].tolist()
-        low, high = (self.strains(points, face) for face in (bottom, top))
-        one_law = (section.stiffness == section.stiffness[0]).all() and (section.expansion == section.expansion[0]).all()
-        if not one_law or np.abs(high - low).max(initial=0.0) > ONE_STRAIN * np.abs([low, high]).max(initial=0.0):
-            raise InputError(f"z: stress and strain differ from face to face; say where, as in z='top' ({top:.6g} m), "
-                             f"z='bottom' ({bottom:.6g} m), z='middle' or a number between (m)")  # fmt: skip
-        return depth
+            return z
+        section = self._section(points)
+        section.layer_at(0.0)
+        low, high = (self.strains(points, face) for face in ("bottom", "top"))
+        differ = np.abs(high - low).max(initial=0.0) > ONE_STRAIN * np.abs([low, high]).max(initial=0.0)
+        if differ or not section.one_material:
+            raise unlike_faces(section)
+        return 0.0
+
+    def _section(self, points: np.ndarray) -> Section:
+        """At points (2, n) of every element."""
+        return self.system.assembly.section.at(self._inside(points))
 
     def _inside(self, points: Any) -> np.ndarray:
         """Local points (2, n) of the reference square, checked."""
@@ -210,7 +215,7 @@ class Solution(TrueStresses):
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
         heat = self._heat(points)
-        return np.zeros(6) if heat is None else self.system.assembly.free_strain(z, *heat)
+        return np.zeros(6) if heat is None else self.system.assembly.free_strain(points, z, *heat)
 
     def _heat(self, points: np.ndarray) -> np.ndarray | None:
         """Temperature change T0 and T1, (2, n_elements, n), or None."""
@@ -243,9 +248,9 @@ class Solution(TrueStresses):
 
     def recovered_strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
-        depth, inside = self._chosen(z, points), self._inside(points)
-        more = self._of_state(lambda q: strain_excess(self.system, q, inside, depth))
-        return np.asarray(self.strains(points, depth) + more)
+        z, inside = self._chosen(z, points), self._inside(points)
+        more = self._of_state(lambda q: strain_excess(self.system, q, inside, z))
+        return np.asarray(self.strains(points, z) + more)
 
     def recovered_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Stress as :meth:`stresses`, of :meth:`recovered_strains`."""
@@ -328,18 +333,7 @@ class Solution(TrueStresses):
         return out
 
     def nodal_stresses(self, z: Depth | None = None) -> np.ndarray:
-        """Second Piola-Kirchhoff stress (Pa), as :meth:`nodal_section_forces`: (n_mesh_nodes, 6).
-
-        Parameters
-        ----------
-        z : float or {"top", "middle", "bottom"}
-            Depth (m). It may be left out where strain and law do not change through the thickness.
-
-        Raises
-        ------
-        InputError
-            Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
-        """
+        """Stress (Pa) at z as :meth:`stresses` has it, at nodes as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
         return self._at_nodes(self.recovered_stresses(CORNERS.T, z))
 
     @property
@@ -386,8 +380,12 @@ class Solution(TrueStresses):
             return np.asarray(system.layout.positions(support).sum(axis=0))
         return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
 
-    def _depth(self, z: Depth) -> float:
-        return depth_of(self.system.problem.section, z)
+    def _depths(self, at: Any, z: Depth) -> Any:
+        """Depths at points (2,) or (n, 2) of the parameter plane, one for all or (n, 1)."""
+        if not isinstance(z, str) and not number("z", z):
+            return 0.0
+        depth = depth_of(self.system.assembly.section.at_places(np.atleast_2d(at).T), z)
+        return depth[:, None] if np.ndim(depth) else depth
 
 
 def require_same_mesh(system: System, start: Solution, name: str = "start") -> None:

@@ -102,8 +102,8 @@ class Rim:
     @property
     def _couples(self) -> bool:
         """Does the section couple bending and twisting along its axes?"""
-        D = self.system.problem.section.abd()[3:, 3:]
-        return bool((D[:2, 2] ** 2 > COUPLED**2 * D[2, 2] * D.diagonal()[:2]).any())
+        D = [section.abd()[3:, 3:] for section in self.system.assembly.section.samples()]
+        return any(bool((d[:2, 2] ** 2 > COUPLED**2 * d[2, 2] * d.diagonal()[:2]).any()) for d in D)
 
     @property
     def _single(self) -> np.ndarray:

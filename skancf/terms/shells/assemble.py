@@ -2,7 +2,8 @@
 
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
-from skancf.materials import Section
+from skancf.layout.zones import section_on
+from skancf.materials import Section, SectionField
 from skancf.terms.protocols import Assembly
 from skancf.terms.shells.full import FullAssembly
 from skancf.terms.shells.kirchhoff import ThinAssembly
@@ -15,8 +16,9 @@ ASSEMBLIES: dict[tuple[type, bool], type] = {
 """By theory, and whether the section has a law at points."""
 
 
-def assemble(geometry: Geometry, section: Section) -> Assembly:
+def assemble(geometry: Geometry, section: Section | SectionField) -> Assembly:
     """The assembly of the geometry's theory."""
     schedule = Schedule(geometry.nodes, geometry.mesh.p[:, geometry.mesh.t].mean(axis=1))
-    made: Assembly = ASSEMBLIES[type(geometry.theory), section.points_law is not None](geometry, section, schedule)
+    place = section_on(geometry, section)
+    made: Assembly = ASSEMBLIES[type(geometry.theory), section.points_law is not None](geometry, place, schedule)
     return made

@@ -1,6 +1,7 @@
 """Theory `kirchhoff` on a mesh with laws at points through the thickness, which are not linear in the strain."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from skancf.kernels.constants import POINTS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
+from skancf.materials.curved import CurvedSection
 from skancf.materials.law import IN_PLANE, THICKNESS
 from skancf.materials.parallel import strains_at
 from skancf.materials.point_law import why
@@ -198,22 +200,25 @@ class ThinPointAssembly(ThinAssembly):
         curvature = np.ascontiguousarray(np.moveaxis(b, -1, 0)).reshape(3, -1)
         return self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature)
 
-    def _work_conjugate(self, strains: np.ndarray, b: np.ndarray) -> np.ndarray:
+    def _work_conjugate(self, curved: CurvedSection, strains: np.ndarray, b: np.ndarray) -> np.ndarray:
         found = self._at_places(strains, b)
         forces = np.moveaxis(found.forces.reshape(N_STRAINS, *b.shape[:-1]), 0, -1)
         if not np.iscomplexobj(strains):
             return forces
         return forces + 1j * (_square(found.stiffness, b.shape[:-1]) @ strains.imag[..., None])[..., 0]
 
-    def _law_at(self, q: np.ndarray, points: np.ndarray, elements: np.ndarray, b: np.ndarray) -> np.ndarray:
+    def _law_at(
+        self, curved: CurvedSection, q: np.ndarray, points: np.ndarray, elements: np.ndarray, b: np.ndarray
+    ) -> np.ndarray:
         return _square(self._at_places(self.section_strains(q, points, elements)[0], b).stiffness, b.shape[:-1])
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
         parts, b = self.section_strains(q, points)
         out = np.zeros((*b.shape[:-1], 6), parts.dtype)
         if np.iscomplexobj(parts):  # a small change of the undeformed state
             out[..., IN_PLANE] = (strains_at(b, z)[..., :3, :] @ parts[..., None])[..., 0]
-            out[..., THICKNESS] = out[..., IN_PLANE] @ self.section.thinning[self.section.layer_at(z)]
+            section = self.section.at(points)
+            out[..., THICKNESS] = out[..., IN_PLANE] @ section.thinning[section.layer_at(z)]
             return out
         flat = np.ascontiguousarray(np.moveaxis(np.concatenate([parts, b], axis=-1), -1, 0)).reshape(9, -1)
         C = np.empty((3, flat.shape[1]))
@@ -223,10 +228,10 @@ class ThinPointAssembly(ThinAssembly):
         out[..., THICKNESS] = _of_places(across[None] - 1, b)[..., 0] / 2
         return out
 
-    def stress_of(self, elastic: np.ndarray, z: float, small: bool = False) -> np.ndarray:
+    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
         out = np.zeros_like(elastic)
         if small:
-            out[..., IN_PLANE] = elastic[..., IN_PLANE] @ self.section.in_plane()[self.section.layer_at(z)]
+            out[..., IN_PLANE] = elastic[..., IN_PLANE] @ section.in_plane()[section.layer_at(z)]
             return out
         plane = np.moveaxis(elastic[..., IN_PLANE], -1, 0).reshape(3, -1)
         found = self._law.respond(np.stack([1 + 2 * plane[0], 1 + 2 * plane[1], plane[2]]))

@@ -7,7 +7,9 @@ import numpy as np
 
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
+from skancf.materials.section import stress_of
 
 
 class CompiledAssembly:
@@ -23,7 +25,7 @@ class CompiledAssembly:
     _tables: Any
     _elements: Any
 
-    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+    def __init__(self, geometry: Geometry, section: Section | SectionsOnMesh, schedule: Schedule):
         self.geometry, self.section, self.schedule = geometry, section, schedule
 
     @property
@@ -57,8 +59,8 @@ class CompiledAssembly:
             type(self).tangent_kernel, q, stresses, self._tables, self.geometry.maps, elements, slots, out
         )
 
-    def stress_of(self, elastic: np.ndarray, z: float, small: bool = False) -> np.ndarray:
-        return np.asarray(elastic @ self.section.stiffness[self.section.layer_at(z)])
+    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
+        return stress_of(section.of_layer(section.stiffness, z), elastic)
 
     def small_stresses(self, q: np.ndarray) -> np.ndarray:
         return self.stresses(q, None, keep_strains=False)[1]

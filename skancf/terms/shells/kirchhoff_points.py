@@ -246,7 +246,8 @@ class ThinPointAssembly(ThinAssembly):
         points = self.geometry.integration.local
         x, y = self.geometry.parameters(points if points.ndim == 2 else points[e], np.array([e]))[:, 0, p]
         strain = ", ".join(f"{value:.4g}" for value in self._answers[0].local[:3, e, p])
-        return (f"{type(self._law).__name__} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = "
+        name = type(getattr(self._law, "material", self._law)).__name__
+        return (f"{name} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = "
                 f"{self._heights[0][height]:.4g}, membrane strain ({strain}): {why(self._law, int(code[height, e, p]))}")
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import skfem
 
 from skancf.arguments import MESH, instance, plain
+from skancf.conditions import Joint
 from skancf.errors import InputError, positive, shown, warn
 from skancf.layout.geometry import Geometry
 from skancf.loads import Load
@@ -45,6 +46,8 @@ class Problem:
         Of the material and of the mass, in dynamics; without it there is none.
     terms : sequence of Addition, optional
         Energies, forces and bodies of your own, see :class:`~skancf.terms.Addition`.
+    conditions : sequence of Joint, optional
+        What holds together: links, hinges and conditions of your own, see :class:`~skancf.conditions.Joint`.
 
     Raises
     ------
@@ -70,12 +73,13 @@ class Problem:
     loads: Sequence[Load] = field(default_factory=tuple)
     damping: Damping | None = None
     terms: Sequence[Addition] = field(default_factory=tuple)
+    conditions: Sequence[Joint] = field(default_factory=tuple)
 
     def __post_init__(self) -> None:
         plain(self)
         require_surface(self.surface)
         _ = self.section  # what is wrong with it is told here, not where it is first used
-        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "part")):
+        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "part"), ("conditions", "gap")):
             items = getattr(self, name)
             if not isinstance(items, Sequence) or isinstance(items, str | bytes):
                 raise InputError(f"{name}: give a list, as in {name}=[...], not {shown(items)}")
@@ -128,6 +132,7 @@ class Problem:
     def _tell_of_sides(self, mesh: skfem.MeshQuad) -> None:
         if hasattr(self.surface, "sides"):
             wheres = [getattr(item, "where", None) for item in (*self.supports, *self.loads)]
+            wheres += [where for joint in self.conditions for where in joint.wheres]
             for hint in (misnamed(mesh, self.surface), unjoined(mesh, self.surface, wheres)):
                 if hint:
                     warn(hint)

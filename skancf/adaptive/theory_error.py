@@ -13,7 +13,7 @@ from skancf.errors import InputError
 from skancf.history import FULL
 from skancf.linear import DirectSolver, SkewSolver, check_backend
 from skancf.solution import Solution
-from skancf.statics.newton import skew_part
+from skancf.statics.corrections import skew_part
 from skancf.thinness import Fields, ShearForm, moment_rates
 
 SOUND = 0.2

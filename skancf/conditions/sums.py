@@ -72,10 +72,22 @@ class Conditions(Sequence[Condition]):
         """Whether values of g are zero but for what Newton's method and rounding leave."""
         return self.missed(values) <= CONDITION_MET
 
+    def worst(self, q: np.ndarray, case: Case = FULL) -> str:
+        """Which condition a state does not meet, and by how much, in words; nothing where it meets all."""
+        values = self.value(q, case)
+        if self.met(values):
+            return ""
+        row = int(np.argmax(np.abs(values) / self.scales))
+        return f"{self.words(row)} is off by {values[row]:.3g}, which is {self.missed(values):.1e} of its scale"
+
+    def words(self, row: int) -> str:
+        """What a row is, with the name of its condition."""
+        k = self._place(row)
+        return f"condition {self.names[k]!r}, {self[k].rows()[row - self._slices[k].start]},"
+
     def owner(self, row: int) -> str:
         """The name of the condition that a row belongs to."""
-        k = next(k for k, part in enumerate(self._slices) if part.start <= row < part.stop)
-        return self.names[k]
+        return self.names[self._place(row)]
 
     def named(self, multipliers: np.ndarray) -> dict[str, Any]:
         """The forces of each condition by its name, see :meth:`Condition.forces`."""
@@ -85,6 +97,9 @@ class Conditions(Sequence[Condition]):
     def histories(self) -> list[Any]:
         """Functions of time."""
         return [history for each in self for history in each.histories()]
+
+    def _place(self, row: int) -> int:
+        return next(k for k, part in enumerate(self._slices) if part.start <= row < part.stop)
 
     def _stacked(self, parts: list[sp.csr_matrix]) -> sp.csr_matrix:
         return sp.vstack([sp.csr_matrix((0, self.n_dofs)), *parts], format="csr")

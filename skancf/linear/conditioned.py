@@ -29,7 +29,7 @@ from skancf.linear.skew import SkewSolver
 from skancf.linear.solver import DirectSolver
 from skancf.tolerances import CONDITION_HELD, CONTRADICTION, PASSED, ROUNDED_LEAST_SQUARES, SOFTEST_OF_BLOCK
 
-STIFFNESS = 1e6
+STIFFNESS = 1e4
 """Of P, over the stiffness that the matrix has against a row. From 1e2 to 1e8 the answer is the same; less gains less in a
 pass, more takes Newton's method longer where shells are very thin."""
 VECTOR = 3
@@ -40,26 +40,19 @@ SLOW = 0.5
 
 
 class ConditionedSolver:
-    """Solves with conditions by the factors of one matrix.
+    """A direct solver with conditions: it is asked like one, and its answers meet G x = 0.
 
     Parameters
     ----------
-    matrix : BlockMatrix
-        K, with the curvature of the conditions.
-    gradient : (n, n_dofs) sparse array
-        G; its part on prescribed coordinates counts in products only.
-    solver : DirectSolver
+    direct : DirectSolver
         Gets the factors of A.
-    skew : sparse matrix (n_dofs, n_dofs), optional
-        Skew part beside K.
-
-    Raises
-    ------
-    SingularMatrix
-        Where A is, for a motion that the matrix does not resist and no condition holds.
+    gradient : (n, n_dofs) sparse array
+        G.
 
     Attributes
     ----------
+    matrix : BlockMatrix
+        K, with the curvature of the conditions.
     stiffness : (n,) array
         The diagonal of P; zero for a row of which supports hold all.
     held : (n,) bool array
@@ -70,23 +63,44 @@ class ConditionedSolver:
         What is left of its answer, relatively, where passes came to an end without it; zero elsewhere.
     """
 
-    def __init__(self, matrix: BlockMatrix, gradient: sp.csr_matrix, solver: DirectSolver, skew: Any = None) -> None:
-        self.matrix, self.gradient, self.direct, self.skew = matrix, gradient, solver, skew
-        free = sp.csr_matrix(gradient @ solver.constraints.free_projection)
-        self.held = _squares(free) <= CONDITION_HELD**2 * _squares(gradient)
-        self.stiffness = row_stiffness(matrix, free, solver.constraints, self.held)
-        self._free = free
-        condensed = matrix + products(matrix.pattern, free, self.stiffness)
-        solver.factor(condensed)
-        self._condensed = SkewSolver(condensed, skew, solver)
+    matrix: BlockMatrix
+    stiffness: np.ndarray
+    _condensed: SkewSolver
+
+    def __init__(self, direct: DirectSolver, gradient: sp.csr_matrix) -> None:
+        self.direct, self.gradient = direct, gradient
+        self._free = sp.csr_matrix(gradient @ direct.constraints.free_projection)
+        self.held = _squares(self._free) <= CONDITION_HELD**2 * _squares(gradient)
+        self.skew: Any = None
         self.passes, self.lost = 0, 0.0
+
+    def factor(self, matrix: BlockMatrix, skew: Any = None) -> "ConditionedSolver":
+        """Factors of A for K and, where there is one, a skew part (n_dofs, n_dofs) beside it.
+
+        Raises
+        ------
+        SingularMatrix
+            For a motion that the matrix does not resist and no condition holds.
+        """
+        self.matrix, self.skew = matrix, skew
+        self.stiffness = row_stiffness(matrix, self._free, self.direct.constraints, self.held)
+        condensed = matrix + products(matrix.pattern, self._free, self.stiffness)
+        self.direct.factor(condensed)
+        self._condensed = SkewSolver(condensed, skew, self.direct)
+        return self
+
+    @property
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of K among motions that meet the conditions: those of A, which are no fewer, and no more but
+        in a band beside a critical point, as wide as one over P."""
+        return self.direct.negative_pivots
 
     def multiply(self, x: np.ndarray) -> np.ndarray:
         """K x, with the skew part: (n_dofs,)."""
         product = self.matrix @ x
         return product if self.skew is None else product + self.skew @ x
 
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
+    def solve(self, rhs: np.ndarray, refinements: int = 1) -> np.ndarray:
         """x of K x + G^T l = rhs, G x = 0 on the free coordinates: (n_dofs,)."""
         return self.solve_both(rhs, np.zeros(len(self.stiffness)))[0]
 
@@ -128,7 +142,7 @@ class ConditionedSolver:
 
     def _size(self, x: np.ndarray) -> float:
         """In the energy of the diagonal, whatever the units."""
-        return float(np.sqrt(np.abs(self._condensed.matrix.diagonal()) @ (x * x)))
+        return float(np.sqrt(np.abs(self.matrix.diagonal()) @ (x * x)))
 
 
 def row_stiffness(matrix: BlockMatrix, free: sp.csr_matrix, constraints: Constraints, held: np.ndarray) -> np.ndarray:

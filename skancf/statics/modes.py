@@ -14,8 +14,8 @@ from skancf.conditions.sums import refuse
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
-from skancf.solution import Solution, require_same_mesh
-from skancf.statics.arguments import check_arguments
+from skancf.solution import Solution
+from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,

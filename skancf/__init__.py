@@ -3,7 +3,7 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from skancf import adaptive, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
+from skancf import adaptive, conditions, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
 from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
@@ -37,6 +37,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.checks import Check
+from skancf.conditions import Hinge, RigidLink
 from skancf.dynamics import (
     Checkpoint,
     EnergyBalance,
@@ -181,6 +182,7 @@ __all__ = [
     "GeneralizedAlpha",
     "Gravity",
     "HalveAndGrow",
+    "Hinge",
     "HyperbolicParaboloid",
     "Hyperelastic",
     "ImplicitMidpoint",
@@ -224,6 +226,7 @@ __all__ = [
     "Rectangle",
     "RemapChange",
     "Remapped",
+    "RigidLink",
     "RigidVelocity",
     "Roller",
     "Rotation",
@@ -250,6 +253,7 @@ __all__ = [
     "adapt",
     "adaptive",
     "buckling",
+    "conditions",
     "dynamics",
     "find_regions",
     "goal_estimate",

@@ -9,6 +9,7 @@ import numpy as np
 import skfem
 
 from skancf.arguments import MESH, instance, plain
+from skancf.conditions import Joint
 from skancf.errors import InputError, positive, shown, warn
 from skancf.layout.geometry import Geometry
 from skancf.loads import Load
@@ -55,6 +56,8 @@ class Problem:
     zones : sequence of Zone, optional
         Parts of the parameter plane with sections of their own, such as a doubler or another layup. With zones that cover
         everything thickness and material may be left out.
+    conditions : sequence of Joint, optional
+        What holds together: links, hinges and conditions of your own, see :class:`~skancf.conditions.Joint`.
 
     Raises
     ------
@@ -82,13 +85,14 @@ class Problem:
     terms: Sequence[Addition] = field(default_factory=tuple)
     offset: float | Callable[..., Any] = 0.0
     zones: Sequence[Zone] = field(default_factory=tuple)
+    conditions: Sequence[Joint] = field(default_factory=tuple)
 
     def __post_init__(self) -> None:
         plain(self)
         require_surface(self.surface)
         object.__setattr__(self, "zones", check_zones(self.zones))
         _ = self.section  # what is wrong with it is told here, not where it is first used
-        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "part")):
+        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "part"), ("conditions", "gap")):
             items = getattr(self, name)
             if not isinstance(items, Sequence) or isinstance(items, str | bytes):
                 raise InputError(f"{name}: give a list, as in {name}=[...], not {shown(items)}")
@@ -142,6 +146,7 @@ class Problem:
     def _tell_of_sides(self, mesh: skfem.MeshQuad) -> None:
         if hasattr(self.surface, "sides"):
             wheres = [getattr(item, "where", None) for item in (*self.supports, *self.loads)]
+            wheres += [where for joint in self.conditions for where in joint.wheres]
             for hint in (misnamed(mesh, self.surface), unjoined(mesh, self.surface, wheres)):
                 if hint:
                     warn(hint)

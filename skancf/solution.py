@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import STATE, flag, instance, plain, system_like, text
+from skancf.arguments import flag, plain, system_like, text
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.history import Case
 from skancf.layout.layout import vectors
-from skancf.layout.patches import averaging_nodes
+from skancf.layout.patches import averages_at_nodes
 from skancf.materials import Section
 from skancf.materials.heights import Depth, depth_of, unlike_faces
 from skancf.recovered import section_forces, strain_excess
@@ -48,6 +48,8 @@ class Solution(TrueStresses):
         Its change from the undeformed coordinates: their sum keeps only the digits that positions have.
     note : str
         What is to be known of it, such as that a mode has no size of its own; titles of pictures say it.
+    multipliers : (n,) array or None
+        Of the conditions, in the order of their rows; :attr:`conditions` has them by name.
     """
 
     system: System
@@ -58,6 +60,7 @@ class Solution(TrueStresses):
     linear: bool = False
     small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
     note: str = field(default="", kw_only=True)
+    multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         plain(self)
@@ -78,6 +81,8 @@ class Solution(TrueStresses):
             flag("linear", self.linear)
         if type(self.note) is not str:
             text("note", self.note)
+        if self.multipliers is not None:
+            object.__setattr__(self, "multipliers", vector("multipliers", self.multipliers, self.system.conditions.n))
         if self.small is not None:
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.
@@ -89,9 +94,12 @@ class Solution(TrueStresses):
         return Case(self.load_factor, self.time)
 
     @classmethod
-    def of(cls, model: Model, x: np.ndarray, load_factor: float = 1.0) -> "Solution":
+    def of(
+        cls, model: Model, x: np.ndarray, load_factor: float = 1.0, multipliers: np.ndarray | None = None
+    ) -> "Solution":
         """A state of rest of a model at its unknowns x."""
-        return cls(model.system, model.q(x), load_factor=load_factor, linear=model.linear, small=x if model.linear else None)
+        small = x if model.linear else None
+        return cls(model.system, model.q(x), None, None, load_factor, model.linear, small=small, multipliers=multipliers)
 
     @property
     def model(self) -> Model:
@@ -325,12 +333,7 @@ class Solution(TrueStresses):
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
         """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at corners; at a hanging node of its edge's ends."""
-        own, corners, hanging = averaging_nodes(self.system.geometry), self.system.mesh.t.T, self.system.geometry.hanging
-        out = np.zeros((len(own), values.shape[2]))
-        np.add.at(out, own[corners], values)
-        out = (out / np.maximum(np.bincount(own[corners].ravel(), minlength=len(own)), 1)[:, None])[own]
-        out[hanging.nodes] = out[hanging.ends].mean(axis=0)
-        return out
+        return averages_at_nodes(self.system.geometry, values)
 
     def nodal_stresses(self, z: Depth | None = None) -> np.ndarray:
         """Stress (Pa) at z as :meth:`stresses` has it, at nodes as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
@@ -361,6 +364,15 @@ class Solution(TrueStresses):
         """Linear momentum (N s) and angular momentum about the origin (N m s), (2, 3); zero in statics."""
         return np.zeros((2, 3)) if self.velocity is None else self.system.momenta(self.q, self.velocity)
 
+    @property
+    def conditions(self) -> dict[str, Any]:
+        """The forces that keep the conditions, by their names, see :meth:`~skancf.conditions.Condition.forces`: that in a
+        link (N), the :class:`~skancf.conditions.hinge.HingeForce`, multipliers. InputError for a state without them."""
+        conditions = self.system.conditions
+        if self.multipliers is None and conditions:
+            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear and trace have them")
+        return {} if self.multipliers is None else conditions.named(self.multipliers)
+
     def reactions(self, where: Any = None) -> np.ndarray:
         """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere, those of springs included.
 
@@ -371,11 +383,8 @@ class Solution(TrueStresses):
         """
         if self.velocity is not None and np.any(self.velocity):
             raise InputError("reactions: this state moves, and its supports also carry inertia; reactions are for statics")
-        system, model, x = self.system, self.model, self.unknowns
-        residual = model.internal_force(x) - model.external_force(x, self.case)
-        support = system.constraints.fixed_part(residual)
-        if system.others:
-            support = support - model.others_force(x, None, self.case)
+        system = self.system
+        support = self.model.support_force(self.unknowns, self.case, self.multipliers)
         if where is None:
             return np.asarray(system.layout.positions(support).sum(axis=0))
         return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
@@ -386,13 +395,3 @@ class Solution(TrueStresses):
             return 0.0
         depth = depth_of(self.system.assembly.section.at_places(np.atleast_2d(at).T), z)
         return depth[:, None] if np.ndim(depth) else depth
-
-
-def require_same_mesh(system: System, start: Solution, name: str = "start") -> None:
-    """InputError for a state that was computed on another mesh or with another theory, and for what is no state."""
-    instance(name, start, Solution, STATE)
-    if start.system.mesh is not system.mesh:
-        raise InputError(f"{name} belongs to another mesh; nodal coordinates have a meaning only on their own one")
-    if start.system.geometry.theory.nodal_vectors != system.geometry.theory.nodal_vectors:
-        raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
-                         f"than those of {system.geometry.theory.name!r}")

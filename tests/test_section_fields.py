@@ -127,7 +127,7 @@ def test_a_tapered_strip_of_theory_full_has_its_shear_too():
 
 
 def blade(share, n=16):
-    """Frequencies of a tapered cantilever, in units of that of a uniform one: omega L^2 sqrt(rho A0 / E I0), by Ritz's method
+    """Frequencies of a tapered cantilever, in units of a uniform one: omega L^2 sqrt(rho A0 / E I0), by Ritz's method
     with polynomials, which are exact to rounding."""
     x, w = np.polynomial.legendre.leggauss(60)
     x, w, h = (x + 1) / 2, w / 2, 1 - share * (x + 1) / 2

@@ -27,8 +27,9 @@ from skancf.materials import Section
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
+from skancf.statics.corrections import skew_part
 from skancf.statics.equilibrium import equilibrium
-from skancf.statics.newton import newton, skew_part
+from skancf.statics.newton import newton
 from skancf.statics.stopping import work
 from skancf.system.system import System
 from skancf.theories import left_per_halving

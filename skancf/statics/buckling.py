@@ -10,6 +10,7 @@ from scipy.sparse.linalg import LinearOperator
 
 from skancf.arguments import choice
 from skancf.checks import Check
+from skancf.conditions.sums import refuse
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.solution import Solution
@@ -135,6 +136,7 @@ def buckling(
         a check fails, for example as load factors are missing that further searches did not find.
     """
     check_arguments(system, backend)
+    refuse(system, "buckling")
     tolerance = check_tolerance(tolerance)
     choice("signs", signs, ("positive", "both"))
     n = checked_count(n, system.constraints)

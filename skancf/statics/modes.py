@@ -10,11 +10,12 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 
 from skancf.arguments import whole
 from skancf.checks import Check
+from skancf.conditions.sums import refuse
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
-from skancf.solution import Solution, require_same_mesh
-from skancf.statics.arguments import check_arguments
+from skancf.solution import Solution
+from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -130,6 +131,7 @@ def modes(
         fails, for example as modes are missing that further searches did not find.
     """
     check_arguments(system, backend)
+    refuse(system, "modes")
     if state is not None:
         require_same_mesh(system, state, "state")
     tolerance = check_tolerance(tolerance)

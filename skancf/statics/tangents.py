@@ -8,7 +8,7 @@ import numpy as np
 from skancf.errors import OutOfDepth
 from skancf.linear import BlockMatrix
 from skancf.solution import Solution
-from skancf.statics.newton import skew_part
+from skancf.statics.corrections import skew_part
 from skancf.system.system import System
 from skancf.tolerances import ROUNDED_PRODUCT
 

@@ -5,9 +5,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.history import FULL, Case
 from skancf.kernels import gather
+from skancf.kernels.constants import VECTORS
 from skancf.layout.folds import first_fold, largest_turn
 from skancf.layout.layout import Layout
 from skancf.terms.blocks import Blocks, OnElements
@@ -46,6 +48,16 @@ class Shell(Term):
     def on_elements(self, blocks: Any) -> OnElements:
         """Where matrices of its elements are added."""
         return OnElements(blocks, self.cells, self.geometry, self.assembly.schedule)
+
+    def position_rows(self, elements: np.ndarray, local: np.ndarray) -> sp.csr_matrix:
+        """Weights (n, 4 n_blocks) of all vectors of the layout that make mid-surface positions at local points (n, 2) of
+        elements (n,)."""
+        return self.in_layout(self.geometry.position_rows(elements, local))
+
+    def in_layout(self, rows: sp.csr_matrix) -> sp.csr_matrix:
+        """Weights (n, 4 n_blocks) of all vectors of the layout, of those (n, 4 n_nodes) of its own."""
+        columns = rows.indices + VECTORS * self.layout.part(self.name).start
+        return sp.csr_matrix((rows.data, columns, rows.indptr), shape=(rows.shape[0], VECTORS * self.layout.n_blocks))
 
     def couples(self) -> np.ndarray:
         return self.cells

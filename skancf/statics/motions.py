@@ -111,7 +111,6 @@ class HeldMotions(Motions):
 
     def correction(self, residual: np.ndarray, shape: np.ndarray) -> tuple[np.ndarray, float]:
         moved, multipliers = self._held.solve_both(residual, self._zero)
-        self._held.warn_if_lost()
         return moved, 2 * float(np.abs(multipliers) @ np.abs(self._held.gradient @ shape))
 
 

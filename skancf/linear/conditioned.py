@@ -124,13 +124,15 @@ class ConditionedSolver:
         last, self.lost = np.inf, 0.0
         for self.passes in range(1, (passes or MOST) + 1):
             change = self._condensed.solve(left + self._free.T @ (self.stiffness * open_rows))
-            x = x + change
-            multipliers = multipliers + self.stiffness * (self._free @ change - open_rows)
+            more = self.stiffness * (self._free @ change - open_rows)
+            x, multipliers = x + change, multipliers + more
             if self.passes == passes:
                 break
-            size = self._size(change) / (self._size(x) or 1.0)
-            if size <= PASSED or (self.passes > 2 and size > SLOW * last):
-                self.lost = size if size > PASSED else 0.0
+            moved, pulled = self._size(change) / (self._size(x) or 1.0), self._pull(more) / (self._pull(multipliers) or 1.0)
+            size = max(moved, pulled)
+            # Rounding of K x is all that a pass finds where it gains no more: of multipliers more than of x.
+            if size <= PASSED or self.passes == MOST or (self.passes > 2 and size > SLOW * last):
+                self.lost = moved if moved > PASSED else 0.0
                 break
             last = size
             left = rhs - self.multiply(x) - self._free.T @ multipliers
@@ -140,10 +142,13 @@ class ConditionedSolver:
     def warn_if_lost(self) -> None:
         """A warning where passes of the last solve did not gain what is asked."""
         if self.lost > np.sqrt(PASSED):
-            warn(
-                f"conditions are met in a linear solve but for {self.lost:.1g} of its answer: after {self.passes} passes "
-                "they gain no more. Two conditions may be nearly the same, as of points near each other: leave one out"
-            )
+            warn(f"conditions are met in a linear solve but for {self.lost:.1g} of its answer: after {self.passes} passes "
+                 "they gain no more. Two conditions may be nearly the same, as of points near each other: leave one out")
+
+    def _pull(self, multipliers: np.ndarray) -> float:
+        """Size of multipliers, in the energy of their rows."""
+        weights = np.divide(1.0, self.stiffness, out=np.zeros(len(multipliers)), where=self.stiffness > 0)
+        return float(np.sqrt(weights @ (multipliers * multipliers)))
 
     def _size(self, x: np.ndarray) -> float:
         """In the energy of the diagonal, whatever the units."""
@@ -218,6 +223,7 @@ def contradiction(gradient: sp.csr_matrix, values: np.ndarray, scales: np.ndarra
     if not wanted.any():
         return np.empty(0, dtype=int)
     free = sp.csr_matrix(gradient @ constraints.free_projection)
+    free = sp.diags((_squares(free) > CONDITION_HELD**2 * _squares(gradient)).astype(float)) @ free
     sizes = np.sqrt(_squares(gradient)) / scales
     even = np.divide(1.0, sizes, out=np.ones(len(sizes)), where=sizes > 0)  # lsqr likes rows of one size
     rows, wanted = sp.diags(even / scales) @ free, even * wanted

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from skancf.errors import InputError
 from skancf.history import FULL, Case
-from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver
+from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver, contradiction
 from skancf.statics.corrections import NONE, StaticSystem, Tangents, along_load, factored, skew_part
 from skancf.statics.stopping import Pull, work
 
@@ -62,6 +63,21 @@ def along_both(system: Any, q: np.ndarray, tangent: Tangent) -> tuple[np.ndarray
     rate = conditions.value(q, FULL) - conditions.value(q, Case(0.0))
     change, more = tangent.solve_both(force - tangent.multiply(moved), -(rate + tangent.gradient @ moved))
     return change + moved, more
+
+
+def require_no_contradiction(system: Any) -> None:
+    """InputError where no small change meets all conditions of the undeformed state with supports where they go."""
+    conditions = conditions_in(system)
+    if not conditions:
+        return
+    at = system.undeformed + system.prescribed()
+    rows = contradiction(conditions.gradient(at), -conditions.value(at), conditions.scales, system.constraints)
+    if not rows.size:
+        return
+    names = list(dict.fromkeys(conditions.owner(row) for row in rows))
+    others = ", ".join(map(repr, names[1:])) or "what supports prescribe"
+    raise InputError(f"conditions contradict each other: {names[0]!r} and {others} cannot be met together, as "
+                     f"{conditions.words(rows[0])} shows. Take one of them out, or let both move alike")  # fmt: skip
 
 
 def solved(tangent: Tangent, rhs: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

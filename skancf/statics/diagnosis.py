@@ -9,7 +9,7 @@ from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
 from skancf.solving import Status
-from skancf.statics.conditioned import tangent_at
+from skancf.statics.conditioned import require_no_contradiction, tangent_at
 from skancf.statics.corrections import StaticSystem
 from skancf.statics.critical import CriticalMode, critical_mode, turning_estimate
 from skancf.statics.newton import NewtonResult
@@ -22,12 +22,14 @@ NEAR = 10.0
 
 
 def require_support(system: StaticSystem) -> None:
-    """InputError where a rigid motion is free, of a model that knows what a rigid motion is."""
+    """InputError where a rigid motion is free, of a model that knows what a rigid motion is, and where conditions contradict
+    each other."""
     free = free_rigid_motions(system) if hasattr(system, "layout") else []
     if free:
         raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
     if hasattr(system, "layout") and len(system.layout.parts) > 1:
         _require_resistance(system)
+    require_no_contradiction(system)
 
 
 def _require_resistance(system: Any) -> None:

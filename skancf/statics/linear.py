@@ -106,6 +106,5 @@ def change_with_conditions(
     held = solver_at(system, solver, system.undeformed).factor(system.stiffness(), model.skew(moved))
     rhs = model.external_force(moved, case) - model.internal_force(moved, None, case)
     change, multipliers = held.solve_both(rhs, -model.conditions_value(moved, case))
-    solver.warn_if_lost()
     held.warn_if_lost()
     return change + moved, multipliers

@@ -230,8 +230,10 @@ class Linearised(Model):
         return others.skew(self.system.undeformed) if others else None
 
     def conditions_value(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:
+        """Without those at rest, which are rounding."""
         start, conditions = self.system.undeformed, self.system.conditions
-        return conditions.value(start, case) + conditions.gradient(start) @ x
+        moved = conditions.value(start, case) - conditions.value(start, Case(0.0))
+        return np.asarray(moved + conditions.gradient(start) @ x)
 
     def tangent(self, x: np.ndarray, case: Case = FULL) -> BlockMatrix:
         return self.system.stiffness()

@@ -15,6 +15,7 @@ References
 Powell (1969), in Optimization, ed. Fletcher, 283-298; Fortin and Glowinski (1983), Augmented Lagrangian Methods.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,6 @@ from scipy.sparse.linalg import lsqr
 from skancf.errors import warn
 from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
-from skancf.linear.pattern import BlockPattern
 from skancf.linear.skew import SkewSolver
 from skancf.linear.solver import DirectSolver
 from skancf.tolerances import CONDITION_HELD, CONTRADICTION, PASSED, ROUNDED_LEAST_SQUARES, SOFTEST_OF_BLOCK
@@ -48,6 +48,8 @@ class ConditionedSolver:
         Gets the factors of A.
     gradient : (n, n_dofs) sparse array
         G.
+    times : float
+        P over the stiffness that the matrix has against a row.
 
     Attributes
     ----------
@@ -67,15 +69,18 @@ class ConditionedSolver:
     stiffness: np.ndarray
     _condensed: SkewSolver
 
-    def __init__(self, direct: DirectSolver, gradient: sp.csr_matrix) -> None:
-        self.direct, self.gradient = direct, gradient
+    def __init__(self, direct: DirectSolver, gradient: sp.csr_matrix, times: float = STIFFNESS) -> None:
+        self.direct, self.gradient, self.times = direct, gradient, times
         self._free = sp.csr_matrix(gradient @ direct.constraints.free_projection)
         self.held = _squares(self._free) <= CONDITION_HELD**2 * _squares(gradient)
         self.skew: Any = None
         self.passes, self.lost = 0, 0.0
 
-    def factor(self, matrix: BlockMatrix, skew: Any = None) -> "ConditionedSolver":
-        """Factors of A for K and, where there is one, a skew part (n_dofs, n_dofs) beside it.
+    def factor(
+        self, matrix: BlockMatrix, skew: Any = None, sizes: BlockMatrix | None = None
+    ) -> "ConditionedSolver":
+        """Factors of A for K and, where there is one, a skew part (n_dofs, n_dofs) beside it; P is judged by ``sizes``, by
+        default K, which may have lost its stiffness somewhere.
 
         Raises
         ------
@@ -83,8 +88,8 @@ class ConditionedSolver:
             For a motion that the matrix does not resist and no condition holds.
         """
         self.matrix, self.skew = matrix, skew
-        self.stiffness = row_stiffness(matrix, self._free, self.direct.constraints, self.held)
-        condensed = matrix + products(matrix.pattern, self._free, self.stiffness)
+        self.stiffness = self.times * row_stiffness(sizes or matrix, self._free, self.direct.constraints, self.held)
+        condensed = matrix + products(matrix, self._free, self.stiffness)
         self.direct.factor(condensed)
         self._condensed = SkewSolver(condensed, skew, self.direct)
         return self
@@ -151,9 +156,9 @@ class ConditionedSolver:
 
 
 def row_stiffness(matrix: BlockMatrix, free: sp.csr_matrix, constraints: Constraints, held: np.ndarray) -> np.ndarray:
-    r"""The diagonal of P, one over the compliance of each row if every nodal vector v moved by itself,
+    r"""What the diagonal of P is judged by, one over the compliance of each row if every nodal vector v moved by itself,
 
-    .. math:: P_k = \eta \Big/ \sum_v G_{kv} |K_{vv}|^{-1} G_{kv}^T
+    .. math:: 1 \Big/ \sum_v G_{kv} |K_{vv}|^{-1} G_{kv}^T
 
     with the 3 x 3 blocks of K, in absolute eigenvalues and free directions; on a thin shell that has turned, an entry of the
     diagonal alone takes membrane stiffness for bending.
@@ -165,7 +170,7 @@ def row_stiffness(matrix: BlockMatrix, free: sp.csr_matrix, constraints: Constra
     inverse = sp.bsr_matrix((compliance, touched, np.searchsorted(touched, np.arange(len(place) + 1))),
                             shape=matrix.shape)  # fmt: skip
     sums = np.asarray((free @ inverse).multiply(free).sum(axis=1)).ravel()
-    return np.divide(STIFFNESS, sums, out=np.zeros(len(sums)), where=~held & (sums > 0))
+    return np.divide(1.0, sums, out=np.zeros(len(sums)), where=~held & (sums > 0))
 
 
 def _compliance(matrix: BlockMatrix, constraints: Constraints, which: np.ndarray) -> np.ndarray:
@@ -183,15 +188,30 @@ def _compliance(matrix: BlockMatrix, constraints: Constraints, which: np.ndarray
     return np.asarray(np.einsum("nij,nj,nkj->nik", axes, 1.0 / sizes, axes))
 
 
-def products(pattern: BlockPattern, rows: sp.csr_matrix, stiffness: np.ndarray) -> BlockMatrix:
-    """G^T P G, whose rows reach no further than blocks that the pattern couples."""
+def products(matrix: BlockMatrix, rows: sp.csr_matrix, stiffness: np.ndarray) -> BlockMatrix:
+    """G^T P G on the pattern of a matrix, which couples what a row reaches; with a form where the matrix has one."""
+    pattern = matrix.pattern
     weighted = sp.diags(np.sqrt(stiffness)) @ rows
     both = sp.bsr_matrix((weighted.T @ weighted).tocsr(), blocksize=(pattern.block, pattern.block))
     row = np.repeat(np.arange(pattern.n_nodes), np.diff(both.indptr))
     upper = row <= both.indices
     values = np.zeros((pattern.n_blocks, pattern.block, pattern.block))
     values[pattern.find(row[upper], both.indices[upper])] = both.data[upper]
-    return BlockMatrix(pattern, values)
+    return BlockMatrix(pattern, values, None if matrix.form is None else _OfRows(rows, stiffness))
+
+
+@dataclass(frozen=True, eq=False)
+class _OfRows:
+    """The form of G^T P G: of a motion that meets conditions it is zero, its entries leave P times their rounding."""
+
+    rows: sp.csr_matrix
+    stiffness: np.ndarray
+
+    def product(self, vector: np.ndarray) -> np.ndarray:
+        return np.asarray(self.rows.T @ (self.stiffness * (self.rows @ vector)))
+
+    def energy(self, vector: np.ndarray) -> float:
+        return 0.5 * float(self.stiffness @ (self.rows @ vector) ** 2)
 
 
 def contradiction(gradient: sp.csr_matrix, values: np.ndarray, scales: np.ndarray, constraints: Constraints) -> np.ndarray:

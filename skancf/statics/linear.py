@@ -9,7 +9,7 @@ from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
-from skancf.statics.conditioned import solver_at
+from skancf.statics.conditioned import conditions_in, solver_at
 from skancf.statics.diagnosis import require_support
 from skancf.statics.newton import OPEN
 from skancf.statics.validity import warn_if_loose, warn_if_thick, warn_without_time
@@ -73,10 +73,17 @@ def small_answer(
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """The same, and the multipliers (n,) of conditions; None without any."""
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        if system.conditions:
-            return change_with_conditions(system, solver, load_factor)
-        solver.factor(system.stiffness())
-        return change_by(system, solver, load_factor), None
+        return answer_by(system, solver, load_factor)
+
+
+def answer_by(
+    system: System, solver: DirectSolver, load_factor: float = 1.0
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The same by a solver, which then has the factors of the stiffness, or of what is condensed from it."""
+    if conditions_in(system):
+        return change_with_conditions(system, solver, load_factor)
+    solver.factor(system.stiffness())
+    return change_by(system, solver, load_factor), None
 
 
 def change_by(system: System, solver: DirectSolver, load_factor: float = 1.0) -> np.ndarray:

@@ -3,8 +3,10 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.arguments import plain
+from skancf.conditions.sums import Conditions
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.state import State
 from skancf.errors import InputError, number
@@ -94,6 +96,10 @@ class EnergyMomentum(ImplicitMidpoint):
     def tangent_at(self, u: np.ndarray, start: State) -> tuple[np.ndarray, np.ndarray]:
         """The discrete gradient is nearly that of the middle; the stresses change with the end."""
         return start.q + 0.5 * u, start.q + u
+
+    def gradient(self, conditions: Conditions, u: np.ndarray, start: State, dt: float) -> sp.csr_matrix:
+        """The discrete gradient: multipliers do no work over the step."""
+        return conditions.between(start.q, start.q + u)
 
     def stresses(
         self, system: System, u: np.ndarray, start: State, dt: float, change: np.ndarray | None = None

@@ -9,7 +9,6 @@ import numpy as np
 
 from skancf.arguments import choice, function, having, mapping, whole
 from skancf.atomic import AnyPath
-from skancf.conditions.sums import refuse
 from skancf.dynamics.checkpoint import Checkpoint, Writer
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.fingerprint import fingerprint_of
@@ -113,7 +112,6 @@ def simulate(
         For times, tolerances or velocities that cannot be used.
     """
     check_arguments(system, backend, start=start, resume=resume, check=check, progress=progress)
-    refuse(system, "simulate")
     t_end = positive("t_end", t_end, "s")
     _check(system, record, follow)
     newton_rtol = None if newton_rtol is None else positive("newton_rtol", newton_rtol)

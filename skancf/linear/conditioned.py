@@ -59,6 +59,8 @@ class ConditionedSolver:
         The diagonal of P; zero for a row of which supports hold all.
     held : (n,) bool array
         Those rows.
+    free : (n, n_dofs) sparse array
+        G on the coordinates that no support prescribes.
     passes : int
         Of the last solve.
     lost : float
@@ -71,8 +73,8 @@ class ConditionedSolver:
 
     def __init__(self, direct: DirectSolver, gradient: sp.csr_matrix, times: float = STIFFNESS) -> None:
         self.direct, self.gradient, self.times = direct, gradient, times
-        self._free = sp.csr_matrix(gradient @ direct.constraints.free_projection)
-        self.held = _squares(self._free) <= CONDITION_HELD**2 * _squares(gradient)
+        self.free = sp.csr_matrix(gradient @ direct.constraints.free_projection)
+        self.held = _squares(self.free) <= CONDITION_HELD**2 * _squares(gradient)
         self.skew: Any = None
         self.passes, self.lost = 0, 0.0
 
@@ -87,12 +89,16 @@ class ConditionedSolver:
         SingularMatrix
             For a motion that the matrix does not resist and no condition holds.
         """
-        self.matrix, self.skew = matrix, skew
-        self.stiffness = self.times * row_stiffness(sizes or matrix, self._free, self.direct.constraints, self.held)
-        condensed = matrix + products(matrix, self._free, self.stiffness)
+        self.skew, condensed = skew, self.condensed(matrix, sizes)
         self.direct.factor(condensed)
         self._condensed = SkewSolver(condensed, skew, self.direct)
         return self
+
+    def condensed(self, matrix: BlockMatrix, sizes: BlockMatrix | None = None) -> BlockMatrix:
+        """A of K, see :meth:`factor`."""
+        self.matrix = matrix
+        self.stiffness = self.times * row_stiffness(sizes or matrix, self.free, self.direct.constraints, self.held)
+        return matrix + products(matrix, self.free, self.stiffness)
 
     @property
     def negative_pivots(self) -> int:
@@ -123,8 +129,8 @@ class ConditionedSolver:
         left, open_rows = rhs, np.where(self.held, 0.0, values)
         last, self.lost = np.inf, 0.0
         for self.passes in range(1, (passes or MOST) + 1):
-            change = self._condensed.solve(left + self._free.T @ (self.stiffness * open_rows))
-            more = self.stiffness * (self._free @ change - open_rows)
+            change = self._condensed.solve(left + self.free.T @ (self.stiffness * open_rows))
+            more = self.stiffness * (self.free @ change - open_rows)
             x, multipliers = x + change, multipliers + more
             if self.passes == passes:
                 break
@@ -135,8 +141,8 @@ class ConditionedSolver:
                 self.lost = moved if moved > PASSED else 0.0
                 break
             last = size
-            left = rhs - self.multiply(x) - self._free.T @ multipliers
-            open_rows = np.where(self.held, 0.0, values - self._free @ x)
+            left = rhs - self.multiply(x) - self.free.T @ multipliers
+            open_rows = np.where(self.held, 0.0, values - self.free @ x)
         return x, multipliers
 
     def warn_if_lost(self) -> None:

@@ -3,7 +3,7 @@
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from skancf import adaptive, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
+from skancf import adaptive, conditions, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
 from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
@@ -37,6 +37,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.checks import Check
+from skancf.conditions import Hinge, RigidLink
 from skancf.dynamics import (
     Checkpoint,
     EnergyBalance,
@@ -77,7 +78,6 @@ from skancf.loads import (
 from skancf.materials import (
     Anisotropic,
     Damping,
-    Gent,
     Hyperelastic,
     Isotropic,
     Laminate,
@@ -86,7 +86,7 @@ from skancf.materials import (
     NeoHooke,
     Ogden,
     Orthotropic,
-    Yeoh,
+    Zone,
 )
 from skancf.problem import Problem
 from skancf.solution import Solution
@@ -132,12 +132,12 @@ from skancf.surfaces import (
     Rectangle,
     SphereSector,
 )
-from skancf.terms.forms import FormTerm
 from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
 if TYPE_CHECKING:
     from skancf import output, testing
+    from skancf.terms.forms import FormTerm
 
 __all__ = [
     "AdaptiveResult",
@@ -180,9 +180,9 @@ __all__ = [
     "Foundation",
     "Full",
     "GeneralizedAlpha",
-    "Gent",
     "Gravity",
     "HalveAndGrow",
+    "Hinge",
     "HyperbolicParaboloid",
     "Hyperelastic",
     "ImplicitMidpoint",
@@ -226,6 +226,7 @@ __all__ = [
     "Rectangle",
     "RemapChange",
     "Remapped",
+    "RigidLink",
     "RigidVelocity",
     "Roller",
     "Rotation",
@@ -247,11 +248,12 @@ __all__ = [
     "Temperature",
     "TheoryError",
     "Trapezoidal",
-    "Yeoh",
+    "Zone",
     "__version__",
     "adapt",
     "adaptive",
     "buckling",
+    "conditions",
     "dynamics",
     "find_regions",
     "goal_estimate",
@@ -285,9 +287,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """``output`` and ``testing`` are loaded when they are first used: many runs show nothing, and few test terms."""
+    """Some are loaded when they are first used: many runs show nothing, and few test terms or have forms."""
     if name in ("output", "testing"):
         return importlib.import_module(f"skancf.{name}")
+    if name == "FormTerm":
+        return importlib.import_module("skancf.terms.forms").FormTerm
     raise AttributeError(f"module 'skancf' has no attribute {name!r}")
 
 

@@ -3,15 +3,18 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import skfem
 
 from skancf.arguments import MESH, instance, plain
+from skancf.conditions import Joint
 from skancf.errors import InputError, positive, shown, warn
 from skancf.layout.geometry import Geometry
 from skancf.loads import Load
-from skancf.materials import Damping, Laminate, Law, Section, section_of
+from skancf.materials import Damping, Laminate, Law, Section, SectionField, Zone, sections_of
+from skancf.materials.zones import check_zones
 from skancf.memory import require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
@@ -36,21 +39,31 @@ class Problem:
     ----------
     surface : Surface
         Undeformed mid-surface, for example :class:`~skancf.Rectangle`.
-    thickness : float
-        In metres, or any consistent unit of length; left out with a laminate, whose layers have their own.
-    material : Law or Laminate
-        For example :class:`~skancf.Isotropic` or :class:`~skancf.Laminate`.
+    thickness : float or callable
+        In metres, or any consistent unit of length; left out with a laminate, whose layers have their own. A function of the
+        parameters (x, y) is asked where the elements integrate, on each mesh anew.
+    material : Law, Laminate or callable
+        For example :class:`~skancf.Isotropic` or :class:`~skancf.Laminate`; or a function of (x, y) that returns one, such
+        as fibres that turn. It is called point by point.
     supports, loads : sequences
     damping : Damping, optional
         Of the material and of the mass, in dynamics; without it there is none.
     terms : sequence of Addition, optional
         Energies, forces and bodies of your own, see :class:`~skancf.terms.Addition`.
+    offset : float or callable
+        Height of the mid-plane above the surface (m), a number or a function of (x, y), such as half the thickness of a
+        plate with a flat bottom in the surface; it adds to that of a laminate, which has the notes on what an offset means.
+    zones : sequence of Zone, optional
+        Parts of the parameter plane with sections of their own, such as a doubler or another layup. With zones that cover
+        everything thickness and material may be left out.
+    conditions : sequence of Joint, optional
+        What holds together: links, hinges and conditions of your own, see :class:`~skancf.conditions.Joint`.
 
     Raises
     ------
     InputError
         For a thickness that is not positive, is missing, or is given with a laminate, and for a surface, material,
-        support, load or damping that is none.
+        support, load or damping that is none; for zones that overlap.
 
     Examples
     --------
@@ -64,18 +77,22 @@ class Problem:
     """
 
     surface: Surface
-    thickness: float | None = None
-    material: Law | Laminate | None = None
+    thickness: float | Callable[..., Any] | None = None
+    material: Law | Laminate | Callable[..., Any] | None = None
     supports: Sequence[Support] = field(default_factory=tuple)
     loads: Sequence[Load] = field(default_factory=tuple)
     damping: Damping | None = None
     terms: Sequence[Addition] = field(default_factory=tuple)
+    offset: float | Callable[..., Any] = 0.0
+    zones: Sequence[Zone] = field(default_factory=tuple)
+    conditions: Sequence[Joint] = field(default_factory=tuple)
 
     def __post_init__(self) -> None:
         plain(self)
         require_surface(self.surface)
+        object.__setattr__(self, "zones", check_zones(self.zones))
         _ = self.section  # what is wrong with it is told here, not where it is first used
-        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "part")):
+        for name, method in (("supports", "rows"), ("loads", "on"), ("terms", "part"), ("conditions", "gap")):
             items = getattr(self, name)
             if not isinstance(items, Sequence) or isinstance(items, str | bytes):
                 raise InputError(f"{name}: give a list, as in {name}=[...], not {shown(items)}")
@@ -89,9 +106,9 @@ class Problem:
             instance("damping", self.damping, Damping, "a Damping, as in damping=Damping(stiffness=1e-4)")
 
     @cached_property
-    def section(self) -> Section:
-        """The layers through the thickness, one for a plate of one material."""
-        return section_of(self.material, self.thickness)
+    def section(self) -> Section | SectionField:
+        """The layers through the thickness, one for a plate of one material; a field where they vary."""
+        return sections_of(self.material, self.thickness, self.offset, self.zones)
 
     def on(self, mesh: skfem.MeshQuad, theory: str | Theory = "full", *, tolerance: float = 0.01) -> System:
         """The problem on a mesh of the parameter plane, with a theory.
@@ -109,7 +126,8 @@ class Problem:
         Raises
         ------
         InputError
-            For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there.
+            For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there;
+        for zones whose sides are no mesh lines, and a thickness that is not positive somewhere.
         OutOfDepth
             Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one, and for two
             sides that lie on each other and are not joined, where no support or load names one of them.
@@ -128,6 +146,7 @@ class Problem:
     def _tell_of_sides(self, mesh: skfem.MeshQuad) -> None:
         if hasattr(self.surface, "sides"):
             wheres = [getattr(item, "where", None) for item in (*self.supports, *self.loads)]
+            wheres += [where for joint in self.conditions for where in joint.wheres]
             for hint in (misnamed(mesh, self.surface), unjoined(mesh, self.surface, wheres)):
                 if hint:
                     warn(hint)
@@ -139,8 +158,10 @@ class Problem:
         require_vectors(self.surface, mesh.p[:, mesh.t].mean(axis=1))
         geometry = Geometry(mesh, self.surface, theory)
         _check_extent(geometry)
-        theory.warn_of(self.section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
-        return build(self, geometry)
+        system = build(self, geometry)
+        for section in system.assembly.section.samples():
+            theory.warn_of(section, float(np.ptp(geometry.undeformed[:, 0], axis=0).max()))
+        return system
 
 
 SMALLEST_EXTENT, LARGEST_EXTENT = 1e-25, 1e12

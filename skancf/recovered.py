@@ -7,8 +7,8 @@ stretch and bending, membrane strains follow the curvatures of their element, so
 .. math:: \Delta s = P[s_d] - s_d, \qquad N^* = N, \quad M^* = M + \Delta M - B A^{-1} \Delta N,
 
 with the part :math:`s_d = (N_d, M_d)` of the section forces that slopes of the director make. No polynomial reaches across a
-line or about a point where moments may jump or have no limit: supports and loads inside the surface, re-entrant corners,
-ends of supported edges.
+line or about a point where moments may jump or have no limit: supports and loads inside the surface, borders of zones,
+re-entrant corners, ends of supported edges.
 """
 
 from typing import Any
@@ -22,6 +22,7 @@ from skancf.layout.patches import STENCIL, Cuts, Patches
 from skancf.layout.places import NONE
 from skancf.layout.singularities import Singularity, nodes_at
 from skancf.materials import Section
+from skancf.materials.heights import Depth, depth_of
 from skancf.system.regularity import singularities
 from skancf.system.system import System
 from skancf.terms.shells.full import BENDING
@@ -47,20 +48,25 @@ def section_forces(
     raw = system.shell.section_forces(q, points, case)
     if system.assembly.recovers_bending:
         forces, moments = np.split(_excess(system, q, points), 2, axis=1)
-        raw[:, 3:] += moments - np.einsum("ji,eip->ejp", _coupled(system.problem.section)[1], forces)
+        coupled = _coupled(system.assembly.section.at(points))[1]
+        raw[:, 3:] += moments - np.einsum(f"{'ep' * (coupled.ndim > 2)}ji,eip->ejp", coupled, forces)
     return raw
 
 
-def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
+def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: Depth) -> np.ndarray:
     """What recovery adds to the strains at a depth, (n_elements, n, 6); zero in theory `kirchhoff`."""
     assembly: Any = system.assembly
     if not assembly.recovers_bending:
         return np.zeros((system.geometry.n_elements, points.shape[1], 6))
     nodal = system.shell.nodal(q)
-    said = assembly.bending_strains(nodal, system.geometry.inside(STENCIL), z).swapaxes(1, 2)
-    out = patches_of(system).values(said, points).swapaxes(1, 2) - assembly.bending_strains(nodal, points, z)
-    forces = _excess(system, q, points)[:, :3]
-    out[..., IN_PLANE] -= np.einsum("ij,ejp->epi", _coupled(system.problem.section)[0], forces)
+
+    def bending(at: np.ndarray) -> np.ndarray:
+        return np.asarray(assembly.bending_strains(nodal, at, depth_of(assembly.section.at(at), z)))
+
+    said = bending(system.geometry.inside(STENCIL)).swapaxes(1, 2)
+    out = patches_of(system).values(said, points).swapaxes(1, 2) - bending(points)
+    forces, compliance = _excess(system, q, points)[:, :3], _coupled(assembly.section.at(points))[0]
+    out[..., IN_PLANE] -= np.einsum(f"{'ep' * (compliance.ndim > 2)}ij,ejp->epi", compliance, forces)
     return np.asarray(out)
 
 
@@ -70,7 +76,7 @@ def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, wei
     nodal, here = system.shell.nodal(q), np.array([element])
     out = assembly.section_force_gradient(nodal, here, point, weights.reshape(1, 6, 1))
     if assembly.recovers_bending:
-        coupled = _coupled(system.problem.section)[1]
+        coupled = _coupled(assembly.section.at(point, here))[1].reshape(3, 3)
         changed = np.concatenate([-coupled.T @ weights[3:], weights[3:]]).reshape(1, 6, 1)
         members, said = Patches.about(system.geometry, cuts(system), here).transposed(point, changed)
         stencil = system.geometry.inside(STENCIL)
@@ -89,16 +95,18 @@ def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 def _coupled(section: Section) -> tuple[np.ndarray, np.ndarray]:
     """The inverse of A, and B A^-1, of the laws as the elements have them, (3, 3) each."""
-    z, w, layer = section.points(2)
-    laws = section.stiffness[layer][:, IN_PLANE][:, :, IN_PLANE]
-    inverse = np.linalg.inv(np.einsum("z,zij->ij", w, laws))
-    return inverse, np.einsum("z,zij->ij", w * z, laws) @ inverse
+    z, w, laws = section.through(2)
+    laws = laws[..., IN_PLANE, :][..., IN_PLANE]
+    inverse = np.linalg.inv(np.einsum("z...,z...ij->...ij", w, laws))
+    return inverse, np.einsum("z...,z...ij->...ij", w * z, laws) @ inverse
 
 
 def cuts(system: System) -> Cuts:
     """Lines of the mesh across which moments may jump or have a kink, and points where they may have no limit."""
     geometry, mesh = system.geometry, system.mesh
     broken, node_of = np.zeros(mesh.facets.shape[1], dtype=bool), geometry.ties.node_of
+    if not isinstance(system.assembly.section, Section):
+        broken |= system.assembly.section.borders
     ends = np.isin(node_of, list(reentrant_corners(geometry)))
     for each in singularities(system):
         if each.moves:

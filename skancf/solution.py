@@ -7,19 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import STATE, flag, instance, plain, system_like, text
+from skancf.arguments import flag, plain, system_like, text
 from skancf.elements.reference import CORNERS
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.history import Case
 from skancf.layout.layout import vectors
-from skancf.layout.patches import averaging_nodes
-from skancf.materials.heights import Depth, depth_of
+from skancf.layout.patches import averages_at_nodes
+from skancf.materials import Section
+from skancf.materials.heights import Depth, depth_of, unlike_faces
 from skancf.recovered import section_forces, strain_excess
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
 from skancf.thinness import BILINEAR, Fields, ShearForm, share_of, shear_forces
 from skancf.tolerances import ONE_PLACE, SAME_VALUE
+from skancf.true_stress import TrueStresses
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 # Strains of both faces that differ by no more than this part of the largest are one: there is no depth to choose.
@@ -27,7 +29,7 @@ ONE_STRAIN = 1e-3
 
 
 @dataclass(frozen=True)
-class Solution:
+class Solution(TrueStresses):
     """One state: nodal coordinates with their system.
 
     Attributes
@@ -46,6 +48,8 @@ class Solution:
         Its change from the undeformed coordinates: their sum keeps only the digits that positions have.
     note : str
         What is to be known of it, such as that a mode has no size of its own; titles of pictures say it.
+    multipliers : (n,) array or None
+        Of the conditions, in the order of their rows; :attr:`conditions` has them by name.
     """
 
     system: System
@@ -56,6 +60,7 @@ class Solution:
     linear: bool = False
     small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
     note: str = field(default="", kw_only=True)
+    multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
     def __post_init__(self) -> None:
         plain(self)
@@ -76,6 +81,8 @@ class Solution:
             flag("linear", self.linear)
         if type(self.note) is not str:
             text("note", self.note)
+        if self.multipliers is not None:
+            object.__setattr__(self, "multipliers", vector("multipliers", self.multipliers, self.system.conditions.n))
         if self.small is not None:
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.
@@ -87,9 +94,12 @@ class Solution:
         return Case(self.load_factor, self.time)
 
     @classmethod
-    def of(cls, model: Model, x: np.ndarray, load_factor: float = 1.0) -> "Solution":
+    def of(
+        cls, model: Model, x: np.ndarray, load_factor: float = 1.0, multipliers: np.ndarray | None = None
+    ) -> "Solution":
         """A state of rest of a model at its unknowns x."""
-        return cls(model.system, model.q(x), load_factor=load_factor, linear=model.linear, small=x if model.linear else None)
+        small = x if model.linear else None
+        return cls(model.system, model.q(x), None, None, load_factor, model.linear, small=small, multipliers=multipliers)
 
     @property
     def model(self) -> Model:
@@ -121,14 +131,14 @@ class Solution:
     def displacement(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Displacement at points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
         out = probe(self.system, at) @ vectors(self.change)
-        if depth := self._depth(z):
+        if np.any(depth := self._depths(at, z)):
             out = out + depth * self._tilts(at)
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def position(self, at: Any, z: Depth = 0.0) -> np.ndarray:
         """Position in space of points of the parameter plane, (2,) or (n, 2), at depth z: (3,) or (n, 3)."""
         out = probe(self.system, at) @ vectors(self.q)
-        if depth := self._depth(z):
+        if np.any(depth := self._depths(at, z)):
             out = out + depth * (normals(self.system, at, self.system.undeformed) + self._tilts(at))
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
@@ -159,7 +169,8 @@ class Solution:
         points : (2, n) array
             In the reference square.
         z : float or {"top", "middle", "bottom"}
-            Depth (m). It may be left out where strain and law do not change through the thickness.
+            Height above the reference surface (m); where the thickness varies, names are the faces and the middle of each
+            place. It may be left out where strain and law do not change through the thickness.
 
         Raises
         ------
@@ -167,7 +178,7 @@ class Solution:
             Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
         """
         assembly, inside = self.system.assembly, self._inside(points)
-        depth = self._chosen(z, points)
+        depth = depth_of(self._section(points), self._chosen(z, points))
         heat = self._heat(inside)
         return self._of_state(lambda q: assembly.strains(self.system.shell.nodal(q), inside, depth, heat))
 
@@ -180,23 +191,26 @@ class Solution:
         return self._stresses_of(self.strains, points, z)
 
     def _stresses_of(self, strains: Callable[..., np.ndarray], points: np.ndarray, z: Depth | None) -> np.ndarray:
-        section, depth = self.system.problem.section, self._chosen(z, points)
-        elastic = strains(points, depth) - self._free_strains(self._inside(points), depth)
-        return np.asarray(elastic @ section.stiffness[section.layer_at(depth)])
+        section, z = self._section(points), self._chosen(z, points)
+        depth = depth_of(section, z)
+        elastic = strains(points, z) - self._free_strains(self._inside(points), depth)
+        return self.system.assembly.stress_of(elastic, section, depth, small=self.linear)
 
-    def _chosen(self, z: Depth | None, points: np.ndarray) -> float:
+    def _chosen(self, z: Depth | None, points: np.ndarray) -> Depth:
         """The depth that was asked for; if none was, the reference surface where all depths have the same."""
         if z is not None:
-            return self._depth(z)
-        depth, section = 0.0, self.system.problem.section
-        section.layer_at(depth)
-        bottom, top = section.z[[0, -1]].tolist()
-        low, high = (self.strains(points, face) for face in (bottom, top))
-        one_law = (section.stiffness == section.stiffness[0]).all() and (section.expansion == section.expansion[0]).all()
-        if not one_law or np.abs(high - low).max(initial=0.0) > ONE_STRAIN * np.abs([low, high]).max(initial=0.0):
-            raise InputError(f"z: stress and strain differ from face to face; say where, as in z='top' ({top:.6g} m), "
-                             f"z='bottom' ({bottom:.6g} m), z='middle' or a number between (m)")  # fmt: skip
-        return depth
+            return z
+        section = self._section(points)
+        section.layer_at(0.0)
+        low, high = (self.strains(points, face) for face in ("bottom", "top"))
+        differ = np.abs(high - low).max(initial=0.0) > ONE_STRAIN * np.abs([low, high]).max(initial=0.0)
+        if differ or not section.one_material:
+            raise unlike_faces(section)
+        return 0.0
+
+    def _section(self, points: np.ndarray) -> Section:
+        """At points (2, n) of every element."""
+        return self.system.assembly.section.at(self._inside(points))
 
     def _inside(self, points: Any) -> np.ndarray:
         """Local points (2, n) of the reference square, checked."""
@@ -209,7 +223,7 @@ class Solution:
     def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
         """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
         heat = self._heat(points)
-        return np.zeros(6) if heat is None else self.system.assembly.free_strain(z, *heat)
+        return np.zeros(6) if heat is None else self.system.assembly.free_strain(points, z, *heat)
 
     def _heat(self, points: np.ndarray) -> np.ndarray | None:
         """Temperature change T0 and T1, (2, n_elements, n), or None."""
@@ -242,9 +256,9 @@ class Solution:
 
     def recovered_strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
-        depth, inside = self._chosen(z, points), self._inside(points)
-        more = self._of_state(lambda q: strain_excess(self.system, q, inside, depth))
-        return np.asarray(self.strains(points, depth) + more)
+        z, inside = self._chosen(z, points), self._inside(points)
+        more = self._of_state(lambda q: strain_excess(self.system, q, inside, z))
+        return np.asarray(self.strains(points, z) + more)
 
     def recovered_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Stress as :meth:`stresses`, of :meth:`recovered_strains`."""
@@ -319,26 +333,10 @@ class Solution:
 
     def _at_nodes(self, values: np.ndarray) -> np.ndarray:
         """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at corners; at a hanging node of its edge's ends."""
-        own, corners, hanging = averaging_nodes(self.system.geometry), self.system.mesh.t.T, self.system.geometry.hanging
-        out = np.zeros((len(own), values.shape[2]))
-        np.add.at(out, own[corners], values)
-        out = (out / np.maximum(np.bincount(own[corners].ravel(), minlength=len(own)), 1)[:, None])[own]
-        out[hanging.nodes] = out[hanging.ends].mean(axis=0)
-        return out
+        return averages_at_nodes(self.system.geometry, values)
 
     def nodal_stresses(self, z: Depth | None = None) -> np.ndarray:
-        """Second Piola-Kirchhoff stress (Pa), as :meth:`nodal_section_forces`: (n_mesh_nodes, 6).
-
-        Parameters
-        ----------
-        z : float or {"top", "middle", "bottom"}
-            Depth (m). It may be left out where strain and law do not change through the thickness.
-
-        Raises
-        ------
-        InputError
-            Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
-        """
+        """Stress (Pa) at z as :meth:`stresses` has it, at nodes as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
         return self._at_nodes(self.recovered_stresses(CORNERS.T, z))
 
     @property
@@ -366,6 +364,15 @@ class Solution:
         """Linear momentum (N s) and angular momentum about the origin (N m s), (2, 3); zero in statics."""
         return np.zeros((2, 3)) if self.velocity is None else self.system.momenta(self.q, self.velocity)
 
+    @property
+    def conditions(self) -> dict[str, Any]:
+        """The forces that keep the conditions, by their names, see :meth:`~skancf.conditions.Condition.forces`: that in a
+        link (N), the :class:`~skancf.conditions.hinge.HingeForce`, multipliers. InputError for a state without them."""
+        conditions = self.system.conditions
+        if self.multipliers is None and conditions:
+            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear and trace have them")
+        return {} if self.multipliers is None else conditions.named(self.multipliers)
+
     def reactions(self, where: Any = None) -> np.ndarray:
         """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere, those of springs included.
 
@@ -376,24 +383,15 @@ class Solution:
         """
         if self.velocity is not None and np.any(self.velocity):
             raise InputError("reactions: this state moves, and its supports also carry inertia; reactions are for statics")
-        system, model, x = self.system, self.model, self.unknowns
-        residual = model.internal_force(x) - model.external_force(x, self.case)
-        support = system.constraints.fixed_part(residual)
-        if system.others:
-            support = support - model.others_force(x, None, self.case)
+        system = self.system
+        support = self.model.support_force(self.unknowns, self.case, self.multipliers)
         if where is None:
             return np.asarray(system.layout.positions(support).sum(axis=0))
         return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
 
-    def _depth(self, z: Depth) -> float:
-        return depth_of(self.system.problem.section, z)
-
-
-def require_same_mesh(system: System, start: Solution, name: str = "start") -> None:
-    """InputError for a state that was computed on another mesh or with another theory, and for what is no state."""
-    instance(name, start, Solution, STATE)
-    if start.system.mesh is not system.mesh:
-        raise InputError(f"{name} belongs to another mesh; nodal coordinates have a meaning only on their own one")
-    if start.system.geometry.theory.nodal_vectors != system.geometry.theory.nodal_vectors:
-        raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
-                         f"than those of {system.geometry.theory.name!r}")
+    def _depths(self, at: Any, z: Depth) -> Any:
+        """Depths at points (2,) or (n, 2) of the parameter plane, one for all or (n, 1)."""
+        if not isinstance(z, str) and not number("z", z):
+            return 0.0
+        depth = depth_of(self.system.assembly.section.at_places(np.atleast_2d(at).T), z)
+        return depth[:, None] if np.ndim(depth) else depth

@@ -104,6 +104,10 @@ OPEN_FIT = 1e-11
 """Of the largest eigenvalue of a fit: below it no value and no slope tells that part of the polynomial."""
 SINGULAR_FIT = 1e-8
 """Of the largest eigenvalue of a fit without slopes: a smaller one is of a polynomial that vanishes at all its places."""
+CONDITION_HELD = 1e-10
+"""Of the gradient of a row of a condition: where supports leave less of it free, they hold the row."""
+SOFTEST_OF_BLOCK = 1e-10
+"""Of the largest absolute eigenvalue of a 3 x 3 block of a matrix: a smaller one is rounding, and no stiffness."""
 SINGULAR_MATRIX = 16 * EPS
 """A x is a sum of block * neighbours products. When it is no larger than this share of |A| |x|, the matrix cannot be told
 from a singular one: the sum is the rounding of its terms, and of the sums from which the entries came."""
@@ -140,6 +144,14 @@ LEFT_BY_REFINEMENT = 1e-6
 """Of an answer: what is left when corrections no longer shrink, and is said if it is more."""
 GMRES_RTOL = 1e-9
 """Of the solution without the skew part of a matrix: what is left when the one with it is found."""
+NO_CHANGE = 1e-6
+"""Of a strain between two states, relative to the strains: what is of third order in it is rounding of the energy."""
+PASSED = 1e-12
+"""Of the answer of a linear solve with conditions: the last pass. Each gains a factor of 1e3 to 1e5: two or three do."""
+ROUNDED_LEAST_SQUARES = 1e-14
+"""Of matrix and right-hand side: where an iteration for least squares ends."""
+CONTRADICTION = 1e-6
+"""Of what conditions ask for: what least squares leave where they contradict each other."""
 NEWTON_EXACT = 1e-9
 """Newton's method in rules for time steps that are to keep energy to its last digits; in the energy norm, relative."""
 NEWTON_DAMPED = 1e-6
@@ -148,6 +160,9 @@ STALLED_ENERGY = 1e-20
 """Of the energy of the motion: that of corrections which no longer shrink, below which they are rounding."""
 SHARPEST = 1e-7
 """Smallest tolerance of an equilibrium, in the energy norm, that an analysis asks for by itself, and that is checked."""
+CONDITION_MET = 1e-9
+"""Of the scale of a row of a condition, as the extent of the body: where Newton's method may end, and how far it may be from
+zero in the undeformed state. Rounding of positions leaves 1e-15, one more correction the square of this."""
 BALANCED = 1e-6
 """Of what drives the body: the largest sum of forces or moments that is left over."""
 KNOWN_START = 1e-6

@@ -337,8 +337,8 @@ def add_rubbers(add: Any) -> None:
         "NeoHooke": (sk.NeoHooke, {"shear": 1e6}),
         "MooneyRivlin": (sk.MooneyRivlin, {"c10": 4e5, "c01": 1e5}),
         "Ogden": (sk.Ogden, {"terms": [(1e6, 1.5), (-1e4, -2.0)]}),
-        "Yeoh": (sk.Yeoh, {"c10": 4e5, "c20": 1e4, "c30": 1e3}),
-        "Gent": (sk.Gent, {"shear": 1e6, "most": 30.0}),
+        "Yeoh": (sk.materials.Yeoh, {"c10": 4e5, "c20": 1e4, "c30": 1e3}),
+        "Gent": (sk.materials.Gent, {"shear": 1e6, "most": 30.0}),
     }
     for name, (law, own) in laws.items():
         add(name, law, **own, density=1e3, poisson=0.4, expansion=1e-4, takes="poisson:none")

@@ -80,12 +80,12 @@ def test_elements_that_depend_on_more_blocks_than_corners(theory, rng):
     q = bonded.map(z).ravel()
     schedule = Schedule(maps.nodes, mesh.p[:, mesh.t].mean(axis=1))
     force, stresses = np.zeros((n_blocks, 4, 3)), system.stresses(q)
-    schedule.run(type(assembly).residual_kernel, z, assembly._rule, maps, assembly._elements, force)
+    schedule.run(type(assembly).residual_kernel, z, assembly._tables, maps, assembly._elements, force)
     exact = T.T @ system.internal_force(q)
     assert np.abs(force.ravel() - exact).max() < 1e-11 * np.abs(exact).max()
     pattern = sk.linear.BlockPattern.from_cells(maps.nodes.T, n_blocks, 12, np.zeros((3, n_blocks)))
     blocks = Blocks(pattern)
-    schedule.run(type(assembly).tangent_kernel, z, stresses, assembly._rule, maps, assembly._elements,
+    schedule.run(type(assembly).tangent_kernel, z, stresses, assembly._tables, maps, assembly._elements,
                  blocks.slots_of(maps.nodes), blocks.values)  # fmt: skip
     K, exact = blocks.matrix().to_scipy().toarray(), T.T @ system.tangent(q).to_scipy().toarray() @ T
     assert np.abs(K - exact).max() < 1e-11 * np.abs(exact).max()

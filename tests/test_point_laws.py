@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf import Gent, MooneyRivlin, NeoHooke, Ogden, Yeoh
-from skancf.materials import section_of
+from skancf.materials import Gent, MooneyRivlin, NeoHooke, Ogden, Yeoh, section_of
 from skancf.materials.point_law import PAIRS, PAIRS_3D, BeyondLaw
 
 MU, RHO = 1.5e6, 1000.0

@@ -23,11 +23,13 @@ from skancf.errors import InputError, finite
 from skancf.history import Case
 from skancf.layout.singularities import nodes_at
 from skancf.linear import DirectSolver, SkewSolver
+from skancf.materials import Section
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
+from skancf.statics.corrections import skew_part
 from skancf.statics.equilibrium import equilibrium
-from skancf.statics.newton import newton, skew_part
+from skancf.statics.newton import newton
 from skancf.statics.stopping import work
 from skancf.system.system import System
 from skancf.theories import left_per_halving
@@ -35,6 +37,8 @@ from skancf.tolerances import CANCELLED, ROUNDED_ROW
 
 AT_POLES = 1 / 4
 """Part of an error that is left on quartered elements at a pole, whose membrane strains are no assumed ones."""
+AT_JUMPS = 1 / 2
+"""The same at a line where the membrane stiffness jumps: strains jump there, and slopes at nodes do not."""
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
 MOST = 12
@@ -85,16 +89,21 @@ class Refined:
     def left(self, halved: Halvings) -> np.ndarray:
         """Part of what each element contributes to an error that is left on the refined mesh, (n_elements,).
 
-        By the order of the theory, at poles :data:`AT_POLES`; at singular points no less than the power of what one halving
-        leaves there.
+        By the order of the theory, at poles :data:`AT_POLES`; at lines where the membrane stiffness jumps, and at singular
+        points no less than the power of what one halving leaves there.
         """
         coarse, fine, geometry = self.coarse.mesh.leaves, self.system.mesh.leaves, self.coarse.geometry
         left = np.full(len(coarse), left_per_halving(geometry.theory))
         left[geometry.at_poles] = AT_POLES
         deepest = np.zeros(len(coarse), dtype=int)
         np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
+        halved_by = deepest - coarse.cells.level
+        section = self.coarse.assembly.section
+        if not isinstance(section, Section):
+            lines = section.beside_jumps
+            left[lines] = np.maximum(left[lines], AT_JUMPS ** halved_by[lines])
         there, once = halved.of(coarse, self.points)
-        left[there] = np.maximum(left[there], once ** (deepest - coarse.cells.level)[there])
+        left[there] = np.maximum(left[there], once ** halved_by[there])
         return left
 
     def up(self, q: np.ndarray) -> np.ndarray:

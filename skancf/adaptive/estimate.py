@@ -11,6 +11,7 @@ from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.arguments import STATE, having, instance
+from skancf.conditions.sums import refuse
 from skancf.errors import InputError, number, vector
 from skancf.functions import called
 from skancf.linear import check_backend
@@ -92,6 +93,7 @@ def check_state(name: str, state: Any, backend: str = "auto") -> None:
     check_backend(backend)
     if not isinstance(state.system.mesh, MeshQuadTree):
         raise InputError(f"{name}: its mesh must be a quadtree; make it by sk.meshes.quadtree(mesh)")
+    refuse(state.system, "the estimate of an error")
 
 
 def goal_estimate(

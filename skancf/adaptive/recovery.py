@@ -34,7 +34,8 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     mean of those at the ends of the edge that it divides.
 
     Shear forces are left out: their boundary layers would be taken for errors. Loads and supports along a line inside the
-    surface, where moments have a kink or a jump, are taken for errors of the elements beside it.
+    surface, where moments have a kink or a jump, and borders of zones, where forces along them jump, are taken for errors of
+    the elements beside them.
 
     Parameters
     ----------
@@ -66,8 +67,9 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     error = np.concatenate([recovered(geometry, raw[:, :3], 2), recovered(geometry, raw[:, 3:], bending)], axis=1) - raw
     jets = geometry.theory.jets(geometry.undeformed_local, geometry.inside(points))
     areas = np.linalg.norm(np.cross(jets[0], jets[1], axis=0), axis=0) * weights
-    compliance = np.linalg.inv(solution.system.problem.section.abd())
-    return np.asarray(0.5 * np.einsum("eip,ij,ejp,ep->e", error, compliance, error, areas, optimize=True))
+    compliance = np.linalg.inv(solution.system.assembly.section.at(geometry.inside(points)).abd())
+    of = "ep" * (compliance.ndim > 2)
+    return np.asarray(0.5 * np.einsum(f"eip,{of}ij,ejp,ep->e", error, compliance, error, areas, optimize=True))
 
 
 def recovered(geometry: Geometry, raw: np.ndarray, degree: int) -> np.ndarray:

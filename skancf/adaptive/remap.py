@@ -18,6 +18,7 @@ import numpy as np
 from skancf.adaptive.interpolation import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
 from skancf.arguments import STATE, SYSTEM, flag, instance
+from skancf.conditions.sums import refuse
 from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
 from skancf.errors import SingularMatrix, vector
 from skancf.linear import DirectSolver, check_backend
@@ -121,6 +122,7 @@ def remap(
     if acceleration is not None:
         acceleration = vector("acceleration", acceleration, state.system.n_dofs)
     require_one_tree(state.system.geometry, system.geometry)
+    refuse(system, "remap")
     with _Passage(state, system, backend) as passage:
         q = passage.settled() if settle else passage.start
         a = None if acceleration is None else passage.rates(acceleration)

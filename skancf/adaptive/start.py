@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 import skfem
 
+from skancf.materials.zones import lines_of
 from skancf.meshes import tensor
 from skancf.meshes.counts import stretch
+from skancf.meshes.lines import row_through
 from skancf.meshes.tensor import bounds_of
 from skancf.problem import Problem
 from skancf.surfaces import closed_directions
-from skancf.tolerances import ONE_PLACE
 
 ELEMENTS = 16
 AROUND = 8
@@ -19,7 +20,7 @@ AROUND = 8
 
 def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
     """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads and supports, and along
-    the sides of the rectangle over which a quantity is a mean.
+    the sides of zones and of the rectangle over which a quantity is a mean.
 
     Raises
     ------
@@ -35,8 +36,8 @@ def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
         if closed_directions(problem.surface)[axis]:
             count = max(AROUND, count)
         sides = getattr(quantity, "within", None) or ((), ())
-        held = [*_held(problem, axis), *map(float, sides[axis])]
-        rows.append(_row(low, high, count, held, _loaded(problem, axis)))
+        held = [*_held(problem, axis), *map(float, sides[axis]), *lines_of(problem.zones, axis)]
+        rows.append(row_through(low, high, count, held, _loaded(problem, axis)))
     return tensor(problem.surface, *rows)  # type: ignore[arg-type]
 
 
@@ -57,15 +58,3 @@ def _points(where: object) -> list:
     if len(where) == 2 and all(isinstance(x, int | float | np.number) for x in where):
         return [where]
     return [point for place in where for point in _points(place)]
-
-
-def _row(low: float, high: float, count: int, held: list[float], loaded: list[float]) -> np.ndarray:
-    """About ``count`` even steps that meet the coordinates that are held, and those loaded where no sliver comes of it."""
-    fixed = np.array([low, high])
-    for points, least in ((held, ONE_PLACE * (high - low)), (loaded, (high - low) / count / 4)):
-        for x in sorted(points):
-            if low < x < high and np.abs(fixed - x).min() > least:
-                fixed = np.sort(np.append(fixed, x))
-    parts = np.maximum(1, np.round(count * np.diff(fixed) / (high - low)).astype(int))
-    row = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(fixed[:-1], fixed[1:], parts, strict=True)])
-    return np.append(row, high)

@@ -8,11 +8,12 @@ import numpy as np
 from skancf.adaptive.estimate import check_quantity, gradient_of, value_of
 from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
 from skancf.arguments import STATE, instance
+from skancf.conditions.sums import refuse
 from skancf.errors import InputError
 from skancf.history import FULL
 from skancf.linear import DirectSolver, SkewSolver, check_backend
 from skancf.solution import Solution
-from skancf.statics.newton import skew_part
+from skancf.statics.corrections import skew_part
 from skancf.thinness import Fields, ShearForm, moment_rates
 
 SOUND = 0.2
@@ -84,6 +85,7 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     check_backend(backend)
     quantity = StrainEnergy() if quantity is None else quantity
     check_quantity(quantity)
+    refuse(solution.system, "theory_error")
     if solution.system.geometry.theory.shear:
         return NOTHING
     if solution.velocity is not None or solution.time is not None:

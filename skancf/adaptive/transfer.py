@@ -3,6 +3,7 @@
 from skancf.adaptive.interpolation import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.remap import remap
 from skancf.arguments import STATE, SYSTEM, instance
+from skancf.conditions.sums import refuse
 from skancf.solution import Solution
 from skancf.system.system import System
 
@@ -31,6 +32,7 @@ def transfer(state: Solution, system: System) -> Solution:
     instance("system", system, System, SYSTEM)
     old, new = state.system.geometry, system.geometry
     require_one_tree(old, new)
+    refuse(system, "transfer")
     if state.linear:
         q = system.undeformed + Interpolation.of(state.system, system).field(state.q - state.system.undeformed)
         wanted = system.undeformed + system.prescribed(state.case)

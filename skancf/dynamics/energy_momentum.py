@@ -3,15 +3,17 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.arguments import plain
+from skancf.conditions.sums import Conditions
 from skancf.dynamics.midpoint import ImplicitMidpoint
 from skancf.dynamics.state import State
 from skancf.errors import InputError, number
 from skancf.history import Case
 from skancf.linear import BlockMatrix
 from skancf.system.system import System
-from skancf.terms.shell import Shell
+from skancf.terms.shell import Shell, total
 from skancf.tolerances import NEWTON_DAMPED, NEWTON_EXACT
 
 LEAST = 1 / 3
@@ -35,6 +37,11 @@ class EnergyMomentum(ImplicitMidpoint):
     it as numerical dissipation. A step that is longer than the one before is damped to first order, by
     :math:`\chi\,(\Delta t_{n+1} - \Delta t_n)` of the rate of stresses, and so is the first one, and the first after a jump.
     A body that turns at a constant strain loses nothing.
+
+    With a law at points, which is not linear, the mean of the stresses has a part besides, with which it does the work of
+    the law's energy on the change of the strains: energy and momenta are kept as well. The dissipation then has the stresses
+    of small strain, :math:`\chi\,C\,[\Delta\varepsilon_{n+1} - r\,\Delta\varepsilon_n]`, so that it never raises the
+    energy, whatever the law.
 
     In theory `full` strains are quadratic in q and :math:`D\varepsilon` is their gradient at the middle; in `kirchhoff` it
     is the :func:`~skancf.theories.kirchhoff.point.discrete_gradient` at each integration point.
@@ -90,16 +97,31 @@ class EnergyMomentum(ImplicitMidpoint):
         """The discrete gradient is nearly that of the middle; the stresses change with the end."""
         return start.q + 0.5 * u, start.q + u
 
+    def gradient(self, conditions: Conditions, u: np.ndarray, start: State, dt: float) -> sp.csr_matrix:
+        """The discrete gradient: multipliers do no work over the step."""
+        return conditions.between(start.q, start.q + u)
+
     def stresses(
         self, system: System, u: np.ndarray, start: State, dt: float, change: np.ndarray | None = None
     ) -> np.ndarray:
         r"""S with those of the material's damping, :math:`\beta\,(S_{n+1} - S_n) / \Delta t`."""
         before = _at_start(system, start)
         after = _at_end(system, u, start) if change is None else system.stresses(start.q + u, change)
+        if not system.assembly.linear:
+            return self._of_points(system, u, start, dt, before, after)
         more = system.shell.retardation / dt + self.chi
         stresses = (0.5 - more) * before + (0.5 + more) * after
         last = self._last_change(system, start, dt)
         return stresses if last is None else stresses - self.chi * last
+
+    def _of_points(
+        self, system: System, u: np.ndarray, start: State, dt: float, before: np.ndarray, after: np.ndarray
+    ) -> np.ndarray:
+        """S of laws at points."""
+        more = system.shell.retardation / dt
+        parts = [(0.5 - more) * before + (0.5 + more) * after, system.shell.exact_work(start.q, start.q + u),
+                 self.numerical_stresses(system, u, start, dt)]  # fmt: skip
+        return np.asarray(total(parts))
 
     def viscous_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         return system.shell.retardation / dt * (_at_end(system, u, start) - _at_start(system, start))
@@ -107,13 +129,20 @@ class EnergyMomentum(ImplicitMidpoint):
     def numerical_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray | None:
         if not self.chi:
             return None
-        change, last = _at_end(system, u, start) - _at_start(system, start), self._last_change(system, start, dt)
+        if system.assembly.linear:
+            change = _at_end(system, u, start) - _at_start(system, start)
+        else:
+            change = system.shell.small_stresses(start.q + u) - system.shell.small_stresses(start.q)
+        last = self._last_change(system, start, dt)
         return self.chi * (change if last is None else change - last)
 
     def _last_change(self, system: System, start: State, dt: float) -> np.ndarray | None:
         """r times the change of the stresses in the step that led here; None after a jump or a change of the mesh."""
         if not self.chi or start.before is None:
             return None
+        if "last change" not in start.cache and not system.assembly.linear:
+            of = system.shell.small_stresses
+            start.cache["last change"] = of(start.q) - of(start.before)
         if "last change" not in start.cache:
             at_start = _at_start(system, start)
             before = start.cache.pop("stresses before", None)

@@ -60,14 +60,14 @@ def fingerprint_of_problem(system: System, begin: float, end: float) -> Fingerpr
     Terms are seen by the sums of their forces on a state that is moved, at some times.
     """
     geometry, problem, at = system.geometry, system.problem, system.undeformed
-    said = {"theory": geometry.theory, "thickness": problem.section.thickness, "material": problem.material,
-            "damping": problem.damping}  # fmt: skip
+    thickness = system.assembly.section.at(geometry.integration.local).thickness
+    said = {"theory": geometry.theory, "material": problem.material, "damping": problem.damping}
     moved = at + 1e-3 * np.abs(at).max() * np.cos(np.arange(at.size))
     cases = [Case(time=time) for time in np.linspace(begin, end, TIMES).tolist()]
     moments = np.linspace(begin, end, MOMENTS).tolist()
     given = [*system.prescription.histories(), *system.loads.histories()]
     functions = [function for function in given if function is not None]
-    arrays = {
+    arrays: dict[str, Any] = {
         "mesh": geometry.mesh.p, "elements": geometry.mesh.t, "surface": at, "supports": system.constraints.fixed,
         "support_motion": _at(system.prescribed, cases), "stiffness": system.internal_force(moved),
         "terms": _at(lambda case: system.others.force(moved, moved, case), cases),
@@ -77,6 +77,10 @@ def fingerprint_of_problem(system: System, begin: float, end: float) -> Fingerpr
         "impulses": np.array([np.append(impulse, time) for time, impulse in system.loads.impulses()]),
         **{f"function_of_time_{k}": _at(function, moments) for k, function in enumerate(functions, 1)},
     }  # fmt: skip
+    if isinstance(thickness, np.ndarray):
+        arrays["thickness"] = thickness.ravel()
+    else:
+        said["thickness"] = thickness
     return flat({name: _said(value) for name, value in said.items()}) | {
         name: _products(values) for name, values in arrays.items()}  # fmt: skip
 

@@ -8,7 +8,9 @@ with the accelerations and rates of the rule, linear in u, and the forces where 
 from abc import ABC, abstractmethod
 
 import numpy as np
+import scipy.sparse as sp
 
+from skancf.conditions.sums import Conditions
 from skancf.dynamics.state import State
 from skancf.history import Case
 from skancf.linear import BlockMatrix
@@ -68,6 +70,10 @@ class Rule(ABC):
         """States to which the rows and the columns of the derivative of the internal force belong, (n_dofs,) each."""
         at = start.q + self.stage * u
         return at, at
+
+    def gradient(self, conditions: Conditions, u: np.ndarray, start: State, dt: float) -> sp.csr_matrix:
+        """That of conditions with which their multipliers act, (n, n_dofs); they are met at the end of the step."""
+        return conditions.gradient(self.at_stage(u, start, dt)[0])
 
     def stresses(
         self, system: System, u: np.ndarray, start: State, dt: float, change: np.ndarray | None = None

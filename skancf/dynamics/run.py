@@ -9,6 +9,7 @@ import numpy as np
 from skancf.arguments import flag
 from skancf.atomic import reason
 from skancf.checks import Check, failures
+from skancf.dynamics.conditioned_solver import step_solver
 from skancf.dynamics.error import Measure
 from skancf.dynamics.impulses import LoadImpulses, Missed
 from skancf.dynamics.ledger import LedgerRecorder, MeshEvent
@@ -16,11 +17,10 @@ from skancf.dynamics.log import Log
 from skancf.dynamics.motion import Motion, Step
 from skancf.dynamics.motion_checks import MOMENTA, checks_of
 from skancf.dynamics.named_state import HasState, flat, nested
-from skancf.dynamics.prescribed import prescribed_acceleration
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
-from skancf.dynamics.step_solver import StepOutcome, StepSolver
+from skancf.dynamics.step_solver import StepOutcome
 from skancf.dynamics.steps import FADING, Attempt, StepControl
 from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
@@ -98,8 +98,7 @@ class Run:
     ):  # fmt: skip
         self.settings, self.recorder = settings, recorder
         self._on(system)
-        a = self.solver.initial_acceleration(q, v, settings.begin, self._driven(settings.begin))
-        self.now = State(settings.begin, q, v, a)
+        self.now = self.solver.begin(settings.begin, q, v, self._moment(settings.begin))
         self.steps, self.tries = Log(Step), 0
         self.origin, self.least, self.hardest = q, self.measure.least(q), 0.0
         self.farthest = self.least
@@ -119,7 +118,7 @@ class Run:
 
     def _on(self, system: System) -> None:
         self.system = system
-        self.solver = StepSolver(system, self.settings.rule, self.settings.newton_rtol, self.settings.backend)
+        self.solver = step_solver(system, self.settings.rule, self.settings.newton_rtol, self.settings.backend)
         self.measure = Measure(system)
 
     @property
@@ -146,7 +145,8 @@ class Run:
         for name in OWN:
             setattr(self, name, state[name])
         self.strikes, self.now = state["strikes"].tolist(), State(**state["now"])
-        vectors = (self.origin, *(value for value in state["now"].values() if isinstance(value, np.ndarray)))
+        vectors = (self.origin, *(value for name, value in state["now"].items()
+                                  if isinstance(value, np.ndarray) and name != "multipliers"))  # fmt: skip
         if any(vector.size != self.system.n_dofs for vector in vectors):
             raise ValueError(f"vectors of other sizes than {self.system.n_dofs}, that of the mesh")
         for name, log in self.logs.items():
@@ -224,7 +224,7 @@ class Run:
         if np.isfinite(error):
             sums, n_rows, before, known = self.ledger.state(), len(self.ledger.rows), self.ledger.left, self.ledger.turnover
             self.ledger.step(self.system, settings.rule, start, outcome.u, outcome.end,
-                           lambda: self.solver.residual(outcome.u, start, step))  # fmt: skip
+                           lambda: self.solver.residual(outcome.u, start, step, outcome.end.multipliers))  # fmt: skip
             imbalance = (self.ledger.left - before) / max(self.ledger.turnover, self._noise)
             done = (outcome.end.time - settings.begin) / settings.span
             farthest = max(farthest, measure.size(outcome.end.q - self.origin))
@@ -271,20 +271,18 @@ class Run:
         """The first steps of a load that jumps cannot be balanced; nor can rounding."""
         return abs(self.ledger.left) > tolerance * self.ledger.turnover + self._noise and len(self.steps) > FIRST
 
-    def _driven(self, time: float) -> np.ndarray:
-        """Accelerations of prescribed coordinates, (n_dofs,), after a time of the run; before its end."""
+    def _moment(self, time: float) -> float:
+        """Over twice this (s) prescribed motions are differenced, after a time of the run; before its end."""
         moment = SHORT * self.settings.span
-        if time + 2 * moment > self.settings.end:
-            moment = -moment
-        return prescribed_acceleration(self.system, time, moment)
+        return -moment if time + 2 * moment > self.settings.end else moment
 
     def _strike(self, time: float) -> None:
         """Velocities jump by the impulse of a time, on the present mesh."""
         system, start = self.system, self.now
         self.recorder.end(start)
-        jump = self.solver.jump(dict(system.loads.impulses())[time])
-        a = self.solver.initial_acceleration(start.q, start.v + jump, start.time, self._driven(start.time))
-        self.now = State(start.time, start.q, start.v + jump, a)
+        moment = self._moment(start.time)
+        jump = self.solver.jump(start, dict(system.loads.impulses())[time], moment)
+        self.now = self.solver.begin(start.time, start.q, start.v + jump, moment)
         self.ledger.jump(system, start, self.now)
         self.recorder.begin(system, self.now)
         self.set_rollback()

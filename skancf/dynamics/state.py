@@ -5,6 +5,9 @@ from typing import Any
 
 import numpy as np
 
+NONE = np.empty(0)
+"""Multipliers where there are no conditions."""
+
 
 @dataclass(frozen=True)
 class State:
@@ -12,7 +15,8 @@ class State:
 
     ``dt`` is the length of the step that led here, 0 at the start, and ``jerk`` the third derivative over it, if the rule
     needs it; ``before`` are the coordinates at the start of that step, None at the start of the run, after a jump and after
-    a change of the mesh; ``cache`` is what a rule computes once for a state.
+    a change of the mesh; ``multipliers`` (n,) are those of conditions, in the step that led here; ``cache`` is what a rule
+    computes once for a state.
     """
 
     time: float
@@ -22,6 +26,7 @@ class State:
     dt: float = 0.0
     jerk: np.ndarray | None = None
     before: np.ndarray | None = None
+    multipliers: np.ndarray = field(default_factory=lambda: NONE)
     cache: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     def state(self) -> dict[str, Any]:

@@ -45,6 +45,14 @@ class Equations:
     start: State
     dt: float
 
+    def end(self, u: np.ndarray) -> np.ndarray:
+        """Nodal coordinates at the end of the step, (n_dofs,)."""
+        return self.start.q + u
+
+    def tangent_at(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """See :meth:`Rule.tangent_at`."""
+        return self.rule.tangent_at(u, self.start)
+
     def residual(self, u: np.ndarray) -> np.ndarray:
         """Inertia, damping and internal force less the loads."""
         rule, system, start, dt = self.rule, self.system, self.start, self.dt
@@ -87,9 +95,9 @@ class KeptFactors(TurningFactors):
     def of(self, equations: Equations, u: np.ndarray, before: np.ndarray, step: np.ndarray) -> None:
         """Factor :meth:`Equations.tangent`."""
         tangent = equations.tangent(u, before, step)
-        self.factor(tangent, equations.rule.tangent_at(u, equations.start)[0])
+        self.factor(tangent, equations.tangent_at(u)[0])
         self.dt = equations.dt
-        self.rounding = ROUNDED_COORDINATE**2 * float(np.abs(tangent.diagonal()) @ (equations.start.q + u) ** 2)
+        self.rounding = ROUNDED_COORDINATE**2 * float(np.abs(tangent.diagonal()) @ equations.end(u) ** 2)
 
 
 class StepTangents:
@@ -117,7 +125,7 @@ class StepTangents:
         effort, first, was_fresh = self.effort, self.first, self.fresh
         self.first, change, energy = False, np.empty(0), np.inf
         if effort is Effort.KEEP and first:
-            self.factors.turn_to(*self.equations.rule.tangent_at(u, self.equations.start))
+            self.factors.turn_to(*self.equations.tangent_at(u))
         if effort is Effort.KEEP or (effort is Effort.ANEW and not first):
             change, energy = self.factors.solve(-residual)
         self.slow = energy > SLOW**2 * self.last
@@ -133,9 +141,12 @@ class StepTangents:
     def step(self, u: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
         """With kept factors accelerated, with new ones corrected by what they leave out."""
         each = self.effort is Effort.EACH
-        self._step = self._with_skew_part(change, residual, u) if each else self.history.step(change, residual)
+        self._step = self._with_skew_part(change, residual, u) if each else self._accelerated(change, residual)
         self.before = u
         return u + self._step
+
+    def _accelerated(self, change: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        return self.history.step(change, residual)
 
     def _with_skew_part(self, change: np.ndarray, residual: np.ndarray, u: np.ndarray) -> np.ndarray:
         """The correction of the whole tangent, by GMRES on differences of the residual, preconditioned by the factors.

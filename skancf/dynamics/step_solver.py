@@ -7,8 +7,9 @@ import numpy as np
 
 from skancf.dynamics.first_guess import advanced
 from skancf.dynamics.forces import net_force
+from skancf.dynamics.prescribed import prescribed_acceleration
 from skancf.dynamics.rule import Rule
-from skancf.dynamics.state import State
+from skancf.dynamics.state import NONE, State
 from skancf.dynamics.step_newton import Effort, Equations, KeptFactors, StepCriterion, StepTangents
 from skancf.history import Case
 from skancf.linear import DirectSolver
@@ -51,9 +52,12 @@ class StepSolver:
     def __init__(self, system: System, rule: Rule, rtol: float | None = None, backend: str = "auto"):
         self.system, self.rule, self.rtol = system, rule, rule.newton_rtol if rtol is None else rtol
         self.linear = DirectSolver(system.pattern, system.constraints, backend)
-        self.factors = KeptFactors(self.linear, system.constraints, system.layout.moves)
+        self.factors = self._kept()
         self.effort = Effort.KEEP
         self.energy = 0.0
+
+    def _kept(self) -> KeptFactors:
+        return KeptFactors(self.linear, self.system.constraints, self.system.layout.moves)
 
     def close(self) -> None:
         self.linear.close()
@@ -74,6 +78,12 @@ class StepSolver:
         """Factor anew at the next step, as a run that starts there does."""
         self.factors.dt = 0.0
 
+    def begin(self, time: float, q: np.ndarray, v: np.ndarray, moment: float) -> State:
+        """A state that no step leads to, with its accelerations: those of prescribed coordinates over twice a ``moment``
+        (s)."""
+        driven = prescribed_acceleration(self.system, time, moment)
+        return State(time, q, v, self.initial_acceleration(q, v, time, driven))
+
     def initial_acceleration(self, q: np.ndarray, v: np.ndarray, time: float, driven: np.ndarray) -> np.ndarray:
         """M a = external - internal force and damping on the free coordinates, ``driven`` (n_dofs,) on the others."""
         self.linear.factor(self.system.mass)
@@ -81,8 +91,8 @@ class StepSolver:
         self.energy = max(self.energy, self.system.kinetic_energy(v))
         return driven + self.linear.solve(net_force(self.system, q, v, Case(time=time)) - self.system.mass @ driven)
 
-    def jump(self, impulse: np.ndarray) -> np.ndarray:
-        """The change of the rates by an impulse (n_dofs,), M^-1 of it on the free coordinates."""
+    def jump(self, start: State, impulse: np.ndarray, moment: float) -> np.ndarray:
+        """The change of the rates of a state by an impulse (n_dofs,), M^-1 of it on the free coordinates."""
         self.linear.factor(self.system.mass)
         self.forget()
         return self.linear.solve(impulse, refinements=2)
@@ -108,8 +118,8 @@ class StepSolver:
             size_before, size = size, 2 * x * size - size_before
         return now / size
 
-    def residual(self, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        """Inertia, damping and internal force less the loads."""
+    def residual(self, u: np.ndarray, start: State, dt: float, multipliers: np.ndarray = NONE) -> np.ndarray:
+        """Inertia, damping and internal force less the loads, (n_dofs,)."""
         return Equations(self.system, self.rule, start, dt).residual(u)
 
     def step(self, start: State, dt: float) -> StepOutcome:
@@ -133,18 +143,28 @@ class StepSolver:
         return outcome
 
     def _newton(self, start: State, dt: float, effort: Effort) -> StepOutcome:
-        u, before = self._first_guess(start, dt, effort is Effort.KEEP)
-        # What the first guess deforms counts as a correction of a rigid motion.
-        tangents = StepTangents(Equations(self.system, self.rule, start, dt), self.factors, effort, before, u - before)
-        found = iterate(u, tangents, StepCriterion(tangents, self.rtol, self.energy), MAX_ITERATIONS)
+        tangents, criterion, first = self._problem(start, dt, effort)
+        found = iterate(first, tangents, criterion, MAX_ITERATIONS)
         spent = found.iterations, tangents.factorisations
         if found.ok:
-            return StepOutcome(True, self.rule.end(found.x, start, dt), found.x, *spent)
+            end, u = self._end(found.x, start, dt)
+            return StepOutcome(True, end, u, *spent)
         if found.status is Status.SINGULAR:
             return StepOutcome(False, start, found.x, *spent, found.message)
         self.forget()
         what = found.message or WORDS[found.status]
         return StepOutcome(False, start, found.x, *spent, f"{what} {self._place(found.residual)}")
+
+    def _problem(self, start: State, dt: float, effort: Effort) -> tuple[StepTangents, StepCriterion, np.ndarray]:
+        """What is iterated on in a step, when that ends, and where it begins."""
+        u, before = self._first_guess(start, dt, effort is Effort.KEEP)
+        # What the first guess deforms counts as a correction of a rigid motion.
+        tangents = StepTangents(Equations(self.system, self.rule, start, dt), self.factors, effort, before, u - before)
+        return tangents, StepCriterion(tangents, self.rtol, self.energy), u
+
+    def _end(self, x: np.ndarray, start: State, dt: float) -> tuple[State, np.ndarray]:
+        """The state at the end of a step, and its increment, of what was iterated on."""
+        return self.rule.end(x, start, dt), x
 
     def _first_guess(self, start: State, dt: float, easy: bool) -> tuple[np.ndarray, np.ndarray]:
         """An increment that meets the supports, and its rigid part."""
@@ -153,7 +173,9 @@ class StepSolver:
         return u + self.system.constraints.fixed_part(target - u), rigid
 
     def _place(self, residual: np.ndarray) -> str:
-        """Where in the plate the residual is largest."""
+        """Where in the plate the residual is largest, or a law has no stress."""
+        if said := self.system.assembly.refusal():
+            return f"({said})"
         sizes = self.system.layout.blocks(np.nan_to_num(np.abs(residual), nan=np.inf)).max(axis=1)
         block, geometry = int(np.argmax(sizes)), self.system.geometry
         if block >= geometry.n_nodes:

@@ -27,17 +27,22 @@ def nodal_jacobian(mesh: skfem.MeshQuad, elements: np.ndarray | None = None) -> 
     return np.stack([along_xi, along_eta], axis=1)
 
 
+def askew(mesh: skfem.MeshQuad) -> np.ndarray:
+    """Quads with a side that is not parallel to an axis of the parameter plane, (n_elements,) bool."""
+    corner = mesh.p[:, mesh.t]
+    sides = np.abs(np.roll(corner, -1, axis=1) - corner) / np.ptp(corner, axis=1, keepdims=True)
+    return np.asarray((sides.min(axis=0) > ONE_PLACE).any(axis=0))
+
+
 def require_aligned(
     mesh: skfem.MeshQuad, what: str = "the bicubic element", way_out: str = "or take theory 'full'"
 ) -> None:
     """InputError for a quad whose sides are not parallel to the axes of the parameter plane."""
-    corner = mesh.p[:, mesh.t]
-    sides = np.abs(np.roll(corner, -1, axis=1) - corner) / np.ptp(corner, axis=1, keepdims=True)
-    askew = np.flatnonzero((sides.min(axis=0) > ONE_PLACE).any(axis=0))
-    if askew.size:
-        corners = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in mesh.p[:, mesh.t[:, askew[0]]].T)
+    wrong = np.flatnonzero(askew(mesh))
+    if wrong.size:
+        corners = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in mesh.p[:, mesh.t[:, wrong[0]]].T)
         raise InputError(
-            f"{askew.size} of {mesh.t.shape[1]} elements are no aligned rectangles (first: element {askew[0]} with corners "
+            f"{wrong.size} of {mesh.t.shape[1]} elements are no aligned rectangles (first: element {wrong[0]} with corners "
             f"{corners}): {what} needs sides along x and y; put the shape into the surface X(x, y), not into "
             f"the mesh, {way_out}"
         )

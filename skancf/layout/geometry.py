@@ -214,6 +214,13 @@ class Geometry(Places):
         index, row, node, kind, value = self._triples(elements)
         return index, row, 4 * node.astype(int) + kind, value
 
+    def position_rows(self, elements: np.ndarray, local: np.ndarray) -> sp.csr_matrix:
+        """Weights (n, 4 n_nodes) of nodal vectors that make positions at local points (n, 2) of elements (n,)."""
+        table = self.theory.position_table(local.T)[0]
+        point, row, column, value = self.local_entries(elements)
+        shape = (len(elements), VECTORS * self.n_nodes)
+        return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)
+
     @cached_property
     def local_matrix(self) -> sp.csr_matrix:
         """From nodal vectors to the local vectors of all elements: (16 n_elements, 4 n_nodes)."""

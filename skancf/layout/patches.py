@@ -206,3 +206,13 @@ def _powers(offsets: np.ndarray) -> np.ndarray:
     """1, x, y, xx, xy, yy, xxy, xyy of offsets (2, m, n): (m, 8, n)."""
     x, y = offsets
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y, x * x * y, x * y * y], axis=1)
+
+
+def averages_at_nodes(geometry: Geometry, values: np.ndarray) -> np.ndarray:
+    """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at corners; at a hanging node of its edge's ends."""
+    own, corners, hanging = averaging_nodes(geometry), geometry.mesh.t.T, geometry.hanging
+    out = np.zeros((len(own), values.shape[2]))
+    np.add.at(out, own[corners], values)
+    out = (out / np.maximum(np.bincount(own[corners].ravel(), minlength=len(own)), 1)[:, None])[own]
+    out[hanging.nodes] = out[hanging.ends].mean(axis=0)
+    return out

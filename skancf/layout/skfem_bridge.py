@@ -57,7 +57,7 @@ def basis_on(geometry: Geometry, intorder: int, facets: Any, thickness: float | 
 
 
 def unknowns_to_mesh(geometry: Geometry, layout: Layout, part: str) -> sp.csr_matrix:
-    """T: see :attr:`skancf.system.system.System.to_mesh`; the twelve at a node are in the order of the basis' own."""
+    """T: see :attr:`skancf.system.System.to_mesh`; the twelve at a node are in the order of the basis' own."""
     of_part = sp.kron(geometry.of_nodes.matrix, sp.eye(AXES), format="coo")
     shape = (of_part.shape[0], layout.n_dofs)
     return sp.csr_matrix((of_part.data, (of_part.row, of_part.col + layout.dofs(part).start)), shape=shape)

@@ -4,6 +4,7 @@ Nothing here knows of elements: a pattern comes from a graph of nodes, a matrix 
 together with the coordinates that are prescribed.
 """
 
+from skancf.linear.conditioned import ConditionedSolver, contradiction
 from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.pattern import BlockPattern
@@ -12,6 +13,6 @@ from skancf.linear.softest import factor_shifted, soft_motions
 from skancf.linear.solver import BACKENDS, DirectSolver, available_backends, check_backend
 
 __all__ = [
-    "BACKENDS", "BlockMatrix", "BlockPattern", "Constraints", "DirectSolver", "SkewSolver", "available_backends",
-    "check_backend", "factor_shifted", "soft_motions",
+    "BACKENDS", "BlockMatrix", "BlockPattern", "ConditionedSolver", "Constraints", "DirectSolver", "SkewSolver",
+    "available_backends", "check_backend", "contradiction", "factor_shifted", "soft_motions",
 ]  # fmt: skip

@@ -1,8 +1,10 @@
 """Prescribed coordinates, at some nodes along directions of their own."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.errors import InputError
 from skancf.tolerances import ORTHONORMAL
@@ -62,6 +64,20 @@ class Constraints:
     def fixed_part(self, v: np.ndarray) -> np.ndarray:
         """Projection of ``v`` on the prescribed directions."""
         return self._keep(v, self.fixed)
+
+    @cached_property
+    def free_projection(self) -> sp.csr_matrix:
+        """The matrix of :meth:`free_part`, symmetric, (n_nodes * block, n_nodes * block)."""
+        n, block = self.fixed.shape
+        framed = np.zeros(n, bool)
+        framed[self.frame_nodes] = True
+        plain = np.flatnonzero((~self.fixed & ~framed[:, None]).ravel())
+        kept = (self.frames.swapaxes(1, 2) * ~self.fixed[self.frame_nodes][:, None]) @ self.frames
+        at = block * self.frame_nodes[:, None] + np.arange(block)
+        rows, columns = (np.concatenate([plain, each.ravel()]) for each in (
+            np.repeat(at[:, :, None], block, axis=2), np.repeat(at[:, None, :], block, axis=1)))  # fmt: skip
+        values = np.concatenate([np.ones(len(plain)), kept.ravel()])
+        return sp.csr_matrix((values, (rows, columns)), shape=(n * block, n * block))
 
     def of_vectors(self) -> np.ndarray:
         """Projections of each vector of three coordinates on its prescribed directions, (n_nodes, block / 3, 3, 3)."""

@@ -97,7 +97,20 @@ class BlockPattern:
         InputError
             For two nodes of a cell which the pattern does not couple.
         """
-        wanted = _upper_keys(np.asarray(cells), self.n_nodes)
+        return self._at(_upper_keys(np.asarray(cells), self.n_nodes))
+
+    def find(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Where blocks (rows, columns) of the upper triangle stand among the values, int32.
+
+        Raises
+        ------
+        InputError
+            For two nodes which the pattern does not couple.
+        """
+        return self._at(rows.astype(np.int64) * self.n_nodes + columns)
+
+    def _at(self, wanted: np.ndarray) -> np.ndarray:
+        """The same by keys, row * n_nodes + column; -1 for negative ones."""
         stored = self.rows.astype(np.int64) * self.n_nodes + self.indices
         found = np.minimum(np.searchsorted(stored, wanted), self.n_blocks - 1)
         strange = (wanted >= 0) & (stored[found] != wanted)

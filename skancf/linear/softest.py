@@ -7,7 +7,6 @@ import numpy as np
 
 from skancf.errors import SingularMatrix
 from skancf.linear.matrix import BlockMatrix
-from skancf.linear.solver import DirectSolver
 from skancf.tolerances import DEPENDENT
 
 # The shift that makes a singular tangent regular, relative to the smallest ratio of stiffness to mass on the diagonal: far
@@ -15,8 +14,8 @@ from skancf.tolerances import DEPENDENT
 SHIFT = 1e-6
 
 
-def factor_shifted(solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatrix) -> float:
-    """Factor K, or K + s M where K is singular; the shift -s.
+def factor_shifted(solver: Any, stiffness: BlockMatrix, mass: BlockMatrix) -> float:
+    """Factor K, or K + s M where K is singular, by a direct solver or one with conditions; the shift -s.
 
     Raises
     ------
@@ -36,7 +35,7 @@ def factor_shifted(solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatr
 
 
 def soft_motions(
-    system: Any, solver: DirectSolver, tangent: Any, count: int, iterations: int,
+    system: Any, solver: Any, tangent: Any, count: int, iterations: int,
     keep: Callable[[np.ndarray], np.ndarray] = np.asarray,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """The eigenvalues nearest to zero of a tangent against the mass, (m,), and their motions (m, n_dofs), m <= ``count``.

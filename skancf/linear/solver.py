@@ -49,6 +49,7 @@ class DirectSolver:
 
     Attributes
     ----------
+    constraints : Constraints
     lost : float
         What is left of the last answer, relatively, where refinement came to an end without digits; zero elsewhere.
 
@@ -59,6 +60,7 @@ class DirectSolver:
 
     def __init__(self, pattern: BlockPattern, constraints: Constraints, backend: str = "auto") -> None:
         self._backend = _choose(backend)()
+        self.constraints = constraints
         self._system = ScaledSystem(pattern, constraints)
         self._backend.symbolic(pattern)
         memory.require(self.memory, f"{pattern.shape[0]} unknowns", f"a matrix and its factors by {self._backend.name}")

@@ -40,8 +40,9 @@ class Acting:
         """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
         return None
 
-    def couple(self, case: Case) -> np.ndarray | None:
-        """Dead force per area times the height above the surface where it acts, (3,) (N/m); None where it acts on it."""
+    def couple(self, case: Case, points: np.ndarray, elements: np.ndarray) -> np.ndarray | None:
+        """Dead force per area times the height above the surface where it acts (N/m), (3,), or at local points (2, n) of
+        elements (m,), (3, m, n); None where it acts on the surface."""
         return None
 
     def edge_moments(self, facets: np.ndarray, at: np.ndarray, case: Case) -> np.ndarray | None:

@@ -5,13 +5,14 @@ import numpy as np
 from skancf.history import Case, History
 from skancf.kernels.constants import LOCAL
 from skancf.loads.acting import DeadLoad
+from skancf.materials import Section
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 from skancf.theories.kirchhoff.point import dot, dual, unit_normal
 
 
 class DeadLoadOnNormals(DeadLoad):
-    r"""A dead force (n_nodes, 4, 3), and one per area times its height above the surface, s (3,), on the normals.
+    r"""A dead force (n_nodes, 4, 3), and one per area times its height above the surface, s, on the normals: weight.
 
     The work of s per area is :math:`s \cdot n`. With :math:`\delta n = -a^\gamma (n \cdot \delta r_{,\gamma})` the force on
     :math:`r_{,\gamma}` is :math:`-(s \cdot a^\gamma) n`, and
@@ -23,20 +24,24 @@ class DeadLoadOnNormals(DeadLoad):
 
     follows = True
 
-    def __init__(self, assembly: Assembly, nodal: np.ndarray, s: np.ndarray, history: History | None):
+    def __init__(self, assembly: Assembly, nodal: np.ndarray, acceleration: np.ndarray, history: History | None):
         super().__init__(nodal, history)
-        self.geometry, self.s, sections = assembly.geometry, s, assembly.sections
-        centre = sections.moments[sections.shape][:, 1] / assembly.section.first_moment  # areas, of the surface there
+        self.geometry, self.section, sections = assembly.geometry, assembly.section, assembly.sections
+        centre = sections.moments[sections.shape][:, 1]  # areas, of the surface there, times the first moment
+        self.s, self.acceleration = acceleration, acceleration
+        if isinstance(self.section, Section):
+            self.s, centre = self.section.first_moment * acceleration, centre / self.section.first_moment
         self.areas = centre * self.geometry.side[:, None]
 
     def _surface(self, q: np.ndarray, case: Case) -> tuple[np.ndarray, ...]:
         """n, a^1 and a^2; s at a time with the areas, and s . a^1 and s . a^2."""
         jet = self.geometry.jets(self.geometry.local(q))[:2]
-        duals, s = dual(jet), np.multiply.outer(self.couple(case), self.areas)
+        duals, s = dual(jet), np.multiply.outer(case.amplitude(self.history) * self.s, self.areas)
         return unit_normal(jet), duals, s, np.stack([dot(s, a) for a in duals])
 
-    def couple(self, case: Case) -> np.ndarray:
-        return np.asarray(case.amplitude(self.history) * self.s)
+    def couple(self, case: Case, points: np.ndarray, elements: np.ndarray) -> np.ndarray:
+        moment = self.section.at(points, elements).first_moment
+        return np.asarray(case.amplitude(self.history) * np.multiply.outer(self.acceleration, moment))
 
     def force(self, q: np.ndarray, case: Case) -> np.ndarray:
         n, _, _, along = self._surface(q, case)

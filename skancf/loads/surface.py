@@ -58,8 +58,8 @@ class Gravity:
         moments = assembly.sections.moments[assembly.sections.shape][:, :2]
         acceleration = np.asarray(self.acceleration, float)
         nodal = over_elements(geometry, np.einsum("evp,i->evip", moments, acceleration))
-        if not geometry.theory.directors and assembly.section.first_moment:
-            return DeadLoadOnNormals(assembly, nodal, assembly.section.first_moment * acceleration, self.history)
+        if not geometry.theory.directors and np.any(assembly.section.at(geometry.integration.local).first_moment):
+            return DeadLoadOnNormals(assembly, nodal, acceleration, self.history)
         return Weight(nodal, self.history)
 
 

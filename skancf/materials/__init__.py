@@ -1,6 +1,7 @@
 """Laws: strain to stress, as pure functions at a point; sections: the layers through the thickness; damping."""
 
 from skancf.materials.damping import Damping
+from skancf.materials.field import SectionField, sections_of
 from skancf.materials.hyperelastic import Gent, Hyperelastic, MooneyRivlin, NeoHooke, Ogden, Yeoh
 from skancf.materials.isotropic import Isotropic
 from skancf.materials.laminate import Laminate, Layer
@@ -8,10 +9,12 @@ from skancf.materials.law import Anisotropic, Law
 from skancf.materials.orthotropic import Orthotropic
 from skancf.materials.point_law import BeyondLaw, PointLaw, PointResponse
 from skancf.materials.section import Section, section_of
+from skancf.materials.zones import Zone
 
 ALL = [Isotropic, Orthotropic, Anisotropic]
 
 __all__ = [
     "ALL", "Anisotropic", "BeyondLaw", "Damping", "Gent", "Hyperelastic", "Isotropic", "Laminate", "Law", "Layer",
-    "MooneyRivlin", "NeoHooke", "Ogden", "Orthotropic", "PointLaw", "PointResponse", "Section", "Yeoh", "section_of",
+    "MooneyRivlin", "NeoHooke", "Ogden", "Orthotropic", "PointLaw", "PointResponse", "Section", "SectionField", "Yeoh",
+    "Zone", "section_of", "sections_of",
 ]  # fmt: skip

@@ -15,8 +15,9 @@ W. T. Koiter, A consistent first approximation in the general theory of thin ela
 Shells* (1960) 12-33.
 """
 
+from collections.abc import Iterable
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -47,7 +48,10 @@ class Rates(NamedTuple):
 
 
 class CurvedSection:
-    """A section at places with curvatures b, components 11, 22, 12 in the local frame, (..., 3) (1/m)."""
+    """A section at places with curvatures b, components 11, 22, 12 in the local frame, (..., 3) (1/m).
+
+    One section for all of them, or, of a field, as many; heights z likewise are one number, or one for each place.
+    """
 
     def __init__(self, section: Section):
         self.section, self.height = section, section.neutral
@@ -56,21 +60,24 @@ class CurvedSection:
     @property
     def centred(self) -> bool:
         """Whether the law is that of lamination theory everywhere."""
-        return not self.height and (self.uniform or not self.rates.law.any())
+        return not np.any(self.height) and (self.uniform or not self.rates.law.any())
 
     @property
     def uniform(self) -> bool:
         """Whether all layers have one stiffness, so that nothing is odd in the height."""
-        return bool((self.section.stiffness == self.section.stiffness[0]).all())
+        stiffness = self.section.stiffness
+        return bool((stiffness == np.take(stiffness, [0], axis=-3)).all())
 
     def law(self, b: np.ndarray) -> np.ndarray:
         """Stiffness for strain and curvature change of the reference surface, per its area: (..., 6, 6)."""
-        if self.centred:
-            return np.broadcast_to(self.section.abd(), (*b.shape[:-1], 6, 6))
-        own = self.own.abd() + np.tensordot(curvature_at(b, self.height), self.rates.law, 1)
+        abd = np.broadcast_to(self.section.abd(), (*b.shape[:-1], 6, 6))
+        if not b.any() or self.centred:
+            return abd
+        own = self.own.abd() + _along(curvature_at(b, self.height), self.rates.law)
         turn = strains_at(b, self.height)
         law = turn.swapaxes(-1, -2) @ own @ turn * area_at(b, self.height)[..., None, None]
-        law[~b.any(axis=-1)] = self.section.abd()  # without the rounding of going there and back
+        flat = ~b.any(axis=-1)
+        law[flat] = abd[flat]  # without the rounding of going there and back
         return np.asarray(law)
 
     def free_strains(self, b: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
@@ -84,12 +91,11 @@ class CurvedSection:
 
     def _own_free(self, own: np.ndarray, heat: np.ndarray) -> np.ndarray:
         """The same of the neutral surface and its curvatures, for :meth:`_heat`: (..., 6)."""
-        free = np.asarray(heat @ self._flat[1].T + np.einsum("...i,ikt,...t->...k", own, self.rates.free, heat))
+        free = np.asarray(times(self._flat[1], heat) + np.einsum("...i,...ikt,...t->...k", own, self.rates.free, heat))
         # What is between both surfaces grows by w, and the reference surface moves less by that along its normal, which
         # changes its curvature by w b b: of second order in b, but so is a change of shape by z0 / R of -alpha T b.
-        layer = self.own.layer_at([np.clip(0.0, *self.own.z[[0, -1]])])
-        by_strain, by_heat = (part[0] for part in self._levers(np.zeros(1), layer))
-        grown = free @ by_strain + heat @ by_heat
+        by_strain, by_heat = self._levers_at(0.0 * self.height, np.clip(0.0, self.own.z[..., 0], self.own.z[..., -1]))
+        grown = _product(free, by_strain) + _product(heat, by_heat)
         one, two, both = np.moveaxis(own, -1, 0)
         squared = np.stack([one**2 + both**2, two**2 + both**2, 2 * both * (one + two)], axis=-1)
         free[..., 3:] -= grown[..., None] * squared
@@ -98,7 +104,7 @@ class CurvedSection:
     def energy_left(self, b: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
         """Energy per area of the reference surface of layers that hold each other at those strains, (...) (J/m2)."""
         heat, own = self._heat(middle, gradient), curvature_at(b, self.height)
-        left = self._flat[2] + np.tensordot(own, self.rates.left, 1)
+        left = self._flat[2] + _along(own, self.rates.left)
         return np.asarray(0.5 * np.einsum("...s,...st,...t->...", heat, left, heat) * area_at(b, self.height))
 
     def masses(self, b: np.ndarray) -> np.ndarray:
@@ -108,7 +114,7 @@ class CurvedSection:
         mass = section.mass * area_at(b, off)
         return np.stack([mass, off * mass])
 
-    def strain_at(self, b: np.ndarray, z: float, strains: np.ndarray, heat: np.ndarray | None) -> np.ndarray:
+    def strain_at(self, b: np.ndarray, z: Any, strains: np.ndarray, heat: np.ndarray | None) -> np.ndarray:
         r"""Strain 11, 22, 12 at a height, of strains (..., 6) of the reference surface and T0, T1 (2, ...): (..., 3).
 
         With what the change of the thickness between that surface and the height adds, and with the stretch that balances
@@ -117,12 +123,12 @@ class CurvedSection:
         """
         own_b = curvature_at(b, self.height)
         own = (strains_at(b, self.height) @ strains[..., None])[..., 0]
-        by_strain, by_heat = (part[0] for part in self._levers(np.array([z - self.height]), self.section.layer_at([z])))
-        moved, bent = own @ by_strain, own[..., 3:]
+        by_strain, by_heat = self._levers_at(z - self.height, z - self.height)
+        moved, bent = _product(own, by_strain), own[..., 3:]
         if heat is not None:
             change = self._heat(*heat)
-            moved, bent = moved + change @ by_heat, bent - self._own_free(own_b, change)[..., 3:]
-        stretched = own[..., :3] + np.einsum("...i,ijk,...k->...j", own_b, self.rates.stretch, bent)
+            moved, bent = moved + _product(change, by_heat), bent - self._own_free(own_b, change)[..., 3:]
+        stretched = own[..., :3] + np.einsum("...i,...ijk,...k->...j", own_b, self.rates.stretch, bent)
         own = np.concatenate([stretched, own[..., 3:]], axis=-1)
         there = (strains_at(own_b, z - self.height)[..., :3, :] @ own[..., None])[..., 0]
         return np.asarray(there + moved[..., None] * (curvature_at(b, z) @ MINUS))
@@ -143,11 +149,11 @@ class CurvedSection:
         InputError
             Where layers, or the way to them, reach beyond a centre of curvature.
         """
-        if self.centred:
+        if not b.any() or self.centred:
             return
         section, principal = self.section, principal_curvatures(b)
-        require_one_side(principal, np.array([*section.z[[0, -1]], self.height]))
-        ratio = section.thickness * np.abs(principal / (1 - self.height * principal)).max(initial=0.0)
+        require_one_side(principal, [section.z[..., 0], section.z[..., -1], self.height])
+        ratio = (section.thickness * np.abs(principal / (1 - self.height * principal))).max(initial=0.0)
         if ratio > CURVED:
             warn(
                 "theory 'kirchhoff' has layers off the reference surface, or of unlike stiffness, right to first order in "
@@ -164,7 +170,14 @@ class CurvedSection:
     def _points(self) -> tuple[np.ndarray, ...]:
         """Heights above the neutral surface, weights, layers, Q and alpha at Gauss points that integrate exactly."""
         z, w, layer = self.own.points(3)
-        return z, w, layer, self.own.in_plane()[layer], self.own.expansion[layer][:, IN_PLANE]
+        Q, alpha = np.take(self.own.in_plane(), layer, axis=-3), np.take(self.own.expansion, layer, axis=-2)
+        return z, w, np.broadcast_to(layer, z.shape), Q, alpha[..., IN_PLANE]
+
+    def _levers_at(self, z: Any, within: Any) -> tuple[np.ndarray, np.ndarray]:
+        """The same at one height for each place, in the layer at another one: (6,) and (2,)."""
+        layer = self.own.layer_at(within)
+        by_strain, by_heat = self._levers(np.asarray(z)[..., None], layer[..., None])
+        return by_strain[..., 0, :], by_heat[..., 0, :]
 
     def _levers(self, z: np.ndarray, layer: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Movement along the normal, against the reference surface, by the change of thickness: at heights (n,) above the
@@ -174,20 +187,21 @@ class CurvedSection:
         layers and a reference surface outside of them keeps its length.
         """
         own = self.own
-        thermal = own.expansion[:, 2] - np.einsum("li,li->l", own.thinning, own.expansion[:, IN_PLANE])
-        of_layers = np.column_stack([own.thinning, thermal])
-        start = np.clip(np.array([-self.height]), own.z[0], own.z[-1])
+        thermal = own.expansion[..., 2] - np.einsum("...li,...li->...l", own.thinning, own.expansion[..., IN_PLANE])
+        of_layers = np.concatenate([own.thinning, thermal[..., None]], axis=-1)
+        start = np.clip(-np.asarray(self.height), own.z[..., 0], own.z[..., -1])[..., None]
         parts = [_between(of_layers, own.z, start, z, layer, power) for power in (1, 2)]
-        return np.hstack([part[:, :3] for part in parts]), np.column_stack([part[:, 3] for part in parts])
+        by_strain, by_heat = [part[..., :3] for part in parts], [part[..., 3] for part in parts]
+        return np.concatenate(by_strain, axis=-1), np.stack(by_heat, axis=-1)
 
     @cached_property
     def _flat(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Resultants and free strains, each (6, 2), per unit of temperature change and gradient; twice the energy left."""
         z, w, _, Q, alpha = self._points
-        strain, free = _of_section(z), alpha[:, :, None] * np.stack([np.ones_like(z), z], axis=-1)[:, None]
+        strain, free = _of_section(z), alpha[..., None] * np.stack([np.ones_like(z), z], axis=-1)[..., None, :]
         resultants = _integral(w, strain, Q, free)
         strains = np.linalg.solve(self.own.abd(), resultants)
-        held = free - strain @ strains
+        held = free - strain @ strains[..., None, :, :]
         return resultants, strains, _integral(w, held, Q, held)
 
     @cached_property
@@ -195,65 +209,89 @@ class CurvedSection:
         z, w, layer, Q, alpha = self._points
         flat, of_law, abd = _of_section(z), [], self.own.abd()
         by_strain, by_heat = self._levers(z, layer)
-        free = alpha[:, :, None] * np.stack([np.ones_like(z), z], axis=-1)[:, None]
+        free = alpha[..., None] * np.stack([np.ones_like(z), z], axis=-1)[..., None, :]
         _, strains, _ = self._flat
-        held = free - flat @ strains
+        held = free - flat @ strains[..., None, :, :]
         of_free, of_left, of_stretch = [], [], []
         for unit, minus, shrinks in zip(sums(np.eye(3)), MINUS, TRACE, strict=True):
             change = np.concatenate([np.multiply.outer(z, unit), np.multiply.outer(z * z / 2, unit)], axis=-1)
-            change = change + minus[:, None] * by_strain[:, None]
-            moved = -minus[:, None] * by_heat[:, None]
+            change = change + minus[:, None] * by_strain[..., None, :]
+            moved = -minus[:, None] * by_heat[..., None, :]
             one = _integral(w, flat, Q, change)
-            law = one + one.T - shrinks * _integral(w * z, flat, Q, flat)
+            law = one + one.swapaxes(-1, -2) - shrinks * _integral(w * z, flat, Q, flat)
             kept = _odd(law, abd, self.own.thickness)
             of_law.append(kept)
-            of_stretch.append(np.linalg.solve(abd[:3, :3], (kept - law)[:3, 3:]))
+            of_stretch.append(np.linalg.solve(abd[..., :3, :3], (kept - law)[..., :3, 3:]))
             resultants = _integral(w, change, Q, free) + _integral(w, flat, Q, moved)
             resultants = resultants - shrinks * _integral(w * z, flat, Q, free)
             of_free.append(np.linalg.solve(abd, resultants - law @ strains))
-            more = _integral(w, held, Q, moved - change @ strains)
-            of_left.append(more + more.T - shrinks * _integral(w * z, held, Q, held))
-        return Rates(*map(np.array, (of_law, of_stretch, of_free, of_left)))
+            more = _integral(w, held, Q, moved - change @ strains[..., None, :, :])
+            of_left.append(more + more.swapaxes(-1, -2) - shrinks * _integral(w * z, held, Q, held))
+        return Rates(*(np.stack(each, axis=-3) for each in (of_law, of_stretch, of_free, of_left)))
 
 
-def require_one_side(principal: np.ndarray, heights: np.ndarray) -> None:
-    """InputError where heights (n,) are past a centre of curvature of a surface with these principal curvatures."""
-    shrunk = [(1 - z * principal).min(initial=1.0) for z in heights]
-    past = int(np.argmin(shrunk))
-    if shrunk[past] <= 0:
-        raise InputError(
-            f"material: layers at the height {heights[past]:.6g} m are past a centre of curvature of the surface, whose "
-            f"radii go down to {1 / np.abs(principal).max():.6g} m: take the surface nearer to them (its offset)"
-        )
+def require_one_side(principal: np.ndarray, heights: Iterable[Any]) -> None:
+    """InputError where heights, each a number or one for each place, are past a centre of curvature of a surface with these
+    principal curvatures, (2, ...)."""
+    for z in heights:
+        shrunk = 1 - z * principal
+        if shrunk.min(initial=1.0) <= 0:
+            worst = np.unravel_index(np.argmin(shrunk), shrunk.shape)
+            height = float(np.broadcast_to(z, shrunk.shape)[worst])
+            raise InputError(
+                f"material: layers at the height {height:.6g} m are past a centre of curvature of the surface, whose "
+                f"radii go down to {1 / np.abs(principal).max():.6g} m: take the surface nearer to them (its offset)"
+            )
+
+
+def _along(b: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Sum of rates (3, n, n) times the components of curvatures (..., 3): (..., n, n)."""
+    return np.tensordot(b, rates, 1) if rates.ndim == 3 else np.einsum("...i,...ijk->...jk", b, rates)
+
+
+def times(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """One matrix, or one for each place, times vectors (..., n)."""
+    return vectors @ matrix.T if matrix.ndim == 2 else (matrix @ vectors[..., None])[..., 0]
+
+
+def _product(vectors: np.ndarray, row: np.ndarray) -> np.ndarray:
+    """Vectors (..., n) times one row, or one for each place: (...)."""
+    return np.asarray(vectors @ row if row.ndim == 1 else (vectors * row).sum(axis=-1))
 
 
 def _of_section(z: np.ndarray) -> np.ndarray:
     """From strain and curvature change to the strain at heights (n,): (n, 3, 6)."""
-    return np.concatenate([np.broadcast_to(np.eye(3), (len(z), 3, 3)), np.multiply.outer(z, np.eye(3))], axis=-1)
+    return np.concatenate([np.broadcast_to(np.eye(3), (*z.shape, 3, 3)), np.multiply.outer(z, np.eye(3))], axis=-1)
 
 
 def _integral(w: np.ndarray, a: np.ndarray, Q: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.asarray((a.swapaxes(1, 2) @ (w[:, None, None] * Q) @ b).sum(axis=0))
+    return np.asarray((a.swapaxes(-1, -2) @ (w[..., None, None] * Q) @ b).sum(axis=-3))
 
 
 def _between(
     of_layers: np.ndarray, faces: np.ndarray, start: np.ndarray, z: np.ndarray, layer: np.ndarray, power: int
 ) -> np.ndarray:
     """Integrals from a start (1,) to heights z in their layers of what is constant in layers (n, k), times z^(power - 1)."""
-    powers = faces**power / power
-    whole = np.vstack([np.zeros(of_layers.shape[1]), np.cumsum(np.diff(powers)[:, None] * of_layers, axis=0)])
+    powers, axis = faces**power / power, faces.ndim - 1
+    whole = np.cumsum(np.diff(powers)[..., None] * of_layers, axis=axis)
+    whole = np.concatenate([np.zeros_like(whole[..., :1, :]), whole], axis=axis)
 
     def up_to(z: np.ndarray, layer: np.ndarray) -> np.ndarray:
-        return whole[layer] + (z**power / power - powers[layer])[:, None] * of_layers[layer]
+        layer = np.broadcast_to(layer, z.shape)
+        whole_below, rate = (np.take_along_axis(each, layer[..., None], axis) for each in (whole, of_layers))
+        return whole_below + (z**power / power - np.take_along_axis(powers, layer, axis))[..., None] * rate
 
-    return np.asarray(up_to(z, layer) - up_to(start, np.searchsorted(faces[1:-1], start)))
+    return np.asarray(up_to(z, layer) - up_to(start, (faces[..., 1:-1] < start).sum(axis=-1)[..., None]))
 
 
-def _odd(law: np.ndarray, abd: np.ndarray, thickness: float) -> np.ndarray:
+def _odd(law: np.ndarray, abd: np.ndarray, thickness: Any) -> np.ndarray:
     """A rate of the law without the product of the strain where bending strains nothing, and curvature change."""
-    lever = np.linalg.solve(abd[:3, :3], abd[:3, 3:])
-    A, B, D = law[:3, :3], law[:3, 3:], law[3:, 3:]
-    mixed = B.T @ lever
-    out = np.block([[A, A @ lever], [lever.T @ A, D - mixed - mixed.T + 2 * lever.T @ A @ lever]])
-    scale = np.sqrt(np.diag(abd))
-    return np.where(np.abs(out) > ROUNDED_PLACE * thickness * np.outer(scale, scale), out, 0.0)
+    lever = np.linalg.solve(abd[..., :3, :3], abd[..., :3, 3:])
+    A, B, D = law[..., :3, :3], law[..., :3, 3:], law[..., 3:, 3:]
+    transposed = lever.swapaxes(-1, -2)
+    mixed = B.swapaxes(-1, -2) @ lever
+    bending = D - mixed - mixed.swapaxes(-1, -2) + 2 * transposed @ A @ lever
+    out = np.block([[A, A @ lever], [transposed @ A, bending]])
+    scale = np.sqrt(np.diagonal(abd, axis1=-2, axis2=-1))
+    rounding = ROUNDED_PLACE * np.asarray(thickness)[..., None, None] * (scale[..., :, None] * scale[..., None, :])
+    return np.where(np.abs(out) > rounding, out, 0.0)

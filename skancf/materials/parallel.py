@@ -1,13 +1,16 @@
 r"""Parallel surfaces: lengths, areas, strains and curvatures at a height above a curved surface.
 
 Curvatures b are components 11, 22, 12 in the local frame of the undeformed surface, (..., 3) (1/m), negative where it is
-bulged towards the normal. Lengths at the height z are :math:`\mu = 1 - z b` times those of the surface, so that, linear in
-strain and curvature change, and exact for normals that stay normal and keep their length,
+bulged towards the normal. A height z is one number, or one for each place, (...). Lengths there are :math:`\mu = 1 - z b`
+times those of the surface, so that, linear in strain and curvature change, and exact for normals that stay normal and keep
+their length,
 
 .. math::
     \varepsilon(z) = \mu^{-1} \bigl( \varepsilon + z \kappa - \tfrac12 z^2 (b \kappa + \kappa b) - z^2 b \varepsilon b \bigr)
     \mu^{-1}, \qquad \kappa(z) = \mu^{-1} \bigl( \kappa - z (b \kappa + \kappa b) - 2 z b \varepsilon b \bigr) \mu^{-1}.
 """
+
+from typing import Any
 
 import numpy as np
 
@@ -47,19 +50,21 @@ def principal_curvatures(b: np.ndarray) -> np.ndarray:
     return np.stack([mean - deviation, mean + deviation])
 
 
-def area_at(b: np.ndarray, z: float) -> np.ndarray:
+def area_at(b: np.ndarray, z: Any) -> np.ndarray:
     """Area at a height per area of the reference surface, det(1 - z b): (...)."""
     return np.asarray(1 - z * (b @ TRACE) + z * z * determinant(b))
 
 
-def curvature_at(b: np.ndarray, z: float) -> np.ndarray:
+def curvature_at(b: np.ndarray, z: Any) -> np.ndarray:
     """Curvature of the parallel surface at a height, (..., 3)."""
-    return np.asarray((b - z * determinant(b)[..., None] * TRACE) / area_at(b, z)[..., None])
+    return np.asarray((b - (z * determinant(b))[..., None] * TRACE) / area_at(b, z)[..., None])
 
 
-def strains_at(b: np.ndarray, z: float) -> np.ndarray:
+def strains_at(b: np.ndarray, z: Any) -> np.ndarray:
     """From strain and curvature change of the surface to those of the parallel one at a height: (..., 6, 6)."""
-    inverse = between((TRACE - z * ((b @ TRACE)[..., None] * TRACE - b)) / area_at(b, z)[..., None])
+    z = np.asarray(z)[..., None]
+    inverse = between((TRACE - z * ((b @ TRACE)[..., None] * TRACE - b)) / area_at(b, z[..., 0])[..., None])
+    z = z[..., None]
     both, inner = sums(b), between(b)
     top = np.concatenate([np.eye(3) - z * z * inner, z * np.eye(3) - z * z / 2 * both], axis=-1)
     bottom = np.concatenate([-2 * z * inner, np.eye(3) - z * both], axis=-1)

@@ -102,9 +102,9 @@ class PointLaw(Protocol):
 
     It is a :class:`~skancf.materials.Law` too: ``stiffness``, ``thermal_strain`` and ``thinning`` are those of small strain.
 
-    A class of your own needs ``density`` and ``plane_stress(C, guess)`` only, which returns a :class:`PointResponse`, or energy
-    (n,), stress (3, n), stiffness (6, n) and C33 (n,); the rest is taken from these. A problem checks it at small strains when it
-    is made, :func:`skancf.testing.check_law` at others.
+    A class of your own needs ``density`` and ``plane_stress(C, guess)`` only, which returns a :class:`PointResponse`, or
+    energy (n,), stress (3, n), stiffness (6, n) and C33 (n,); the rest is taken from these. A problem checks it at small
+    strains when it is made, :func:`skancf.testing.check_law` at others.
 
     Examples
     --------

@@ -30,6 +30,9 @@ class Section:
     Laws and expansions are in the frame of the surface, Voigt order 11, 22, 33, 23, 13, 12 with doubled shear strains.
     A temperature change is :math:`T(z) = T_0 + z T_1`: that of the reference surface and its gradient.
 
+    It is that of a whole plate, or of many places at once, as :class:`~skancf.materials.field.SectionField` makes it: then
+    all its arrays, and what it returns, have the axes of the places before their own.
+
     Parameters
     ----------
     z : (n + 1,) array
@@ -46,6 +49,9 @@ class Section:
     points_law : PointLaw, optional
         The law of a section that is not linear, of one layer, whose stiffness and thinning are those of small strain. None
         for linear sections.
+    places : (2, ...) array, optional
+        Of the parameter plane, where it is the section; then layers may have no thickness at some. Without it the section
+        is everywhere the same.
 
     Raises
     ------
@@ -59,8 +65,12 @@ class Section:
     expansion: np.ndarray
     thinning: Any = None
     points_law: PointLaw | None = None
+    places: Any = None
 
     def __post_init__(self) -> None:
+        if self.places is not None:
+            self._check_places()
+            return
         n = np.size(self.z) - 1
         for name, shape in (("z", (n + 1,)), ("stiffness", (n, 6, 6)), ("density", (n,)), ("expansion", (n, 6)),
                             ("thinning", (n, 3))):  # fmt: skip
@@ -76,16 +86,44 @@ class Section:
             raise InputError(f"z = {self.z}: heights of a section increase from the bottom to the top face")
         self._check_sizes()
 
+    def _check_places(self) -> None:
+        """Arrays as they are: of a field, which made them of sections that have been checked."""
+        self._check_sizes()
+
     def _check_sizes(self) -> None:
         """InputError for a stiffness or mass of which products are no floating-point numbers, or zero."""
         with np.errstate(all="ignore"):
-            A, D = np.diag(self._abd)[:3].max(), np.diag(self._abd)[3:].max()
+            diagonal = np.diagonal(self._abd, axis1=-2, axis2=-1)
+            A, D = diagonal[..., :3].max(axis=-1), diagonal[..., 3:].max(axis=-1)
         for name, value, unit in (("membrane stiffness", A, "N/m"), ("bending stiffness", D, "N m"),
                                   ("mass per area", self.mass, "kg/m2")):  # fmt: skip
-            if not LEAST <= value <= MOST:
-                raise InputError(f"thickness = {self.thickness:.6g}: the {name} of the section is {value:.3g} {unit}, and "
-                                 f"products of numbers beyond {LEAST:g} to {MOST:g} are no floating-point numbers, or "
-                                 "zero; give thickness, moduli and density in other units")  # fmt: skip
+            wrong = ~((np.asarray(value) >= LEAST) & (np.asarray(value) <= MOST))
+            if wrong.any():
+                thickness, value = (np.asarray(each)[wrong].flat[0] for each in (self.thickness, value))
+                raise InputError(f"thickness = {thickness:.6g}{self.said_of(wrong)}: the {name} of the section is "
+                                 f"{value:.3g} {unit}, and products of numbers beyond {LEAST:g} to {MOST:g} are no "
+                                 "floating-point numbers, or zero; give thickness, moduli and density in other "
+                                 "units")  # fmt: skip
+
+    def at(self, points: np.ndarray, elements: np.ndarray | None = None) -> "Section":
+        """The section at local points (2, n) of elements (m,): itself, which is everywhere the same. That of a field is
+        :meth:`skancf.layout.zones.SectionsOnMesh.at`."""
+        return self
+
+    def samples(self) -> "list[Section]":
+        """Sections of the plate that tell what there is: itself."""
+        return [self]
+
+    def at_places(self, places: Any) -> "Section":
+        """The section at places of the parameter plane, (2, ...): itself."""
+        return self
+
+    def said_of(self, which: np.ndarray) -> str:
+        """Where the first of some places is, in words; nothing of a section that is everywhere the same."""
+        if self.places is None:
+            return ""
+        x, y = (part[which].flat[0] for part in np.broadcast_arrays(*self.places))
+        return f" at (x, y) = ({x:.6g}, {y:.6g})"
 
     @property
     def thicknesses(self) -> np.ndarray:
@@ -93,20 +131,31 @@ class Section:
         return np.diff(self.z)
 
     @property
-    def thickness(self) -> float:
+    def thickness(self) -> Any:
         """From face to face (m)."""
-        return float(self.z[-1] - self.z[0])
+        return _number(self.z[..., -1] - self.z[..., 0])
 
     @property
-    def mass(self) -> float:
+    def mass(self) -> Any:
         """Mass per area (kg/m2)."""
-        return float(self.density @ self.thicknesses)
+        return _sum(self.density, self.thicknesses)
 
     @property
-    def first_moment(self) -> float:
+    def first_moment(self) -> Any:
         r""":math:`\int \rho z \, dz` (kg/m); zero where it is the rounding of heights."""
-        moment = float(self.density @ self._powers()[1])
-        return moment if abs(moment) > ROUNDED_PLACE * self.mass * self.thickness else 0.0
+        moment = _sum(self.density, self._powers()[1])
+        return _unless_rounding(moment, ROUNDED_PLACE * self.mass * self.thickness)
+
+    @property
+    def second_moment(self) -> Any:
+        r""":math:`\int \rho z^2 \, dz` (kg)."""
+        return _sum(self.density, np.diff(self.z**3)) / 3
+
+    @property
+    def one_material(self) -> bool:
+        """Whether all layers have one stiffness and one expansion."""
+        return all(bool((each == np.take(each, [0], axis=-1 - axes)).all())
+                   for each, axes in ((self.stiffness, 2), (self.expansion, 1)))  # fmt: skip
 
     def layer_at(self, z: Any) -> np.ndarray:
         """The layer that each depth belongs to, an int array of z's shape; at an interface the lower one.
@@ -117,31 +166,53 @@ class Section:
             For a depth outside the faces.
         """
         depth, slack = finite("z", z), ROUNDED_PLACE * self.thickness
-        outside = (depth < self.z[0] - slack) | (depth > self.z[-1] + slack)
+        outside = (depth < self.z[..., 0] - slack) | (depth > self.z[..., -1] + slack)
         if outside.any():
-            raise InputError(f"z = {depth[outside][0]}: outside the plate, whose faces are at z = {self.z[0]} "
-                             f"and {self.z[-1]}")  # fmt: skip
+            depth, bottom, top = (np.broadcast_to(each, outside.shape)[outside].flat[0]
+                                  for each in (depth, self.z[..., 0], self.z[..., -1]))  # fmt: skip
+            raise InputError(f"z = {depth}: outside the plate, whose faces are at z = {bottom} "
+                             f"and {top}{self.said_of(outside)}")  # fmt: skip
+        if self.places is not None:
+            return np.asarray((self.z[..., 1:-1] < (depth - slack)[..., None]).sum(axis=-1))
         return np.searchsorted(self.z[1:-1], depth - slack)
 
+    def of_layer(self, values: np.ndarray, z: Any) -> np.ndarray:
+        """Of values of the layers, such as :attr:`stiffness` or :attr:`expansion`, those at depths z."""
+        layer = self.layer_at(z)
+        if self.places is None:
+            return np.asarray(values[layer])
+        axis = self.z.ndim - 1
+        layer = np.broadcast_to(layer, self.z.shape[:-1])[(..., *[None] * (values.ndim - axis))]
+        return np.asarray(np.take_along_axis(values, layer, axis).squeeze(axis))
+
     def points(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Gauss points of all layers, n in each: depths, weights (m) and layers, all of shape (n_layers * n,)."""
+        """Gauss points of all layers, n in each: depths, weights (m) and layers, all of shape (n_layers * n,); the layers
+        are one row for all places."""
         s, w = gauss(n)
-        depth = self.z[:-1, None] + np.outer(self.thicknesses, s)
-        return depth.ravel(), np.outer(self.thicknesses, w).ravel(), np.repeat(np.arange(len(self.density)), n)
+        shape = (*self.z.shape[:-1], -1)
+        depth = self.z[..., :-1, None] + self.thicknesses[..., None] * s
+        weights = self.thicknesses[..., None] * w
+        return depth.reshape(shape), weights.reshape(shape), np.repeat(np.arange(self.density.shape[-1]), n)
+
+    def through(self, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The same points, with their axis before those of places: depths, weights (m), and laws (..., 6, 6)."""
+        z, w, layer = self.points(n)
+        laws = np.take(self.stiffness, layer, axis=-3)
+        return np.moveaxis(z, -1, 0), np.moveaxis(w, -1, 0), np.moveaxis(laws, -3, 0)
 
     def in_plane(self) -> np.ndarray:
         r"""Stiffness Q of each layer for 11, 22, 12 where :math:`S_{33} = S_{23} = S_{13} = 0`: (n, 3, 3) (Pa).
 
         .. math:: Q = C_{pp} - C_{pq} C_{qq}^{-1} C_{qp}, \qquad p = 11, 22, 12, \quad q = 33, 23, 13
         """
-        pp, pq, qq = (self.stiffness[:, rows][:, :, cols] for rows, cols in
+        pp, pq, qq = (self.stiffness[..., rows, :][..., cols] for rows, cols in
                       ((IN_PLANE, IN_PLANE), (IN_PLANE, OUT_OF_PLANE), (OUT_OF_PLANE, OUT_OF_PLANE)))  # fmt: skip
-        return pp - pq @ np.linalg.solve(qq, pq.swapaxes(1, 2))
+        return pp - pq @ np.linalg.solve(qq, pq.swapaxes(-1, -2))
 
-    def condensed(self, z: float) -> np.ndarray:
+    def condensed(self, z: Any) -> np.ndarray:
         """Strains 33, 23, 13 per unit of 11, 22, 12 where S33 = S23 = S13 = 0, in the layer at z: (3, 3)."""
-        law = self.stiffness[self.layer_at(z)]
-        return -np.linalg.solve(law[np.ix_(OUT_OF_PLANE, OUT_OF_PLANE)], law[np.ix_(OUT_OF_PLANE, IN_PLANE)])
+        out = self.of_layer(self.stiffness, z)[..., OUT_OF_PLANE, :]
+        return -np.linalg.solve(out[..., OUT_OF_PLANE], out[..., IN_PLANE])
 
     def abd(self) -> np.ndarray:
         r"""Stiffness of the section in thin-plate theory, (6, 6).
@@ -156,34 +227,36 @@ class Section:
 
     @cached_property
     def _abd(self) -> np.ndarray:
-        A, B, D = np.einsum("kl,lij->kij", self._powers(), self.in_plane())
+        A, B, D = np.einsum("k...l,...lij->k...ij", self._powers(), self.in_plane())
         return np.block([[A, B], [B, D]])
 
     @cached_property
-    def neutral(self) -> float:
+    def neutral(self) -> Any:
         r"""Height of the surface that bending does not strain, :math:`\operatorname{tr} B / \operatorname{tr} A` (m).
 
         That of a layer alone, of two directions the mean; zero where it is the rounding of heights.
         """
-        A, B = self._abd[:3, :3], self._abd[:3, 3:]
-        height = float(np.trace(B) / np.trace(A))
-        return height if abs(height) > ROUNDED_PLACE * self.thickness else 0.0
+        A, B = self._abd[..., :3, :3], self._abd[..., :3, 3:]
+        return _unless_rounding(_number(trace(B) / trace(A)), ROUNDED_PLACE * self.thickness)
 
-    def about(self, height: float) -> "Section":
+    def about(self, height: Any) -> "Section":
         """The same layers with heights above a parallel surface at a height (m)."""
-        return replace(self, z=self.z - height) if height else self
+        return replace(self, z=self.z - np.asarray(height)[..., None]) if np.any(height) else self
 
     @property
-    def bending_thickness(self) -> float:
+    def bending_thickness(self) -> Any:
         r"""Thickness of a plate of one layer whose bending is as small against its membrane stiffness (m).
 
         .. math:: t_b = \sqrt{12 \operatorname{tr}(D - B A^{-1} B) / \operatorname{tr} A}
 
         The bending stiffness is that about the plane which bending does not strain.
         """
-        abd = self.abd()
-        A, B, D = abd[:3, :3], abd[:3, 3:], abd[3:, 3:]
-        return float(np.sqrt(12 * np.trace(D - B @ np.linalg.solve(A, B)) / np.trace(A)))
+        return _number(np.sqrt(12 * trace(self.pure_bending()) / trace(self._abd[..., :3, :3])))
+
+    def pure_bending(self) -> np.ndarray:
+        """Bending stiffness about the plane which bending does not strain, :math:`D - B A^{-1} B`: (3, 3) (N m)."""
+        A, B, D = self._abd[..., :3, :3], self._abd[..., :3, 3:], self._abd[..., 3:, 3:]
+        return np.asarray(D - B @ np.linalg.solve(A, B))
 
     def thermal_resultants(self, temperature_mid: Any, temperature_gradient: Any) -> np.ndarray:
         r"""Resultants of a temperature change that is not allowed to strain the section, with the sign turned.
@@ -223,7 +296,7 @@ class Section:
     def thermal_strain(self, z: Any, temperature_mid: Any, temperature_gradient: Any = 0.0) -> np.ndarray:
         r"""Free strain :math:`\alpha \, (T_0 + z T_1)` at depths z: (..., 6)."""
         change = temperature_mid + np.asarray(z, dtype=float) * temperature_gradient
-        return self.expansion[self.layer_at(z)] * change[..., None]
+        return self.of_layer(self.expansion, z) * change[..., None]
 
     def thermal_strain_of_one_director(self, z: Any, temperature_mid: Any, temperature_gradient: Any = 0.0) -> np.ndarray:
         r"""The same for theory `full`, whose strain 33 is one through the thickness: (..., 6).
@@ -232,12 +305,12 @@ class Section:
         that nothing can relax. It does no work on any motion.
         """
         free = self.thermal_strain(z, temperature_mid, temperature_gradient)
-        if np.delete(self.stiffness[:, 2], 2, axis=1).any():
+        if np.delete(self.stiffness[..., 2, :], 2, axis=-1).any():
             return free
-        weights = self.stiffness[:, 2, 2]
-        first, second, _ = self._powers() @ (weights * self.expansion[:, 2])
+        weights = self.stiffness[..., 2, 2]
+        first, second, _ = (_sum(power, weights * self.expansion[..., 2]) for power in self._powers())
         free = free.copy()
-        free[..., 2] = (first * temperature_mid + second * temperature_gradient) / (weights @ self.thicknesses)
+        free[..., 2] = (first * temperature_mid + second * temperature_gradient) / _sum(weights, self.thicknesses)
         return free
 
     def shear_stiffness(self) -> np.ndarray:
@@ -245,11 +318,38 @@ class Section:
 
         Those of a laminate's layers are scaled so that this is the shear stiffness of equilibrium.
         """
-        return np.einsum("l,lij->ij", self.thicknesses, self.stiffness[:, SHEAR][:, :, SHEAR])
+        return np.einsum("...l,...lij->...ij", self.thicknesses, self.stiffness[..., SHEAR, :][..., SHEAR])
 
     def _powers(self) -> np.ndarray:
         """Integrals of 1, z, z^2 over each layer, (3, n)."""
         return np.stack([np.diff(self.z**k) / k for k in (1, 2, 3)])
+
+
+def trace(matrices: np.ndarray) -> Any:
+    """Of matrices (..., 3, 3)."""
+    return np.trace(matrices, axis1=-2, axis2=-1)
+
+
+def stress_of(law: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    """Stress (..., 6) of a strain and one law (6, 6), or one for each place."""
+    return np.asarray(strain @ law if law.ndim == 2 else (strain[..., None, :] @ law)[..., 0, :])
+
+
+def _sum(one: np.ndarray, two: np.ndarray) -> Any:
+    """Sum over layers of the products of two of their numbers: a float, or an array of all places."""
+    return float(one @ two) if one.ndim == 1 == two.ndim else (one * two).sum(axis=-1)
+
+
+def _number(value: np.ndarray) -> Any:
+    """A float of one section, an array of those of many places."""
+    return value if value.ndim else float(value)
+
+
+def _unless_rounding(value: Any, rounding: Any) -> Any:
+    """A value, zero where it is no larger than rounding."""
+    if isinstance(value, float):
+        return value if abs(value) > rounding else 0.0
+    return np.where(np.abs(value) > rounding, value, 0.0)
 
 
 def section_of(material: Any, thickness: float | None) -> Section:

@@ -2,6 +2,7 @@
 
 from skancf.meshes.check import check_mesh
 from skancf.meshes.graded import graded
+from skancf.meshes.lines import with_lines
 from skancf.meshes.progression import progression
 from skancf.meshes.quadtree import MeshQuadTree, quadtree
 from skancf.meshes.quadtree_file import load, save
@@ -12,5 +13,5 @@ from skancf.meshes.uniform import uniform
 
 __all__ = [
     "MeshQuadTree", "Region", "Regions", "check_mesh", "graded", "load", "progression", "quadtree", "refined_in", "save",
-    "tensor", "uniform",
+    "tensor", "uniform", "with_lines",
 ]  # fmt: skip

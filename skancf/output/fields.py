@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from skancf.errors import InputError, shown
-from skancf.materials import Section
-from skancf.materials.heights import Depth, depth_of
+from skancf.errors import InputError, number, shown
+from skancf.materials import Section, SectionField
+from skancf.materials.heights import DEPTHS, Depth, Interface, depth_of
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import STRESSES, Solution
 
@@ -67,14 +67,19 @@ def through(name: str) -> bool:
     return name == "mises" or name in STRESSES + STRAINS
 
 
-def place(name: str, section: Section, z: Depth | None) -> tuple[float, str]:
-    """The depth (m) that is meant by z, and in words; without one the top face of stresses and strains, all depths for von
-    Mises' stress, and the reference surface of what does not change through the thickness."""
+def place(name: str, section: Section | SectionField, z: Depth | None) -> tuple[Depth, str]:
+    """The depth that is meant by z, a number (m), or a name where each place has its own, and in words; without one the top
+    face of stresses and strains, all depths for von Mises' stress, and the reference surface of what does not change through
+    the thickness."""
     if z is None and not through(name):
         return 0.0, ""
     if z is None and name == "mises":
         return 0.0, "largest through the thickness"
-    depth = depth_of(section, "top" if z is None else z)
+    z = "top" if z is None else z
+    if not isinstance(section, Section):
+        said = z if z == "middle" else f"{z} face" if z in DEPTHS else f"z = {number('z', z):.4g} m"
+        return z, said if through(name) or z else ""
+    depth = depth_of(section, z)
     faces = {float(section.z[0]): "bottom face, ", float(section.z[-1]): "top face, "}
     shown = through(name) or depth
     return depth, f"{faces.get(depth, '')}z = {depth:.4g} m" if shown else ""
@@ -82,10 +87,10 @@ def place(name: str, section: Section, z: Depth | None) -> tuple[float, str]:
 
 def largest_mises(solution: Solution, subdivisions: int) -> np.ndarray:
     """The largest von Mises stress through the thickness, (n,): stress is linear in each layer, and largest at its faces."""
-    section = solution.system.problem.section
+    n = solution.system.assembly.section.at(grid(subdivisions).points).z.shape[-1]
     # At an interface the law is that of the layer below; a little higher it is the other one.
-    depths = np.concatenate([section.z, section.z[1:-1] + ABOVE * section.thickness])
-    return np.max([von_mises(sample_strain(solution, subdivisions, z)[1]) for z in depths.tolist()], axis=0)
+    depths = [*map(Interface, range(n)), *(Interface(k, ABOVE) for k in range(1, n - 1))]
+    return np.max([von_mises(sample_strain(solution, subdivisions, z)[1]) for z in depths], axis=0)
 
 
 def values(solution: Solution, name: str, subdivisions: int, z: Depth | None) -> np.ndarray:

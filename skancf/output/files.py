@@ -94,10 +94,10 @@ def write_state(
     data = {"displacement": surface.displacement}
     if surface.velocity is not None:
         data["velocity"] = surface.velocity
-    bottom, top = solution.system.problem.section.z[[0, -1]]
-    middle = {"mid": (bottom + top) / 2, "top": top, "bottom": bottom}
-    for name, z in (middle if depths is None else depths).items():
-        strain, stress = sample_strain(solution, subdivisions, number(f"depths[{name!r}]", z))
+    faces = {"mid": "middle", "top": "top", "bottom": "bottom"}
+    given = faces if depths is None else {name: number(f"depths[{name!r}]", z) for name, z in depths.items()}
+    for name, z in given.items():
+        strain, stress = sample_strain(solution, subdivisions, z)
         data[f"stress_{name}"], data[f"strain_{name}"] = stress[:, FILE_ORDER], strain[:, FILE_ORDER]
         data[f"mises_{name}"] = von_mises(stress)
     if depths is None or depths:

@@ -101,23 +101,24 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) ->
     instance("solution", solution, Solution, STATE)
     require_points(subdivisions, solution.system.geometry.n_elements)
     cut, geometry = grid(subdivisions), solution.system.geometry
-    z = depth_of(solution.system.problem.section, z)
     first = np.arange(geometry.n_elements)[:, None] * cut.points.shape[1]
     theory, side = geometry.theory, geometry.side
     inside, table = geometry.inside(cut.points), geometry.theory.position_table(cut.points)[0]
+    depth = depth_of(solution.system.assembly.section.at(cut.points), z)
+    away, heights = bool(np.any(depth)), depth[:, None] if np.ndim(depth) else depth
 
     def at_depth(vectors: np.ndarray, normals: np.ndarray | float) -> np.ndarray:
         middle = np.einsum("an,eai->ein", table, vectors, optimize=True)
-        return np.asarray((middle + z * normals).swapaxes(1, 2).reshape(-1, 3))
+        return np.asarray((middle + heights * normals).swapaxes(1, 2).reshape(-1, 3))
 
     def local(q: np.ndarray) -> np.ndarray:
         return np.asarray(geometry.local(solution.system.shell.nodal(q)))
 
     def position(q: np.ndarray) -> np.ndarray:
-        return at_depth(local(q), theory.normals(local(q), inside, side) if z else 0.0)
+        return at_depth(local(q), theory.normals(local(q), inside, side) if away else 0.0)
 
     def rate(q: np.ndarray, change: np.ndarray) -> np.ndarray:
-        return at_depth(local(change), theory.normal_rates(local(q), local(change), inside, side) if z else 0.0)
+        return at_depth(local(change), theory.normal_rates(local(q), local(change), inside, side) if away else 0.0)
 
     places = position(solution.system.undeformed)
     displacement = solution.model.rise(position, solution.unknowns, rate)

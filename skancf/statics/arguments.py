@@ -2,10 +2,11 @@
 
 from typing import Any
 
-from skancf.arguments import flag, system_like, whole
-from skancf.errors import positive
+from skancf.arguments import STATE, flag, instance, system_like, whole
+from skancf.errors import InputError, positive
 from skancf.linear import check_backend
-from skancf.solution import require_same_mesh
+from skancf.solution import Solution
+from skancf.system.system import System
 
 
 def check_arguments(
@@ -29,3 +30,13 @@ def check_arguments(
         whole(name, value, floats=True)
     for name, value in flags.items():
         flag(name, value)
+
+
+def require_same_mesh(system: System, start: Solution, name: str = "start") -> None:
+    """InputError for a state that was computed on another mesh or with another theory, and for what is no state."""
+    instance(name, start, Solution, STATE)
+    if start.system.mesh is not system.mesh:
+        raise InputError(f"{name} belongs to another mesh; nodal coordinates have a meaning only on their own one")
+    if start.system.geometry.theory.nodal_vectors != system.geometry.theory.nodal_vectors:
+        raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
+                         f"than those of {system.geometry.theory.name!r}")

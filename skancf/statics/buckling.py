@@ -11,9 +11,10 @@ from scipy.sparse.linalg import LinearOperator
 from skancf.arguments import choice
 from skancf.checks import Check
 from skancf.errors import InputError
-from skancf.linear import BlockMatrix, Constraints, DirectSolver
+from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
+from skancf.statics.conditioned import conditions_in, curved
 from skancf.statics.diagnosis import require_support
 from skancf.statics.eigen_checks import (
     SAFETY,
@@ -26,15 +27,15 @@ from skancf.statics.eigen_checks import (
     warn_of_failures,
 )
 from skancf.statics.left_out import buckling_changes, warn_of_changes
-from skancf.statics.linear import change_by
+from skancf.statics.linear import answer_by
 from skancf.statics.modes import (
     check_tolerance,
     checked_count,
-    free_directions,
     lanczos,
     moved_along,
     nth,
 )
+from skancf.statics.motions import Motions, motions_of
 from skancf.statics.tangents import warn_if_skew
 from skancf.statics.validity import warn_without_time
 from skancf.system.linearised import Linearised, geometric_stiffness
@@ -108,8 +109,8 @@ def buckling(
     r"""Load factors :math:`\lambda` with :math:`(K_0 + \lambda K_\sigma)\,\phi = 0`.
 
     :math:`K_0` is the tangent of the undeformed state, and :math:`K_\sigma` the change of it by the stresses of the linear
-    answer to the whole load, and by the loads' own stiffness. It is exact where the structure hardly moves before it
-    buckles; :func:`trace` finds the load in general. Lanczos' method solves
+    answer to the whole load, by the loads' own stiffness, and by the forces of conditions. It is exact where the structure
+    hardly moves before it buckles; :func:`trace` finds the load in general. Lanczos' method solves
     :math:`-K_\sigma \phi = \lambda^{-1} K_0 \phi`.
 
     Parameters
@@ -141,18 +142,20 @@ def buckling(
     require_support(system)
     warn_without_time(system)
     start, constraints = system.undeformed, system.constraints
-    if not (system.external_force(start).any() or system.prescribed().any()):
-        raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
+    _require_load(system)
     stiffness = system.stiffness()
     warn_if_skew(system, stiffness, start, 1.0)
     with DirectSolver(system.pattern, constraints, backend) as solver:
-        solver.factor(stiffness)
-        answer = change_by(system, solver)
+        answer, multipliers = answer_by(system, solver)
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
-        _require_rest(system, solver, answer)
-        geometric = geometric_stiffness(system, answer)
-        pencil = _Pencil(solver, stiffness, geometric, constraints, tolerance)
+        motions = motions_of(system, solver, start, stiffness)
+        motions.require(n)
+        if multipliers is not None:
+            motions.factor(stiffness)
+        _require_rest(system, motions, answer)
+        geometric = curved(system, geometric_stiffness(system, answer), start, multipliers)
+        pencil = _Pencil(motions, stiffness, geometric, tolerance)
         inverse, shapes, cut, count = pencil.lowest(n, signs)
         checks = (*pencil.checked(inverse[:n], shapes[:n]), count)
     message = "no positive load factor buckles this structure; the load only stiffens it"
@@ -160,18 +163,26 @@ def buckling(
         message = _coarse(system, stiffness, shapes[:n])
     note = group_note("load factor", 1.0 / np.abs(inverse), n, cut)
     warn_of_failures(checks)
-    linear = Solution.of(Linearised(system), answer)
+    linear = Solution.of(Linearised(system), answer, multipliers=multipliers)
     result = BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
     warn_of_changes("buckling load", result.theory_errors)
     return result
 
 
-def _require_rest(system: System, solver: DirectSolver, answer: np.ndarray) -> None:
+def _require_load(system: System) -> None:
+    """InputError where nothing loads a structure: no load, and nothing that is held moves."""
+    conditions, start = conditions_in(system), system.undeformed
+    moves = system.prescribed().any() or (conditions and conditions.value(start).any())
+    if not (moves or system.external_force(start).any()):
+        raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
+
+
+def _require_rest(system: System, motions: Motions, answer: np.ndarray) -> None:
     """InputError where terms of the structure strain it before any load: their stresses do not grow with the load factor."""
     at_rest = getattr(system, "others", None)
     if not at_rest:
         return
-    change = solver.solve(-at_rest.force(system.undeformed))
+    change = motions.solve(-at_rest.force(system.undeformed))
     if np.abs(change).max() > AT_REST * np.abs(answer).max():
         raise InputError("no buckling: terms of the structure have forces in its undeformed state, which do not grow with "
                          "the load factor. Where they belong to the loads, give them load=True; else follow the path with "
@@ -196,12 +207,9 @@ def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
 class _Pencil:
     """Inverse load factors and their shapes: eigenpairs of minus the geometric stiffness against the elastic one."""
 
-    def __init__(
-        self, solver: DirectSolver, stiffness: BlockMatrix, geometric: BlockMatrix, constraints: Constraints,
-        tolerance: float,
-    ) -> None:  # fmt: skip
-        self.solver, self.stiffness, self.geometric = solver, stiffness, geometric
-        self.constraints, self.tolerance = constraints, tolerance
+    def __init__(self, motions: Motions, stiffness: BlockMatrix, geometric: BlockMatrix, tolerance: float) -> None:
+        self.motions, self.stiffness, self.geometric, self.tolerance = motions, stiffness, geometric, tolerance
+        self.constraints = motions.constraints
 
     def lowest(self, n: int, signs: str) -> tuple[np.ndarray, np.ndarray, int, Check]:
         """Inverse load factors (m,) and shapes (m, n_dofs) of the lowest load factors, up to the first gap behind n of them;
@@ -217,7 +225,7 @@ class _Pencil:
         ask, lost, stuck, tries = min(n + 1, exist), exist + 1, 0, 0
         while True:
             if ask > 0:
-                self.solver.factor(self.stiffness)
+                self.motions.factor(self.stiffness)
                 values, shapes = self._more(ask, which, (values, shapes))
                 # Those that never buckle are no load factors.
                 order = np.argsort(-np.abs(values), kind="stable")
@@ -247,8 +255,8 @@ class _Pencil:
         """Number of load factors from 0 to ``at``, for both signs also of those from ``-at`` to 0."""
         count = 0
         for sign in (1.0, -1.0) if signs == "both" else (1.0,):
-            self.solver.factor(self.stiffness + (sign * at) * self.geometric)
-            count += self.solver.negative_pivots
+            self.motions.factor(self.stiffness + (sign * at) * self.geometric)
+            count += self.motions.negative_pivots
         return count
 
     def checked(self, values: np.ndarray, shapes: np.ndarray) -> tuple[Check, Check]:
@@ -256,11 +264,12 @@ class _Pencil:
         :math:`\mu^*` has :math:`|\mu - \mu^*| \le \sqrt{r \cdot K_0^{-1} r}`; and products of the shapes."""
         if not len(values):
             return pair_check(values, values), orthogonality_check(np.zeros((0, 0)), "elastic stiffness")
-        self.solver.factor(self.stiffness)
+        self.motions.factor(self.stiffness)
         elastic = np.array([self.constraints.free_part(self.stiffness @ v) for v in shapes])
         load = np.array([self.constraints.free_part(self.geometric @ v) for v in shapes])
         residuals = -load - values[:, None] * elastic
-        errors = np.sqrt([abs(float(r @ self.solver.solve(r))) for r in residuals]) / np.abs(values)
+        moved = [(self.motions.correction(r, v), r) for r, v in zip(residuals, shapes, strict=True)]
+        errors = np.array([np.sqrt(abs(float(r @ x))) + more for (x, more), r in moved]) / np.abs(values)
         sizes = self.stiffness.sizes()
         noise = ZERO_EIGENVALUE * np.array([np.abs(v) @ (sizes @ np.abs(v)) for v in shapes])
         products = shapes @ elastic.T
@@ -270,8 +279,8 @@ class _Pencil:
         self, n: int, which: str, known: tuple[np.ndarray, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """The known ones and the n largest beside them, in size or as they are; of few coordinates all."""
-        if 2 * (n + len(known[0])) >= self.constraints.n_free:
-            return _dense(self.stiffness, self.geometric, self.constraints)
+        if 2 * (n + len(known[0])) >= self.motions.room:
+            return _dense(self.stiffness, self.geometric, self.motions)
         new = self._lanczos(n, which, known[1])
         return np.append(known[0], new[0]), np.vstack([known[1], new[1]])
 
@@ -288,12 +297,12 @@ class _Pencil:
             force = -load(apart(v))
             return force - weights.T @ (known @ force)
 
-        start = apart(self.solver.solve(np.random.default_rng(len(known)).standard_normal(shape[0])))
+        start = apart(self.motions.solve(np.random.default_rng(len(known)).standard_normal(shape[0])))
         values, vectors = lanczos(
             LinearOperator(shape, matvec=driving, dtype=np.float64), k=n, which=which, v0=start, tol=self.tolerance,
             M=LinearOperator(shape, matvec=elastic, dtype=np.float64),
-            Minv=LinearOperator(shape, matvec=self.solver.solve, dtype=np.float64),
-            ncv=min(self.constraints.n_free, max(2 * n + 1, 30)),
+            Minv=LinearOperator(shape, matvec=self.motions.solve, dtype=np.float64),
+            ncv=min(self.motions.room, max(2 * n + 1, 30)),
         )  # fmt: skip
         return values, np.array([self.constraints.free_part(v) for v in vectors])
 
@@ -302,11 +311,9 @@ class _Pencil:
         return lambda v: keep(matrix @ keep(v))
 
 
-def _dense(
-    stiffness: BlockMatrix, geometric: BlockMatrix, constraints: Constraints
-) -> tuple[np.ndarray, np.ndarray]:
+def _dense(stiffness: BlockMatrix, geometric: BlockMatrix, motions: Motions) -> tuple[np.ndarray, np.ndarray]:
     """For so few coordinates that Lanczos' method has no room: the same, with full matrices."""
-    free = free_directions(constraints)
+    free = motions.directions()
     elastic, load = (free @ matrix.to_scipy() @ free.T for matrix in (stiffness, geometric))
     values, vectors = eigh(-load, elastic)
     return values, vectors.T @ free

@@ -75,7 +75,7 @@ class Cascade:
         self.begin, self.span = start.load_factor, load_factor - start.load_factor
         # A model without these hooks, of which only Newton's method needs to know, has load steps alone.
         self.relaxes = settings.relax and hasattr(system, "layout")
-        self.path, self.pivots = [start], [0]
+        self.path, self.pivots, self.multipliers = [start], [0], start.multipliers
         self.attempts: list[tuple[float, NewtonResult]] = []
         self.done, self.step, self.failed = 0.0, 1.0, False
         self.checks: tuple[Check, ...] = ()
@@ -133,14 +133,19 @@ class Cascade:
     def _solve(self, q: np.ndarray, load_factor: float, **options: Any) -> NewtonResult:
         """Newton's method, of which account is kept."""
         common = {"rtol": self.settings.rtol, "max_steps": self.settings.max_steps, "mixed": self.settings.mixed}
-        result = newton(self.system, q, self.solver, load_factor=load_factor, **(common | options))
+        result = newton(
+            self.system, q, self.solver, load_factor=load_factor, multipliers=self.multipliers, **(common | options)
+        )
+        if result.ok and result.multipliers.size:
+            self.multipliers = result.multipliers
         self.attempts.append((load_factor, result))
         spent = sum(attempt.iterations for _, attempt in self.attempts)
         self.bar.at(self.done, f"load factor {self.path[-1].load_factor:.4g}, {spent} iterations")
         return result
 
     def _keep(self, result: NewtonResult, load_factor: float) -> None:
-        self.path.append(Solution(self.system, result.q, load_factor=load_factor))
+        multipliers = result.multipliers if result.multipliers.size else None
+        self.path.append(Solution(self.system, result.q, load_factor=load_factor, multipliers=multipliers))
         self.pivots.append(result.negative_pivots)
         self.bar.at(self.done, f"load factor {load_factor:.4g}, {result.iterations} iterations")
 
@@ -149,7 +154,7 @@ class Cascade:
         if result.status not in FOUND or not hasattr(self.system, "strain_energy"):
             return result
         rtol = self.settings.rtol
-        found = verify(self.system, self.solver, result.q, self.load_factor, rtol=rtol, origin=self.path[0].q)
+        found = verify(self.system, self.solver, result, rtol=rtol, origin=self.path[0].q)
         self.checks = checks_of(found.measured)
         status, message, bound = Status.CONVERGED, "", 0.0
         if found.unmet or result.status is Status.ROUNDING:
@@ -158,7 +163,8 @@ class Cascade:
             if failed := failures(self.checks):
                 status, message = Status.UNBALANCED, failed
         result = replace(
-            result, q=found.q, status=status, message=message, bound=bound, negative_pivots=found.negative_pivots
+            result, q=found.q, status=status, message=message, bound=bound, negative_pivots=found.negative_pivots,
+            multipliers=found.multipliers,
         )
         self.attempts[-1] = self.load_factor, result
         return result

@@ -1,12 +1,13 @@
 """Critical modes of an equilibrium: what becomes singular at limit points and bifurcations."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from skancf.history import Case
-from skancf.linear import DirectSolver, SkewSolver, factor_shifted, soft_motions
-from skancf.statics.newton import StaticSystem
+from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
+from skancf.statics.conditioned import curved, solver_at
+from skancf.statics.corrections import StaticSystem
 
 INVERSE_ITERATIONS = 12
 
@@ -24,18 +25,17 @@ class CriticalMode(NamedTuple):
     share: float = 1.0
 
 
-def critical_mode(
-    system: StaticSystem, solver: DirectSolver, q: np.ndarray, load_factor: float, without_work: bool = False
-) -> CriticalMode:
-    r"""The critical mode, that nearest to having no stiffness, by inverse iteration.
+def critical_mode(system: StaticSystem, solver: DirectSolver, state: Any, without_work: bool = False) -> CriticalMode:
+    r"""The critical mode of a state or point of a path, that nearest to having no stiffness, by inverse iteration.
 
     ``without_work`` keeps to motions x with x . F = 0: their tangent is regular at a limit point. With K u = F they are the
     K-projection :math:`x - (x \cdot F / u \cdot F)\,u`, and have one negative eigenvalue less where u . F < 0.
     """
-    tangent = SkewSolver(system.tangent(q, Case(load_factor)), None, solver)
-    factor_shifted(solver, tangent.matrix, system.mass)
+    q, held = state.q, solver_at(system, solver, state.q)
+    matrix = curved(system, system.tangent(q, Case(state.load_factor)), q, state.multipliers)
+    factor_shifted(held, matrix, system.mass)
     with np.errstate(over="ignore", invalid="ignore"):
-        return _critical(system, solver, q, tangent, without_work)
+        return _critical(system, held, q, matrix, without_work)
 
 
 def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) -> float:
@@ -50,16 +50,16 @@ def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) ->
 
 
 def _critical(
-    system: StaticSystem, solver: DirectSolver, q: np.ndarray, tangent: SkewSolver, without_work: bool
+    system: StaticSystem, solver: Any, q: np.ndarray, matrix: BlockMatrix, without_work: bool
 ) -> CriticalMode:
-    load = system.external_force(q) - tangent.multiply(system.prescribed())
+    load = system.external_force(q) - matrix @ system.prescribed()
     soft = solver.solve(load)
 
     def workless(x: np.ndarray) -> np.ndarray:
         return x - (x @ load) / (soft @ load) * soft
 
     keep = workless if without_work else np.asarray
-    values, motions = soft_motions(system, solver, tangent.matrix, 1, INVERSE_ITERATIONS, keep)
+    values, motions = soft_motions(system, solver, matrix, 1, INVERSE_ITERATIONS, keep)
     eigenvalue, x, compliance = float(values[0]), motions[0], float(soft @ load)
     share = float((x @ load) ** 2 / (eigenvalue * compliance)) if eigenvalue and compliance else 1.0
     negative = solver.negative_pivots - (without_work and compliance < 0)

@@ -9,8 +9,10 @@ from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
 from skancf.solving import Status
+from skancf.statics.conditioned import require_no_contradiction, tangent_at
+from skancf.statics.corrections import StaticSystem
 from skancf.statics.critical import CriticalMode, critical_mode, turning_estimate
-from skancf.statics.newton import NewtonResult, StaticSystem, factored
+from skancf.statics.newton import NewtonResult
 from skancf.system.rigid import free_rigid_motions
 
 # Stiffness against the load relative to that at the start (Bergan's current stiffness parameter) that counts as soft.
@@ -20,12 +22,14 @@ NEAR = 10.0
 
 
 def require_support(system: StaticSystem) -> None:
-    """InputError where a rigid motion is free, of a model that knows what a rigid motion is."""
+    """InputError where a rigid motion is free, of a model that knows what a rigid motion is, and where conditions contradict
+    each other."""
     free = free_rigid_motions(system) if hasattr(system, "layout") else []
     if free:
         raise InputError(f"no equilibrium: the supports leave free {', '.join(free)}; add supports that hold them")
     if hasattr(system, "layout") and len(system.layout.parts) > 1:
         _require_resistance(system)
+    require_no_contradiction(system)
 
 
 def _require_resistance(system: Any) -> None:
@@ -76,7 +80,7 @@ def _folded(system: StaticSystem, q: np.ndarray) -> tuple[Status, str] | None:
 
 def _mechanism(system: StaticSystem, solver: DirectSolver) -> tuple[Status, str] | None:
     try:
-        factored(system, system.undeformed, 0.0, solver)
+        tangent_at(system, system.undeformed, 0.0, solver)
     except SingularMatrix as singular:
         return Status.MECHANISM, f"Even the undeformed structure is a mechanism: {singular}."
     return None
@@ -87,7 +91,7 @@ def _singular(
 ) -> tuple[Status, str]:
     """A limit point or a bifurcation by the critical mode of the last equilibrium, or neither."""
     last = path[-1]
-    first, now = (critical_mode(system, solver, state.q, state.load_factor) for state in (path[0], last))
+    first, now = (critical_mode(system, solver, state) for state in (path[0], last))
     limit = _limit_estimate(system, solver, path, now)
     near = abs(limit - last.load_factor) <= NEAR * abs(wanted - last.load_factor)
     if near and first.compliance < SOFT * abs(now.compliance) and now.share > 0.5:
@@ -117,7 +121,7 @@ def _limit_estimate(system: StaticSystem, solver: DirectSolver, path: Sequence[S
     """Load factor of the limit point, by the stiffness against the load at the last two equilibria."""
     if len(path) < 2 or not np.isfinite(now.compliance):
         return np.inf
-    before = critical_mode(system, solver, path[-2].q, path[-2].load_factor)
+    before = critical_mode(system, solver, path[-2])
     if not (before.compliance and now.compliance):  # loads that do no work
         return np.inf
     return turning_estimate(

@@ -75,7 +75,7 @@ def _search(
         if refined:
             break
     solution = _extrapolated(follower, a, nearest, at) if refined else _interpolated(follower, a, b, length, at)
-    mode = critical_mode(follower.system, follower.solver, solution.q, solution.load_factor).shape
+    mode = critical_mode(follower.system, follower.solver, solution).shape
     return at, Event(kind, solution.load_factor, solution, mode, refined)
 
 
@@ -83,12 +83,16 @@ def _extrapolated(follower: Follower, a: Point, nearest: tuple[float, Point], at
     """Linearly from a point very near."""
     way = (at - nearest[0]) * follower.slopes(a, nearest[1])
     point = nearest[1]
-    return Solution(follower.system, point.q + way * point.direction, load_factor=point.load_factor + way * point.rate)
+    multipliers = None if point.multipliers is None else point.multipliers + way * point.pulled
+    return Solution(
+        follower.system, point.q + way * point.direction, load_factor=point.load_factor + way * point.rate,
+        multipliers=multipliers,
+    )  # fmt: skip
 
 
 def _interpolated(follower: Follower, a: Point, b: Point, length: float, at: float) -> Solution:
     q, load_factor = interpolate(follower, a, b, length, at)
-    return Solution(follower.system, q, load_factor=load_factor)
+    return Solution(follower.system, q, load_factor=load_factor, multipliers=a.multipliers)
 
 
 def _limit_search(
@@ -123,7 +127,7 @@ def _pivot_search(
     """
 
     def soft(point: Point) -> tuple[float, int]:
-        mode = critical_mode(follower.system, follower.solver, point.q, point.load_factor, without_work=limit)
+        mode = critical_mode(follower.system, follower.solver, point, without_work=limit)
         return mode.eigenvalue, mode.negative
 
     value, before = soft(a)

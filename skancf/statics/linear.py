@@ -9,6 +9,7 @@ from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
+from skancf.statics.conditioned import conditions_in, solver_at
 from skancf.statics.diagnosis import require_support
 from skancf.statics.newton import OPEN
 from skancf.statics.validity import warn_if_loose, warn_if_thick, warn_without_time
@@ -48,29 +49,45 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
 
 def small_deflection(system: System, load_factor: float = 1.0, *, backend: str = "auto") -> Solution:
     """:func:`solve_linear` for a system that is known to be supported, without a judgement of its theory."""
-    change = small_change(system, backend, load_factor)
+    change, multipliers = small_answer(system, backend, load_factor)
     if not np.isfinite(change).all():
         raise DidNotConverge("the linear answer is not finite")
     sizes = np.abs(system.stiffness().diagonal())
-    lost = unmet(Balance.of_small_change(system, change, load_factor).measured(sizes))
+    lost = unmet(Balance.of_small_change(system, change, load_factor, multipliers).measured(sizes))
     if lost:
         worst = max(lost, key=lambda one: one.value)
         message = OPEN_LINEAR.format(worst.name, worst.value, worst.limit)
         if worst.value > OPEN:
             raise DidNotConverge(message)
         warnings.warn(message, OutOfDepth, stacklevel=3)
-    return Solution.of(Linearised(system), change, load_factor)
+    return Solution.of(Linearised(system), change, load_factor, multipliers)
 
 
 def small_change(system: System, backend: str = "auto", load_factor: float = 1.0) -> np.ndarray:
     """The change of the undeformed state under so much of the load, (n_dofs,)."""
+    return small_answer(system, backend, load_factor)[0]
+
+
+def small_answer(
+    system: System, backend: str = "auto", load_factor: float = 1.0
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The same, and the multipliers (n,) of conditions; None without any."""
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        solver.factor(system.stiffness())
-        return change_by(system, solver, load_factor)
+        return answer_by(system, solver, load_factor)
+
+
+def answer_by(
+    system: System, solver: DirectSolver, load_factor: float = 1.0
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """The same by a solver, which then has the factors of the stiffness, or of what is condensed from it."""
+    if conditions_in(system):
+        return change_with_conditions(system, solver, load_factor)
+    solver.factor(system.stiffness())
+    return change_by(system, solver, load_factor), None
 
 
 def change_by(system: System, solver: DirectSolver, load_factor: float = 1.0) -> np.ndarray:
-    """The same by a solver that has the factors of the stiffness. Forces that the structure's own terms have at rest count
+    """The change by a solver that has the factors of the stiffness. Forces that the structure's own terms have at rest count
     whole."""
     model, case = Linearised(system), Case(load_factor)
     moved = model.held(load_factor)
@@ -78,3 +95,16 @@ def change_by(system: System, solver: DirectSolver, load_factor: float = 1.0) ->
     change = tangent.solve(model.external_force(moved, case) - model.internal_force(moved, None, case)) + moved
     solver.warn_if_lost()
     return change
+
+
+def change_with_conditions(
+    system: System, solver: DirectSolver, load_factor: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """The change (n_dofs,) and the multipliers (n,) of conditions, by a solver that gets condensed factors."""
+    model, case = Linearised(system), Case(load_factor)
+    moved = model.held(load_factor)
+    held = solver_at(system, solver, system.undeformed).factor(system.stiffness(), model.skew(moved))
+    rhs = model.external_force(moved, case) - model.internal_force(moved, None, case)
+    change, multipliers = held.solve_both(rhs, -model.conditions_value(moved, case))
+    held.warn_if_lost()
+    return change + moved, multipliers

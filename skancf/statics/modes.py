@@ -13,8 +13,8 @@ from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
-from skancf.solution import Solution, require_same_mesh
-from skancf.statics.arguments import check_arguments
+from skancf.solution import Solution
+from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -27,6 +27,7 @@ from skancf.statics.eigen_checks import (
     warn_of_failures,
 )
 from skancf.statics.left_out import frequency_changes, warn_of_changes
+from skancf.statics.motions import Motions, motions_of
 from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.statics.validity import warn_without_time
 from skancf.system.system import System
@@ -141,7 +142,9 @@ def modes(
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
     warn_if_skew(system, stiffness, state.about, state.load_factor)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        spectrum = _Spectrum(solver, stiffness, system.mass, system.constraints, tolerance)
+        motions = motions_of(system, solver, state.about, stiffness)
+        motions.require(n)
+        spectrum = _Spectrum(motions, stiffness, system.mass, tolerance)
         pairs, cut, count = spectrum.lowest(n)
     first, values = pairs.of(slice(n)), pairs.values
     products = first.shapes @ np.array([spectrum.with_mass(v) for v in first.shapes]).T
@@ -170,11 +173,9 @@ class Pairs(NamedTuple):
 class _Spectrum:
     """Eigenpairs of K against M."""
 
-    def __init__(
-        self, solver: DirectSolver, stiffness: BlockMatrix, mass: BlockMatrix, constraints: Constraints, tolerance: float
-    ) -> None:
-        self.solver, self.stiffness, self.mass, self.constraints = solver, stiffness, mass, constraints
-        self.tolerance = tolerance
+    def __init__(self, motions: Motions, stiffness: BlockMatrix, mass: BlockMatrix, tolerance: float) -> None:
+        self.motions, self.stiffness, self.mass, self.tolerance = motions, stiffness, mass, tolerance
+        self.constraints = motions.constraints
 
     def lowest(self, n: int) -> tuple[Pairs, int, Check]:
         """All pairs up to the first gap behind the n lowest, all unstable ones and all without stiffness; the number of
@@ -184,12 +185,12 @@ class _Spectrum:
         law the pivots of K - s M count those below s, with s in the gap, and what is missing is looked for beside what was
         found.
         """
-        n_free = self.constraints.n_free
-        shift, ask, lost, stuck, tries, searched_again = None, n + 1, n_free, 0, 0, False
+        room = self.motions.room
+        shift, ask, lost, stuck, tries, searched_again = None, n + 1, room, 0, 0, False
         pairs = self._pairs(np.zeros((0, self.mass.shape[0])), 0.0)
-        while len(pairs.values) + ask < n_free and 2 * ask < n_free:
+        while len(pairs.values) + ask < room and 2 * ask < room:
             if shift is None:
-                shift = factor_shifted(self.solver, self.stiffness, self.mass)
+                shift = factor_shifted(self.motions, self.stiffness, self.mass)
             new = self._pairs(self._lanczos(ask, shift, pairs.shapes), shift)
             pairs = Pairs(*map(np.concatenate, zip(pairs, new, strict=True)))
             pairs = pairs.of(np.argsort(pairs.values, kind="stable"))
@@ -208,17 +209,18 @@ class _Spectrum:
                     return pairs, cut, count_check(cut, counted, f"below {at:.6g}")
                 # Beside motions without stiffness, so near the shift, others have few digits: all again from farther away.
                 shift, searched_again = -float(pairs.values[pairs.values > 0][0]), True
-                pairs, ask, lost, stuck = pairs.of(slice(0)), cut + 1, n_free, 0
+                pairs, ask, lost, stuck = pairs.of(slice(0)), cut + 1, room, 0
             else:
                 ask = lost + 1
-            self.solver.factor(self.stiffness + (-shift) * self.mass)
-        pairs = self._dense()
-        return pairs, gap_after(pairs.values, n) or n_free, count_check(len(pairs.values), n_free, "of all coordinates")
+            self.motions.factor(self.stiffness + (-shift) * self.mass)
+        pairs, all_of_them = self._dense()
+        cut = gap_after(pairs.values, n) or all_of_them
+        return pairs, cut, count_check(len(pairs.values), all_of_them, "of all coordinates")
 
     def _below(self, at: float) -> int:
         """Number of eigenvalues below a number, as many negative pivots as K - s M has."""
-        self.solver.factor(self.stiffness + (-at) * self.mass)
-        return self.solver.negative_pivots
+        self.motions.factor(self.stiffness + (-at) * self.mass)
+        return self.motions.negative_pivots
 
     def _pairs(self, shapes: np.ndarray, shift: float) -> Pairs:
         r"""Shapes with their eigenvalues; the factors are those at the shift.
@@ -228,21 +230,23 @@ class _Spectrum:
         """
         values, shapes, noise = self._clean(shapes)
         scale = _scale(values, shift)
-        errors = self._errors(values, shapes) * np.abs(values - shift) / scale
+        errors = self._errors(values, shapes, shift) / scale
         return Pairs(values, shapes, errors, SAFETY * self.tolerance + noise / scale)
 
-    def _errors(self, values: np.ndarray, shapes: np.ndarray) -> np.ndarray:
-        r""":math:`\|A^{-1} r\|_M`, (m,), with the factors that the solver has."""
-        residuals = (self.stiffness @ v - value * (self.mass @ v) for v, value in zip(shapes, values, strict=True))
-        return np.array([self._size(self.solver.solve(r)) for r in residuals])
+    def _errors(self, values: np.ndarray, shapes: np.ndarray, shift: float) -> np.ndarray:
+        """Those bounds, (m,), with the factors, which are those at the shift."""
+        pairs = zip(values, shapes, strict=True)
+        found = (self.motions.correction(self.stiffness @ v - value * (self.mass @ v), v) for value, v in pairs)
+        sizes, more = np.array([(self._size(moved), change) for moved, change in found]).reshape(-1, 2).T
+        return np.asarray(sizes * np.abs(values - shift) + more)
 
     def _bounded(self, pairs: Pairs, shift: float, at: float) -> Pairs:
         """A second bound, with the factors at a higher number, for pairs that the first one does not show to be right: near
         the shift it takes a trace of a rigid motion in an elastic one for much."""
         k = np.flatnonzero(~(pairs.errors <= pairs.allowed))
         errors, values = pairs.errors.copy(), pairs.values[k]
-        second = self._errors(values, pairs.shapes[k]) * np.abs(values - at) / _scale(values, shift)
-        errors[k] = np.fmin(errors[k], second)
+        second = self._errors(values, pairs.shapes[k], at)
+        errors[k] = np.fmin(errors[k], second / _scale(values, shift))
         return pairs._replace(errors=errors)
 
     def _size(self, v: np.ndarray) -> float:
@@ -258,14 +262,14 @@ class _Spectrum:
         weight = LinearOperator(self.mass.shape, matvec=self.with_mass, dtype=np.float64)
         # In shift-and-invert mode the first operator is not used.
         return lanczos(
-            weight, k=n, M=weight, sigma=shift, v0=apart(self.solver.solve(start)), tol=self.tolerance,
-            OPinv=LinearOperator(self.mass.shape, matvec=lambda v: apart(self.solver.solve(v)), dtype=np.float64),
-            ncv=min(self.constraints.n_free, max(2 * n + 1, 20)),
+            weight, k=n, M=weight, sigma=shift, v0=apart(self.motions.solve(start)), tol=self.tolerance,
+            OPinv=LinearOperator(self.mass.shape, matvec=lambda v: apart(self.motions.solve(v)), dtype=np.float64),
+            ncv=min(self.motions.room, max(2 * n + 1, 20)),
         )[1]  # fmt: skip
 
-    def _dense(self) -> Pairs:
-        """All, for so many modes of so few coordinates that Lanczos' method has no room."""
-        free = free_directions(self.constraints)
+    def _dense(self) -> tuple[Pairs, int]:
+        """All, and how many there are, for so many modes of so few coordinates that Lanczos' method has no room."""
+        free = self.motions.directions()
         stiffness, mass = (free @ matrix.to_scipy() @ free.T for matrix in (self.stiffness, self.mass))
         values, shapes, noise = self._clean(eigh(stiffness, mass)[1].T @ free)
         order = np.argsort(values, kind="stable")
@@ -276,7 +280,7 @@ class _Spectrum:
         scale = np.maximum(np.abs(values), TINY)
         # Full matrices have the rounding of their largest eigenvalue in all.
         rounding = np.maximum(noise, ZERO_EIGENVALUE * np.abs(values).max())
-        return Pairs(values, shapes, errors / scale, SAFETY * self.tolerance + rounding / scale)
+        return Pairs(values, shapes, errors / scale, SAFETY * self.tolerance + rounding / scale), len(free)
 
     def _clean(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values, zero where they are rounding, shapes of unit modal mass on the free coordinates, and that rounding."""
@@ -336,12 +340,6 @@ def check_tolerance(tolerance: float) -> float:
     if not 0 <= checked < 1:
         raise InputError(f"tolerance = {tolerance}: give the relative accuracy of the eigenvalues, less than one")
     return checked
-
-
-def free_directions(constraints: Constraints) -> np.ndarray:
-    """Unit vectors along the free coordinates, (n_free, n_dofs)."""
-    numbers = np.flatnonzero(~constraints.fixed.ravel())
-    return np.array([constraints.from_frame(e) for e in np.eye(constraints.fixed.size)[numbers]])
 
 
 def _largest_inside(system: Any, mode: np.ndarray) -> float:

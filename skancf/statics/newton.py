@@ -6,40 +6,17 @@ exact one (Magisano, Leonetti and Garcea, 2017). With a :class:`Constraint` the 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from skancf.errors import DidNotConverge
-from skancf.history import FULL, Case
-from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
+from skancf.linear import DirectSolver
 from skancf.solving import End, Status, iterate
-from skancf.statics.stopping import Constraint, ConvergenceTest, Pull, moves, work
-
-
-class StaticSystem(Protocol):
-    """All that statics knows of a model.
-
-    A model may also have ``strain_energy(q, case)``, by which the end of a solve is judged; ``skew(q, case)``, the
-    skew-symmetric part of its tangent as a sparse matrix or None; ``others``, sums over terms beside a shell; a ``layout``,
-    by which it knows rigid motions; and a ``shell``, which knows how far slopes turn and which elements folded.
-    """
-
-    constraints: Constraints
-    undeformed: np.ndarray
-    pattern: BlockPattern
-
-    @property
-    def mass(self) -> BlockMatrix: ...
-    def internal_force(self, q: np.ndarray) -> np.ndarray: ...
-    def external_force(self, q: np.ndarray, case: Case = FULL) -> np.ndarray: ...
-    def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray: ...
-    def tangent(
-        self, q: np.ndarray, case: Case = FULL, stresses: np.ndarray | None = None
-    ) -> BlockMatrix: ...
-    def prescribed(self, case: Case = FULL) -> np.ndarray: ...
+from skancf.statics.conditioned import tangents_of
+from skancf.statics.corrections import StaticSystem, Tangents, none
+from skancf.statics.stopping import Constraint, ConvergenceTest, Pull, moves
 
 
 @dataclass(frozen=True)
@@ -49,6 +26,7 @@ class NewtonResult:
     ``residual_norms`` are energy norms of the residual, sqrt(R . K^-1 R), relative to the largest one met; with a
     constraint they belong to the correction that meets both equations. ``along`` is then the derivative of q with respect
     to the load factor. ``bound`` is the part of the energy norm that rounding leaves open, where that ended the solve.
+    ``multipliers`` are those of the conditions, (n,), and ``pulled`` their derivative with respect to the load factor.
     """
 
     q: np.ndarray
@@ -59,6 +37,8 @@ class NewtonResult:
     load_factor: float = 1.0
     along: np.ndarray | None = None
     bound: float = 0.0
+    multipliers: np.ndarray = field(default_factory=none)
+    pulled: np.ndarray = field(default_factory=none)
 
     @property
     def ok(self) -> bool:
@@ -88,35 +68,6 @@ LOST = "rounding of the nodal coordinates leaves up to {:.1e} of the energy norm
 FAR = "the first correction turns a slope by {:.2g} of its length, more than the {:.2g} from which a solve is worth trying"
 
 
-def skew_part(system: Any, q: np.ndarray, load_factor: float) -> sp.csr_matrix | None:
-    """Skew-symmetric part of the tangent at (q, load factor); None if there is none."""
-    hook: Any = getattr(system, "skew", None)
-    return hook(q, Case(load_factor)) if hook and (load_factor or getattr(system, "others", None)) else None
-
-
-def factored(
-    system: StaticSystem, q: np.ndarray, load_factor: float, solver: DirectSolver, stresses: np.ndarray | None = None,
-    pull: Pull | None = None,
-) -> SkewSolver:  # fmt: skip
-    """The tangent at (q, load factor), with ``stresses`` and that of a ``pull`` if given, and its solver.
-
-    Raises
-    ------
-    SingularMatrix
-    """
-    matrix = system.tangent(q, Case(load_factor), stresses)
-    if pull:
-        matrix = matrix + pull.strength * pull.metric
-    solver.factor(matrix)
-    return SkewSolver(matrix, skew_part(system, q, load_factor), solver)
-
-
-def along_load(system: StaticSystem, q: np.ndarray, tangent: SkewSolver) -> np.ndarray:
-    """Derivative of q with respect to the load factor."""
-    force, moved = system.external_force(q), system.prescribed()
-    return tangent.solve(force - tangent.multiply(moved) if moved.any() else force) + moved
-
-
 def newton(
     system: StaticSystem,
     q: np.ndarray,
@@ -132,6 +83,7 @@ def newton(
     origin: np.ndarray | None = None,
     pull: Pull | None = None,
     farthest: float = np.inf,
+    multipliers: np.ndarray | None = None,
 ) -> NewtonResult:
     """Equilibrium under ``load_factor`` times the loads and prescribed displacements, from a first guess.
 
@@ -156,88 +108,53 @@ def newton(
         A pretension that holds the state back.
     farthest : float
         Give up after a first correction that turns a slope by more than this, relative to its length.
+    multipliers : (n,) array, optional
+        First guess of those of the conditions. Default: zero.
     """
-    tangents = _Tangents(system, solver, mixed, stresses, pull, constraint)
+    tangents = tangents_of(system, solver, mixed, stresses, pull, constraint)
     begin = constraint.origin if constraint else q if origin is None else origin
     criterion = _StopCriterion(tangents, ConvergenceTest(system, begin, rtol, pull, constraint), farthest, watch)
-    found = iterate(np.append(q, load_factor), tangents, criterion, max_steps)
+    found = iterate(tangents.unknowns(q, multipliers, load_factor), tangents, criterion, max_steps)
     energies = [energy for energy in found.energies if np.isfinite(energy)]
     largest = max(energies, default=1.0) or 1.0
     norms = tuple(float(np.sqrt(energy / largest)) for energy in energies)
     lost = found.status is Status.NOT_FINITE and not found.message
-    message = _where(system, found.residual) if lost else found.message
+    message = refusal(system) or _where(system, found.residual) if lost else found.message
     pivots = solver.negative_pivots if energies and found.status is not Status.SINGULAR else 0
-    lam, bound = float(found.x[-1]), criterion.bound
-    return NewtonResult(found.x[:-1], found.status, norms, pivots, message, lam, tangents.along, bound)
-
-
-class _Tangents:
-    """The tangent of every state: the mixed one, of stresses extrapolated along the last step, or the plain one.
-
-    The unknowns are q and the load factor, which only a constraint changes.
-    """
-
-    tangent: SkewSolver
-    force: np.ndarray
-    moved: np.ndarray
-
-    def __init__(
-        self, system: StaticSystem, solver: DirectSolver, mixed: bool, stresses: np.ndarray | None, pull: Pull | None,
-        constraint: Constraint | None,
-    ) -> None:  # fmt: skip
-        self.system, self.solver, self.mixed, self.stresses = system, solver, mixed, stresses
-        self.pull, self.constraint, self.prescribed = pull, constraint, system.prescribed()
-        self.along: np.ndarray | None = None
-
-    def residual(self, x: np.ndarray) -> np.ndarray:
-        q, load_factor = x[:-1], float(x[-1])
-        self.force = load_factor * self.system.external_force(q)
-        residual = self.system.internal_force(q) - self.force
-        return residual + self.pull.force(q) if self.pull else residual
-
-    def correction(self, x: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
-        """By the work of the residual; with a constraint by that of the tangent on the correction."""
-        q, load_factor, system = x[:-1], float(x[-1]), self.system
-        self.tangent = tangent = factored(system, q, load_factor, self.solver, self.stresses, self.pull)
-        self.moved = moved = system.constraints.fixed_part(system.undeformed + load_factor * self.prescribed - q)
-        rhs = -(residual + tangent.multiply(moved)) if moved.any() else -residual
-        free = tangent.solve(rhs)
-        if self.constraint is None:
-            return np.append(free + moved, 0.0), work(free, rhs)
-        self.along = along = along_load(system, q, tangent)
-        change = free + moved
-        more = self.constraint.correction(q + change, load_factor, along)
-        change = change + more * along if np.isfinite(more) else np.full_like(q, np.inf)
-        return np.append(change, more), work(change, tangent.multiply(change))
-
-    def step(self, x: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
-        self.stresses = self.system.stresses(x[:-1], change[:-1]) if self.mixed else None
-        return x + change
+    lam, bound, n = float(found.x[-1]), criterion.bound, tangents.n
+    message = message or criterion.unmet if not found.ok else message
+    return NewtonResult(found.x[:n], found.status, norms, pivots, message, lam, tangents.along, bound, found.x[n:-1],
+                        tangents.pulled)  # fmt: skip
 
 
 @dataclass
 class _StopCriterion:
-    """When equilibrium is reached, and when an iteration is given up; ``bound`` is what rounding then leaves open."""
+    """When equilibrium is reached, and when an iteration is given up; ``bound`` is what rounding then leaves open, and
+    ``unmet`` says which condition is not met."""
 
-    tangents: _Tangents
+    tangents: Tangents
     stop: ConvergenceTest
     farthest: float
     watch: Callable[[int, float], None] | None
     bound: float = 0.0
+    unmet: str = ""
 
     def assess(self, x: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
         """How it ends with a correction."""
         tangents, energy, count = self.tangents, energies[-1], len(energies)
+        n = tangents.n
         if self.watch:
             self.watch(count - 1, float(np.sqrt(energy / max(energies))) if energy else 0.0)
         if not np.isfinite(energy):
-            return Status.NOT_FINITE, _where(tangents.system, change[:-1])
+            return Status.NOT_FINITE, _where(tangents.system, change[:n])
         if count == 1 and self.farthest < np.inf and not tangents.moved.any():
-            turn = largest_turn(tangents.system, change[:-1])
+            turn = largest_turn(tangents.system, change[:n])
             if turn > self.farthest:
                 return Status.TOO_FAR, FAR.format(turn, self.farthest)
-        verdict = self.stop.assess(tangents.tangent, energies, x[:-1], change[:-1], float(x[-1] + change[-1]))
-        if verdict.last:
+        verdict = self.stop.assess(tangents.tangent, energies, x[:n], change[:n], float(x[-1] + change[-1]))
+        if verdict.last and tangents.conditions and (unmet := tangents.unmet(x + change)):
+            self.unmet = unmet
+        elif verdict.last:
             moves_free = moves(tangents.system.constraints, tangents.force)
             relevant = moves_free or (tangents.prescribed.any() and not verdict.rigid)
             self.bound = lost = verdict.bound if relevant else 0.0
@@ -250,6 +167,13 @@ def largest_turn(system: Any, change: np.ndarray) -> float:
     """Largest change of a slope, relative to its undeformed length; zero for models without slopes."""
     shell = getattr(system, "shell", None)
     return shell.largest_turn(change) if shell else 0.0
+
+
+def refusal(system: Any) -> str | None:
+    """Where and why a law had no stress for the last state; None where it had, and for models without one."""
+    shell = getattr(system, "shell", None)
+    said: str | None = shell.assembly.refusal() if shell else None
+    return said
 
 
 def _where(system: StaticSystem, values: np.ndarray) -> str:

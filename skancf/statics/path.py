@@ -181,7 +181,7 @@ class _Run:
 
     def go(self, start: Solution) -> PathResult:
         status, message = run_steps(lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed)
-        points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0)]
+        points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0, start.multipliers)]
         checks = self._checks(points)
         if status.ok and (failed := failures(checks)):
             status, message = Status.UNBALANCED, failed
@@ -189,7 +189,7 @@ class _Run:
             reached = f"load factor {points[-1].load_factor:.6g} after {len(points) - 1} steps"
             message = f"the path stopped at {reached}: {message}"
         return PathResult(
-            tuple(Solution(self.system, point.q, load_factor=point.load_factor) for point in points),
+            tuple(Solution(self.system, p.q, load_factor=p.load_factor, multipliers=p.multipliers) for p in points),
             np.array([point.pivots for point in points]), tuple(self.events), status, tuple(self.follower.attempts), message,
             checks,
         )  # fmt: skip
@@ -200,7 +200,7 @@ class _Run:
         if len(points) < 2 or not hasattr(self.system, "strain_energy"):
             return ()
         sizes = np.abs(self.system.tangent(last.q, Case(last.load_factor)).diagonal())
-        balance = Balance.of_state(self.system, last.q, last.load_factor, points[0].q)
+        balance = Balance.of_state(self.system, last.q, last.load_factor, points[0].q, last.multipliers)
         return checks_of(balance.measured(sizes))
 
     def _failed(self, error: Exception) -> str | None:
@@ -211,7 +211,7 @@ class _Run:
         """The first point, and the length of the first step."""
         self.follower.measure = measure = self.control.on(self.system, start.q)
         try:
-            point = self.follower.first_point(start.q, start.load_factor)
+            point = self.follower.first_point(start.q, start.load_factor, start.multipliers)
         except SingularMatrix as singular:
             return Status.MECHANISM, f"the state at the start has no stiffness against some motion: {singular}"
         self.points.append(point)

@@ -1,12 +1,14 @@
 """Points of an equilibrium path, and steps from one to the next."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from skancf.linear import DirectSolver
+from skancf.statics.conditioned import along_both, tangent_at
 from skancf.statics.controls import Measure
-from skancf.statics.newton import NewtonResult, along_load, factored, newton
+from skancf.statics.corrections import none
+from skancf.statics.newton import NewtonResult, newton
 from skancf.statics.stopping import Constraint
 from skancf.system.system import System
 
@@ -18,13 +20,16 @@ STRAY = 0.1
 
 @dataclass(frozen=True)
 class Point:
-    """An equilibrium with the tangent of the path: ``direction`` of q and ``rate`` of the load factor per length."""
+    """An equilibrium with the tangent of the path: ``direction`` of q and ``rate`` of the load factor per length; with
+    conditions their ``multipliers``, too, and what these are ``pulled`` by per length."""
 
     q: np.ndarray
     load_factor: float
     pivots: int
     direction: np.ndarray
     rate: float
+    multipliers: np.ndarray | None = None
+    pulled: np.ndarray = field(default_factory=none)
 
 
 class Follower:
@@ -37,17 +42,17 @@ class Follower:
         self.rtol, self.max_iterations, self.mixed = rtol, max_iterations, mixed
         self.attempts: list[NewtonResult] = []
 
-    def first_point(self, q: np.ndarray, load_factor: float) -> Point:
+    def first_point(self, q: np.ndarray, load_factor: float, multipliers: np.ndarray | None = None) -> Point:
         """The start with its tangent.
 
         Raises
         ------
         SingularMatrix
         """
-        tangent = factored(self.system, q, load_factor, self.solver)
-        along = along_load(self.system, q, tangent)
+        tangent = tangent_at(self.system, q, load_factor, self.solver, multipliers=multipliers)
+        along, pulled = along_both(self.system, q, tangent)
         scale = self.measure.unit(along, None)
-        return Point(q, load_factor, self.solver.negative_pivots, scale * along, scale)
+        return Point(q, load_factor, self.solver.negative_pivots, scale * along, scale, multipliers, scale * pulled)
 
     def step(self, a: Point, length: float) -> tuple[NewtonResult, Point | None, bool]:
         """A step from ``a``: the solve, the point if it is on the path, and whether it was refused as too sharp."""
@@ -106,12 +111,14 @@ class Follower:
         return newton(
             self.system, q, self.solver, load_factor=load_factor, rtol=self.rtol, max_steps=self.max_iterations,
             mixed=self.mixed, constraint=constraint, stresses=self.system.stresses(a.q, q - a.q) if self.mixed else None,
+            multipliers=a.multipliers,
         )  # fmt: skip
 
     def _point(self, result: NewtonResult, a: Point) -> Point:
         assert result.along is not None
         scale = self.measure.unit(result.along, result.q - a.q)
-        return Point(result.q, result.load_factor, result.negative_pivots, scale * result.along, scale)
+        return Point(result.q, result.load_factor, result.negative_pivots, scale * result.along, scale,
+                     result.multipliers if result.multipliers.size else None, scale * result.pulled)  # fmt: skip
 
 
 def interpolate(follower: Follower, a: Point, b: Point, length: float, at: float) -> tuple[np.ndarray, float]:

@@ -18,7 +18,9 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
-from skancf.statics.newton import NewtonResult, StaticSystem, factored, largest_turn
+from skancf.statics.conditioned import curved, solver_at, tangent_at
+from skancf.statics.corrections import StaticSystem
+from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.stopping import Pull, work
 from skancf.statics.tangents import is_skew
 from skancf.system.dilation import pretension
@@ -112,7 +114,7 @@ class Relaxation:
 
     def from_unstable(self, found: NewtonResult, origin: np.ndarray, budget: int = BUDGET) -> NewtonResult | None:
         """The same from an equilibrium that is not stable, pushed along its softest motion."""
-        pushed = self._pushed(found.q)
+        pushed = self._pushed(found)
         reference, first = self._first_strength(pushed)
         budget = min(budget, PUSHED if self.has_potential(pushed) else CIRCLING)
         return self._go(_Flow(pushed, pushed, Letting(first), reference, calm_enough=5), origin, budget)
@@ -141,7 +143,7 @@ class Relaxation:
             # Far from the state that was held, Newton's method went back uphill: the flow goes on from where it is.
             if self._far(free.q - flow.q) < 1.0:
                 flow.pushes += 1
-                flow.q, letting.strength = self._pushed(free.q), max(letting.strength, flow.reference)
+                flow.q, letting.strength = self._pushed(free), max(letting.strength, flow.reference)
         return flow.unstable
 
     def has_potential(self, q: np.ndarray) -> bool:
@@ -153,7 +155,7 @@ class Relaxation:
         the first step turns slopes by less than one."""
         system, factor = self.system, self.load_factor
         unstressed = np.zeros_like(system.stresses(q))
-        tangent = factored(system, q, factor, self.solver, unstressed)
+        tangent = tangent_at(system, q, factor, self.solver, unstressed)
         moved = system.constraints.fixed_part(system.undeformed + factor * system.prescribed() - q)
         residual = factor * system.external_force(q) - system.internal_force(q)
         way = tangent.solve(residual - tangent.multiply(moved)) + moved
@@ -161,8 +163,8 @@ class Relaxation:
         reference = stiff / dilated if dilated else 1.0
         return reference, reference * max(1.0, largest_turn(system, way))
 
-    def _pushed(self, q: np.ndarray) -> np.ndarray:
-        shape = downhill(self.system, self.solver, q, self.load_factor)
+    def _pushed(self, found: NewtonResult) -> np.ndarray:
+        q, shape = found.q, downhill(self.system, self.solver, found)
         shape = shape / self._far(shape)
         for _ in range(HALVINGS):
             if self.rise(q, q + shape) < 0:
@@ -186,14 +188,15 @@ class Relaxation:
         return float(np.abs(layout.positions(change)).max()) / push
 
 
-def downhill(system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float) -> np.ndarray:
-    """The motion, of a few soft ones, against which the tangent is least stiff per mass: (n_dofs,).
+def downhill(system: Any, solver: DirectSolver, found: Any) -> np.ndarray:
+    """The motion, of a few soft ones, against which the tangent of a state is least stiff per mass: (n_dofs,).
 
     Of its two directions the one in which the first of its largest components is positive: the same on every machine.
     """
-    matrix = system.tangent(q, Case(load_factor))
-    factor_shifted(solver, matrix, system.mass)
-    values, motions = soft_motions(system, solver, matrix, CANDIDATES, INVERSE_ITERATIONS)
+    q, held = found.q, solver_at(system, solver, found.q)
+    matrix = curved(system, system.tangent(q, Case(found.load_factor)), q, found.multipliers)
+    factor_shifted(held, matrix, system.mass)
+    values, motions = soft_motions(system, held, matrix, CANDIDATES, INVERSE_ITERATIONS)
     motion = motions[int(np.argmin(values))]
     sizes = np.abs(motion)
     return np.asarray(motion * np.sign(motion[np.argmax(sizes > (1 - ALIKE) * sizes.max())]))

@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import OutOfDepth
+from skancf.errors import InputError, OutOfDepth
 from skancf.linear import BlockMatrix
 from skancf.solution import Solution
-from skancf.statics.newton import skew_part
+from skancf.statics.conditioned import conditions_in, curved
+from skancf.statics.corrections import skew_part
 from skancf.system.system import System
 from skancf.tolerances import ROUNDED_PRODUCT
 
@@ -19,8 +20,21 @@ SYMMETRIC_ONLY = (
 
 
 def state_tangent(system: System, state: Solution | None) -> BlockMatrix:
-    """Symmetric tangent of a state, with its stresses to first order for a linear answer; None is the unloaded state."""
-    return system.stiffness() if state is None else state.model.prestressed(state.unknowns, state.case)
+    """Symmetric tangent of a state, with its stresses to first order for a linear answer, and the curvature of conditions;
+    None is the unloaded state.
+
+    Raises
+    ------
+    InputError
+        For a state without the multipliers of the system's conditions.
+    """
+    if state is None:
+        return system.stiffness()
+    conditions, multipliers = conditions_in(system), state.multipliers
+    if conditions and (multipliers is None or len(multipliers) != conditions.n):
+        raise InputError("state: it has no multipliers of this system's conditions, whose forces are part of the stiffness; "
+                         "give what solve, solve_linear or trace found of the same system")  # fmt: skip
+    return curved(system, state.model.prestressed(state.unknowns, state.case), state.about, multipliers)
 
 
 def is_skew(system: Any, tangent: BlockMatrix, q: np.ndarray, load_factor: float) -> bool:

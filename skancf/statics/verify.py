@@ -1,6 +1,6 @@
 """Checks of an equilibrium by its exact tangent, its residual and the balance of the whole body."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -10,10 +10,11 @@ from skancf.checks import Check
 from skancf.errors import SingularMatrix
 from skancf.history import FULL, Case
 from skancf.linear import DirectSolver
-from skancf.statics.newton import factored
+from skancf.statics.conditioned import conditions_in, solved, tangent_at
+from skancf.statics.corrections import none
 from skancf.statics.stopping import is_rigid, moves, stored, work
-from skancf.system.linearised import Linearised
-from skancf.tolerances import BALANCED, RIGID, RIGID_PRODUCT, ROUNDED_COORDINATE, SHARPEST
+from skancf.system.linearised import Exact, Linearised
+from skancf.tolerances import BALANCED, CONDITION_MET, RIGID, RIGID_PRODUCT, ROUNDED_COORDINATE, SHARPEST
 from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
@@ -43,11 +44,14 @@ class Verified:
     measured : tuple of Measured
     negative_pivots : int
         Of the exact tangent there.
+    multipliers : (n,) array
+        Of the conditions, corrected likewise.
     """
 
     q: np.ndarray
     measured: tuple[Measured, ...]
     negative_pivots: int
+    multipliers: np.ndarray = field(default_factory=none)
 
     @property
     def unmet(self) -> list[Measured]:
@@ -65,33 +69,33 @@ def checks_of(measured: tuple[Measured, ...]) -> tuple[Check, ...]:
     return tuple([Check(m.name, m.value, max(m.limit, m.rounding), ADVICE) for m in measured])
 
 
-def verify(
-    system: Any, solver: DirectSolver, q: np.ndarray, load_factor: float, *, rtol: float, origin: np.ndarray
-) -> Verified:
-    """Check an equilibrium; where it fails, correct it a little by its exact tangent and check again.
+def verify(system: Any, solver: DirectSolver, found: Any, *, rtol: float, origin: np.ndarray) -> Verified:
+    """Check an equilibrium that Newton's method found; where it fails, correct it a little by its exact tangent and check
+    again.
 
     ``origin`` is where its way began.
     """
+    q, load_factor, multipliers = found.q, found.load_factor, found.multipliers
     try:
-        tangent = factored(system, q, load_factor, solver)
+        tangent = tangent_at(system, q, load_factor, solver, multipliers=multipliers)
     except SingularMatrix as singular:
-        return Verified(q, (Measured(f"tangent at the answer, {singular}", np.inf, 0.0, 0.0),), 0)
+        return Verified(q, (Measured(f"tangent at the answer, {singular}", np.inf, 0.0, 0.0),), 0, multipliers)
     sizes, pivots = np.abs(tangent.matrix.diagonal()), solver.negative_pivots
     for polish in range(POLISHES + 1):
-        balance = Balance.of_state(system, q, load_factor, origin)
-        correction = tangent.solve(-balance.free)
-        measured = (_residual(balance, correction, sizes, rtol), *balance.measured(sizes))
+        balance = Balance.of_state(system, q, load_factor, origin, multipliers)
+        correction, more, energy = solved(tangent, -balance.free, -balance.values)
+        measured = (_residual(balance, energy, sizes, rtol), *balance.measured(sizes))
         if polish == POLISHES or not unmet(measured):
             break
-        q = q + correction
-    return Verified(q, measured, pivots)
+        q, multipliers = q + correction, multipliers + more
+    return Verified(q, measured, pivots, multipliers)
 
 
-def _residual(balance: "Balance", correction: np.ndarray, sizes: np.ndarray, rtol: float) -> Measured:
+def _residual(balance: "Balance", energy: float, sizes: np.ndarray, rtol: float) -> Measured:
     """The residual in the energy norm of the exact tangent, relative to that of the strain."""
     counts = balance.energy > 0 and not balance.is_at_rest(sizes)
     rounding = ROUNDED_COORDINATE * float(np.sqrt(sizes @ balance.moved**2 / balance.energy)) if counts else 0.0
-    norm = float(np.sqrt(work(correction, balance.free) / balance.energy)) if counts else 0.0
+    norm = float(np.sqrt(energy / balance.energy)) if counts else 0.0
     return Measured("residual in the energy norm, of that of the strain", norm, max(TIMES * rtol, SHARPEST), rounding)
 
 
@@ -113,7 +117,9 @@ class Balance:
     pushed : bool
         Supports move.
     others : (n_dofs,) array or None
-        Of the internal forces, those that the shell does not have.
+        Of the internal forces, those that the shell does not have: of other terms and of conditions.
+    values : (n,) array
+        Those of the conditions.
     """
 
     system: Any
@@ -125,9 +131,12 @@ class Balance:
     energy: float
     pushed: bool
     others: np.ndarray | None
+    values: np.ndarray = field(default_factory=none)
 
     @classmethod
-    def of_state(cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray) -> "Balance":
+    def of_state(
+        cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray, multipliers: np.ndarray | None = None
+    ) -> "Balance":
         energy = stored(system, q, Case(load_factor))
         # At rest and cold there is none.
         if (origin != system.undeformed).any() or system.shell.initial_stresses(FULL) is not None:
@@ -136,14 +145,29 @@ class Balance:
         case = Case(load_factor)
         others = system.others.force(q, None, case) if system.others else None
         internal = system.internal_force(q, None, case)
-        return cls(system, q, q, q - origin, internal, loads, 2 * energy, pushed, others)
+        found = cls(system, q, q, q - origin, internal, loads, 2 * energy, pushed, others)
+        if not conditions_in(system):
+            return found
+        model = Exact(system)
+        return found.held_by(model.conditions_force(q, multipliers), model.conditions_value(q, case))
+
+    def held_by(self, force: np.ndarray, values: np.ndarray) -> "Balance":
+        """The same with the forces (n_dofs,) of conditions, and the values of these."""
+        others = force if self.others is None else self.others + force
+        return replace(self, internal=self.internal + force, others=others, values=values)
 
     @classmethod
-    def of_small_change(cls, system: Any, change: np.ndarray, load_factor: float) -> "Balance":
+    def of_small_change(
+        cls, system: Any, change: np.ndarray, load_factor: float, multipliers: np.ndarray | None = None
+    ) -> "Balance":
         model, case, pushed = Linearised(system), Case(load_factor), bool(system.prescribed().any())
         internal, loads = model.internal_force(change, None, case), model.external_force(change, case)
         others = model.others_force(change, None, case) if system.others else None
-        return cls(system, system.undeformed, change, change, internal, loads, float(internal @ change), pushed, others)
+        energy = float(internal @ change)
+        found = cls(system, system.undeformed, change, change, internal, loads, energy, pushed, others)
+        if not conditions_in(system):
+            return found
+        return found.held_by(model.conditions_force(change, multipliers), model.conditions_value(change, case))
 
     @cached_property
     def free(self) -> np.ndarray:
@@ -153,14 +177,19 @@ class Balance:
     def measured(self, sizes: np.ndarray) -> tuple[Measured, ...]:
         """Balance of the whole body, given the absolute diagonal of a tangent, by which rounding is judged."""
         noise, way = ROUNDED_COORDINATE * sizes * self.moved, self.way
+        held: tuple[Measured, ...] = ()
+        if self.values.size:
+            missed = self.system.conditions.missed(self.values)
+            held = (Measured("values of conditions, of their scales", missed, CONDITION_MET, 0.0),)
         drive, lever = self.drive
         force, moment = self.left()
         terms = self.energy + float(np.abs(self.internal) @ np.abs(way))
         if not (drive and terms) or self.is_at_rest(sizes):
-            return ()
+            return held
         lost = float(np.sqrt(noise @ noise)) / drive
         lost_work = float(np.sqrt((noise * way) @ (noise * way))) / terms
         return (
+            *held,
             Measured("sum of loads and reactions, of the loads", force / drive, BALANCED, lost),
             Measured("sum of moments of loads and reactions, of the loads", moment / (drive * lever), BALANCED, lost),
             Measured("work of the residual on the way, of the forces'", work(self.free, way) / terms, BALANCED, lost_work),

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import having
+from skancf.conditions.closing import close_gaps
+from skancf.conditions.own import conditions_of
 from skancf.errors import InputError, shown
 from skancf.functions import Noted, is_ours
 from skancf.history import FULL
@@ -28,6 +30,7 @@ PLATE = "plate"
 
 def build(problem: Any, geometry: Geometry) -> System:
     """The system of a problem on a mesh: its layout, its terms, and what supports hold."""
+    close_gaps(problem.conditions, geometry)
     assembly = assemble(geometry, problem.section)
     own = [part for part in (part_of(addition, geometry) for addition in problem.terms) if part is not None]
     layout = Layout([Part(PLATE, geometry.undeformed, geometry.scales, geometry.undeformed[:, 0]), *own])
@@ -40,7 +43,8 @@ def build(problem: Any, geometry: Geometry) -> System:
     terms += [term_of(addition, shell, layout) for addition in problem.terms]
     terms += [LoadTerm(load, shell) for load in acting]
     constraints, prescription = constrain(geometry, problem.supports, layout)
-    return System(layout, shell, terms, constraints, prescription, problem)
+    conditions = conditions_of(problem.conditions, shell, layout)
+    return System(layout, shell, terms, constraints, prescription, problem, conditions)
 
 
 def _acting(load: Any, assembly: Assembly) -> Any:
@@ -74,5 +78,3 @@ def _matrices(name: str, supports: Sequence[Any], assembly: Assembly) -> list[tu
         with Noted(f"support.{name}", but=(Exception,) * is_ours(support)):
             out += [(np.asarray(elements), np.asarray(each)) for elements, each in getattr(support, name)(assembly)]
     return out
-
-

@@ -63,6 +63,24 @@ class Model(ABC):
     def others_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """As :meth:`System.others_force`."""
 
+    def conditions_force(self, x: np.ndarray, multipliers: np.ndarray | None) -> np.ndarray:
+        """Of the conditions, on the left side of the equations, (n_dofs,); without multipliers there is none."""
+        if multipliers is None or not self.system.conditions:
+            return np.zeros(self.system.n_dofs)
+        return self.system.conditions.force(self.about(x), multipliers)
+
+    def support_force(self, x: np.ndarray, case: Case, multipliers: np.ndarray | None) -> np.ndarray:
+        """What supports exert in a state of rest, springs included, (n_dofs,)."""
+        residual = self.internal_force(x) - self.external_force(x, case)
+        if self.system.conditions:
+            residual = residual + self.conditions_force(x, multipliers)
+        support = self.system.constraints.fixed_part(residual)
+        return support - self.others_force(x, None, case) if self.system.others else support
+
+    @abstractmethod
+    def conditions_value(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:
+        """Values of the conditions, (n,)."""
+
     @abstractmethod
     def tangent(self, x: np.ndarray, case: Case = FULL) -> BlockMatrix:
         """Symmetric part of the derivative of the residual."""
@@ -129,6 +147,9 @@ class Exact(Model):
 
     def others_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         return self.system.others.force(x, v, case)
+
+    def conditions_value(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:
+        return self.system.conditions.value(x, case)
 
     def tangent(self, x: np.ndarray, case: Case = FULL) -> BlockMatrix:
         return self.system.tangent(x, case)
@@ -207,6 +228,12 @@ class Linearised(Model):
         """Of the structure's terms; loads are those on the undeformed state and have none."""
         others = getattr(self.system, "others", None)
         return others.skew(self.system.undeformed) if others else None
+
+    def conditions_value(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:
+        """Without those at rest, which are rounding."""
+        start, conditions = self.system.undeformed, self.system.conditions
+        moved = conditions.value(start, case) - conditions.value(start, Case(0.0))
+        return np.asarray(moved + conditions.gradient(start) @ x)
 
     def tangent(self, x: np.ndarray, case: Case = FULL) -> BlockMatrix:
         return self.system.stiffness()

@@ -7,7 +7,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError, finite
-from skancf.kernels.constants import VECTORS
 from skancf.system.system import System
 
 
@@ -22,13 +21,7 @@ def places_of(at: Any) -> np.ndarray:
 def probe(system: System, at: Any) -> sp.csr_matrix:
     """Weights (n, 4 n_blocks) that make mid-surface values at points of the parameter plane, (2,) or (n, 2), of nodal
     vectors."""
-    geometry = system.geometry
-    elements, local = geometry.locate_all(places_of(at).T)
-    table = geometry.theory.position_table(local.T)[0]
-    point, row, column, value = geometry.local_entries(elements)
-    column = column + VECTORS * system.layout.part(system.shell.name).start
-    shape = (len(elements), VECTORS * system.layout.n_blocks)
-    return sp.csr_matrix((value * table[row, point], (point, column)), shape=shape)
+    return system.shell.position_rows(*system.geometry.locate_all(places_of(at).T))
 
 
 def normals(system: System, at: Any, q: np.ndarray) -> np.ndarray:

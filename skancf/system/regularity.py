@@ -22,19 +22,13 @@ def singularities(system: System, case: Case = FULL) -> list[Singularity]:
     InputError
         Where a load, support or term of the user's own says something else.
     """
-    out = of_supports(system)
-    for term in system.terms:
-        out += _checked("load" if term.load else "term", getattr(term, "acting", term), term.singularities, case)
-    return out
-
-
-def of_supports(system: System) -> list[Singularity]:
-    """Those of supports alone."""
     out: list[Singularity] = []
     for support in system.problem.supports:
         # A class that is not derived from Support need not know of them.
         said = getattr(support, "singularities", None) or partial(Support.singularities, support)
         out += _checked("support", support, said, system.geometry)
+    for term in system.terms:
+        out += _checked("load" if term.load else "term", getattr(term, "acting", term), term.singularities, case)
     return out
 
 

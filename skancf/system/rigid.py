@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.layout.layout import Layout
 from skancf.tolerances import ONE_DIRECTION, PARALLEL, ROUNDED_PRODUCT
@@ -37,6 +38,8 @@ def free_rigid_motions(system: Any) -> list[str]:
         terms = max(float(np.abs(scales.ravel() * (foundation.sizes() @ np.abs(mode))).max()) for mode in modes)
         resisting[np.abs(resisting) < ROUNDED_PRODUCT * terms] = 0.0  # of terms between parts of the structure
         held = np.hstack([held, resisting / (np.abs(resisting).max() or 1.0)])
+    if system.conditions:
+        held = np.hstack([held, _held_by(system.conditions.gradient(system.undeformed), modes)])
     vectors, sizes, _ = np.linalg.svd(np.hstack([held, np.zeros((6, 6))]), full_matrices=False)
     free = vectors[:, sizes < PARALLEL * max(1.0, sizes[0])].T
     pure = [i for i in range(6) if not held.size or np.abs(held[i]).max() < PARALLEL]
@@ -45,6 +48,14 @@ def free_rigid_motions(system: Any) -> list[str]:
     others = rows[: int((sizes > ONE_DIRECTION).sum())]
     names = [f"translation along {'xyz'[i]}" if i < 3 else f"rotation about {'xyz'[i - 3]}" for i in pure]
     return names + [_motion_in_words(row[:3] * size, row[3:], centre) for row in others]
+
+
+def _held_by(gradient: sp.csr_matrix, modes: np.ndarray) -> np.ndarray:
+    """What rigid motions (6, n_dofs) make of conditions, (6, n), in the sizes of their terms; those between parts of the
+    body make nothing."""
+    sizes = (abs(gradient) @ np.abs(modes.T)).max(axis=1, initial=0.0)
+    found = (gradient @ modes.T) / np.where(sizes > 0, sizes, 1.0)[:, None]
+    return np.asarray(np.where(np.abs(found) > ROUNDED_PRODUCT, found, 0.0).T)
 
 
 def _motion_in_words(translation: np.ndarray, rotation: np.ndarray, centre: np.ndarray) -> str:

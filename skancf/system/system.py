@@ -8,14 +8,14 @@ import numpy as np
 import scipy.sparse as sp
 import skfem
 
+from skancf.conditions.sums import Conditions
 from skancf.history import FULL, Case
-from skancf.kernels.constants import BLOCK
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
-from skancf.linear import BlockMatrix, BlockPattern, Constraints
+from skancf.linear import BlockMatrix, Constraints
 from skancf.system.inertia import Inertia
 from skancf.system.unstressed import ByStrains, unstressed
-from skancf.terms.blocks import Blocks, SkewBlocks
+from skancf.terms.blocks import Blocks, SkewBlocks, coupled
 from skancf.terms.protocols import Assembly, Prescription
 from skancf.terms.shell import Shell, total
 from skancf.terms.sums import Loads, Terms
@@ -37,6 +37,7 @@ class System:
     constraints : Constraints
     prescription : Prescription
     problem : Problem
+    conditions : Conditions
 
     Attributes
     ----------
@@ -57,15 +58,12 @@ class System:
 
     def __init__(
         self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,
-        problem: Any,
+        problem: Any, conditions: Conditions,
     ):  # fmt: skip
         self.layout, self.shell, self.problem = layout, shell, problem
-        self.constraints, self.prescription = constraints, prescription
+        self.constraints, self.prescription, self.conditions = constraints, prescription, conditions
         self.undeformed = layout.undeformed.ravel()
-        cells = {id(each): each for each in (term.couples() for term in (shell, *terms)) if each.size}
-        graph = tuple(each.T for each in cells.values())
-        self.pattern = BlockPattern.from_cells(graph, layout.n_blocks, BLOCK, layout.places.T)
-        known = {key: (each, self.pattern.slots(each.T)) for key, each in cells.items()}
+        self.pattern, known = coupled([term.couples() for term in (shell, *terms, *conditions)], layout)
         self.blocks = partial(Blocks, self.pattern, known)
         self.terms = Terms([shell, *terms], layout.n_dofs, self.blocks)
         self.loads = Loads([term for term in terms if term.load], layout.n_dofs, self.blocks)
@@ -147,7 +145,7 @@ class System:
 
     def histories(self) -> list[Any]:
         """The functions of time of terms and prescribed motions, and the paths of loads that move, each once."""
-        every = self.terms.histories() + self.prescription.histories()
+        every = self.terms.histories() + self.conditions.histories() + self.prescription.histories()
         return list({id(history): history for history in every if history is not None}.values())
 
     def strain_energy(self, q: np.ndarray, case: Case = FULL) -> float:

@@ -1,5 +1,6 @@
 """Where terms add their matrices: sums over cells of blocks."""
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +12,18 @@ from skancf.kernels import gather
 from skancf.kernels.constants import AXES, BLOCK, FUNCTIONS, LOCAL
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, BlockPattern
+
+Known = dict[int, tuple[np.ndarray, np.ndarray]]
+"""Cells and where their blocks stand, by the identity of the array of cells."""
+
+
+def coupled(cells: Sequence[np.ndarray], layout: Layout) -> tuple[BlockPattern, Known]:
+    """The pattern in which the blocks of each cell are coupled, and where those of these cells stand in it."""
+    each = {id(some): some for some in cells if some.size}
+    pattern = BlockPattern.from_cells(tuple(some.T for some in each.values()), layout.n_blocks, BLOCK, layout.places.T)
+    return pattern, {key: (some, pattern.slots(some.T)) for key, some in each.items()}
 
 
 class Blocks:
@@ -32,7 +44,7 @@ class Blocks:
     skew = False
     """Whether the skew part is summed, and not the symmetric one."""
 
-    def __init__(self, pattern: BlockPattern, known: dict[int, tuple[np.ndarray, np.ndarray]] | None = None) -> None:
+    def __init__(self, pattern: BlockPattern, known: Known | None = None) -> None:
         self.pattern, self._known = pattern, known or {}
 
     @cached_property

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.history import Case
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 
 Heat = Callable[[np.ndarray], Any]
@@ -18,7 +19,7 @@ class Assembly(Protocol):
     """A theory on a mesh. Nodal vectors q and forces have the shape (n_nodes, 4, 3); stresses hold the weights."""
 
     geometry: Geometry
-    section: Section
+    section: Section | SectionsOnMesh
     sections: Any
     schedule: Schedule
     assumes_membrane: ClassVar[bool]
@@ -26,6 +27,8 @@ class Assembly(Protocol):
     recovers_bending: ClassVar[bool]
     """Whether moments are good in the middles of elements only; then it has ``bending_forces`` and ``bending_strains``, the
     part of section forces and strains that makes them so."""
+    linear: ClassVar[bool]
+    """Whether stresses are linear in the strains."""
 
     @property
     def areas(self) -> np.ndarray:
@@ -43,6 +46,9 @@ class Assembly(Protocol):
     def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
         """Strains (or nothing) and stresses, extrapolated linearly along ``change``."""
 
+    def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
+        """Energy of the strains (J), less the work of ``initial`` stresses on them, with their own, ``thermal``."""
+
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
     ) -> None:
@@ -52,8 +58,9 @@ class Assembly(Protocol):
     def mass_shapes(self) -> np.ndarray:
         """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
 
-    def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        """Strain in the local frame (..., 6) that a temperature change T0 + z T1, each (...), makes at a depth if free."""
+    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Strain in the local frame (n_elements, n, 6) that a temperature change T0 + z T1, each (n_elements, n), makes at
+        points (2, n) of every element and a depth if free."""
 
     def thermal_stresses(self, temperature: Heat) -> np.ndarray:
         """Stresses that hold back a temperature change T0 + z T1."""
@@ -72,8 +79,23 @@ class Assembly(Protocol):
     ) -> np.ndarray:
         """Derivative (n_nodes, 4, 3) of the sum of weights (m, 6, n) times N and M at points (2, n) of elements (m,)."""
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
-        """Strain in the local frame at a depth (n_elements, n, 6), temperature as in :meth:`section_forces`."""
+    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
+        """Strain in the local frame at a depth, or one for each place, (n_elements, n, 6), temperature as in
+        :meth:`section_forces`."""
+
+    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
+        """Second Piola-Kirchhoff stress of strains without the free ones, (..., 6), at a depth of a section, or at one for
+        each place; to first order in ``small`` ones."""
+
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        """Stresses by the law of small strain, which is that of the undeformed state."""
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
+        """What the mean of the stresses of two states needs besides to do the work of the energy on the change of the
+        strains; None where laws are linear, and the mean does it."""
+
+    def refusal(self) -> str | None:
+        """Why and where a law had no stress for the state that it was asked for last; None where it had."""
 
 
 class Prescription(Protocol):

@@ -5,9 +5,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from skancf.history import FULL, Case
 from skancf.kernels import gather
+from skancf.kernels.constants import VECTORS
 from skancf.layout.folds import first_fold, largest_turn
 from skancf.layout.layout import Layout
 from skancf.terms.blocks import Blocks, OnElements
@@ -47,6 +49,16 @@ class Shell(Term):
         """Where matrices of its elements are added."""
         return OnElements(blocks, self.cells, self.geometry, self.assembly.schedule)
 
+    def position_rows(self, elements: np.ndarray, local: np.ndarray) -> sp.csr_matrix:
+        """Weights (n, 4 n_blocks) of all vectors of the layout that make mid-surface positions at local points (n, 2) of
+        elements (n,)."""
+        return self.in_layout(self.geometry.position_rows(elements, local))
+
+    def in_layout(self, rows: sp.csr_matrix) -> sp.csr_matrix:
+        """Weights (n, 4 n_blocks) of all vectors of the layout, of those (n, 4 n_nodes) of its own."""
+        columns = rows.indices + VECTORS * self.layout.part(self.name).start
+        return sp.csr_matrix((rows.data, columns, rows.indptr), shape=(rows.shape[0], VECTORS * self.layout.n_blocks))
+
     def couples(self) -> np.ndarray:
         return self.cells
 
@@ -65,6 +77,14 @@ class Shell(Term):
         """
         change = None if change is None else self.nodal(change)
         return self.assembly.stresses(self.nodal(q), change, keep_strains=False)[1]
+
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        """Those by the law of small strain."""
+        return self.assembly.small_stresses(self.nodal(q))
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
+        """Stresses beside the mean of those of two states, that make it do the work of the energy; None where it does."""
+        return self.assembly.exact_work(self.nodal(q0), self.nodal(q1))
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
         """Forces (n_dofs,) that do the work of given stresses."""
@@ -100,11 +120,9 @@ class Shell(Term):
 
         with the free strain of the temperature change of a case, and its factor.
         """
-        strains, stresses = self.assembly.stresses(self.nodal(q), None, keep_strains=True)
-        energy, initial = 0.5 * float(np.vdot(strains, stresses)), self.initial_stresses(case)
-        if initial is not None:
-            energy += self.thermal_energy(case) - float(np.vdot(initial, strains))
-        return energy
+        initial = self.initial_stresses(case)
+        thermal = 0.0 if initial is None else self.thermal_energy(case)
+        return self.assembly.strain_energy(self.nodal(q), initial, thermal)
 
     def add_mass(self, blocks: Blocks) -> None:
         """The constant mass matrix; in theory `full` with the rotary part of r_z."""

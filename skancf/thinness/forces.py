@@ -42,13 +42,8 @@ def shear_forces(
         Of the loads: a temperature change and eccentric weight have moments of their own.
     """
     Q = balancing(system.geometry, moments, points)
-    couple = couple_of(system, case)
-    return Q if couple is None else Q + coupled(system.geometry, q, points, couple)
-
-
-def couple_of(system: System, case: Case) -> np.ndarray | None:
-    """Dead forces per area times the height above the surface where they act, (3,) (N/m); None where they act on it."""
-    return total(load.acting.couple(case) for load in system.loads if isinstance(load, LoadTerm))
+    more = coupled(system, q, points, case)
+    return Q if more is None else Q + more
 
 
 def balancing(geometry: Geometry, moments: np.ndarray, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
@@ -68,13 +63,19 @@ def balancing(geometry: Geometry, moments: np.ndarray, points: np.ndarray, eleme
 
 
 def coupled(
-    geometry: Geometry, q: np.ndarray, points: np.ndarray, couple: np.ndarray, elements: np.ndarray | None = None
-) -> np.ndarray:
-    """Shear forces (m, 2, n) that balance forces per area times their height above the surface, (3,)."""
+    system: System, q: np.ndarray, points: np.ndarray, case: Case, elements: np.ndarray | None = None
+) -> np.ndarray | None:
+    """Shear forces (m, 2, n) that balance dead forces per area times their height above the surface (N/m); None where they
+    act on it."""
+    geometry = system.geometry
     elements = np.arange(geometry.n_elements) if elements is None else elements
+    loads = [load.acting for load in system.loads if isinstance(load, LoadTerm)]
+    couple = total(load.couple(case, points, elements) for load in loads)
+    if couple is None:
+        return None
     along = _frame(geometry, points, elements)[1]
     now = geometry.theory.jets(geometry.local(nodal(q)[: geometry.n_nodes], elements), points)[:2]
-    return np.asarray(np.einsum("fgep,gkep,k->efp", along, now, couple))
+    return np.asarray(np.einsum(f"fgep,gkep,k{'ep' * (couple.ndim > 1)}->efp", along, now, couple))
 
 
 def _frame(geometry: Geometry, points: np.ndarray, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

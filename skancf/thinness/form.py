@@ -19,16 +19,17 @@ bending stiffness is that of :math:`D - B A^{-1} B` in the frame n, t of the edg
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from skancf.history import FULL, Case
+from skancf.materials import Section
 from skancf.system.linearised import Model
-from skancf.system.regularity import singularities
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
 from skancf.theories.kirchhoff.theory import local_frame
-from skancf.thinness.forces import BILINEAR, balancing, couple_of, coupled
+from skancf.thinness.forces import BILINEAR, balancing, coupled
 from skancf.thinness.moments import Moments, moments_of, moments_of_small
 from skancf.thinness.rim import rim_of
 from skancf.tolerances import SAME_VALUE
@@ -56,20 +57,20 @@ class ShearForm:
 
     def __init__(self, system: System, case: Case = FULL):
         self.system, self.geometry, self.case = system, system.geometry, case
-        rim, found = rim_of(system), singularities(system, case)
-        self._facets, self._strong = rim.tilting, rim.strong(found)
-        section = system.problem.section
-        self._compliance = np.linalg.inv(section.shear_stiffness())
-        points, weights = BILINEAR
+        rim = rim_of(system, case)
+        self._facets, self._strong = rim.tilting, rim.strong
+        (points, weights), section = BILINEAR, system.assembly.section
+        self._inside = section.at(points)
         jets = self.geometry.theory.jets(self.geometry.undeformed_local, points)
         areas = np.linalg.norm(cross(jets[0], jets[1]), axis=0) * weights
-        self._areas = areas * self._counts(self.geometry.parameters(points))
+        self._areas = areas * self._counts(self.geometry.parameters(points), self._inside)
         self._elements, self._points, lengths = self.geometry.edge_quadrature(self._facets, N_EDGE)
-        self._lengths = lengths * self._counts(self.geometry.parameters(self._points, self._elements))
+        self._edges = section.at(self._points, self._elements)
+        self._lengths = lengths * self._counts(self.geometry.parameters(self._points, self._elements), self._edges)
 
-    def _counts(self, at: np.ndarray) -> np.ndarray:
+    def _counts(self, at: np.ndarray, section: Section) -> np.ndarray:
         """Which places (2, ...) of the parameter plane are so far from singular points that thin fields mean something."""
-        places, reach = np.asarray(self.geometry.surface.position(*at)), REACH * self._width
+        places, reach = np.asarray(self.geometry.surface.position(*at)), REACH * _width(section)
         out = np.ones(at.shape[1:], dtype=bool)
         for point in self._strong.T:
             out &= ((places - point[:, None, None]) ** 2).sum(axis=0) > reach**2
@@ -133,17 +134,21 @@ class ShearForm:
 
     def loaded(self, fields: Fields, q: np.ndarray) -> Fields:
         """Fields of moments that balance the system's loads: its eccentric weight, and moments on its edges."""
-        couple = couple_of(self.system, self.case)
-        Q, sliding = fields.Q, fields.sliding
-        if couple is not None:
-            Q = Q + coupled(self.geometry, q, self.geometry.inside(BILINEAR[0]), couple)
-            forces = self._at_edges(lambda points, elements: coupled(self.geometry, q, points, couple, elements), 2)
+        inside = self.geometry.inside(BILINEAR[0])
+        more, Q, sliding = coupled(self.system, q, inside, self.case), fields.Q, fields.sliding
+        if more is not None:
+            Q = Q + more
+
+            def forces_at(points: np.ndarray, elements: np.ndarray) -> np.ndarray:
+                return np.asarray(coupled(self.system, q, points, self.case, elements))
+
+            forces = self._at_edges(forces_at, 2)
             sliding = sliding + self._sliding(forces)
         return Fields(Q, fields.twisting - self._applied, sliding)
 
     def _sliding(self, forces: np.ndarray) -> np.ndarray:
         """Shear strain along the edges (m, n) of shear forces there, (2, m, n)."""
-        return np.asarray(np.einsum("amn,ab,bmn->mn", self._frame[0], self._compliance, forces))
+        return _product(self._frame[0], _compliance(self._edges), forces)
 
     @property
     def _applied(self) -> np.ndarray:
@@ -163,20 +168,11 @@ class ShearForm:
 
     def shares(self, one: Fields, two: Fields) -> np.ndarray:
         """What each element has in F, (n_elements,)."""
-        inside = np.einsum("eip,ij,ejp,ep->e", one.Q, self._compliance, two.Q, self._areas)
+        compliance = _compliance(self._inside)
+        of = "ep" * (compliance.ndim > 2)
+        inside = np.einsum(f"eip,{of}ij,ejp,ep->e", one.Q, compliance, two.Q, self._areas)
         along = self._layer * one.twisting * two.twisting - one.sliding * two.twisting - one.twisting * two.sliding
         return inside + np.bincount(self._elements, (along * self._lengths).sum(axis=1), minlength=len(inside))
-
-    @property
-    def _bending(self) -> np.ndarray:
-        """D - B A^-1 B, (3, 3)."""
-        abd = self.system.problem.section.abd()
-        return np.asarray(abd[3:, 3:] - abd[3:, :3] @ np.linalg.solve(abd[:3, :3], abd[:3, 3:]))
-
-    @property
-    def _width(self) -> float:
-        """Of an edge layer, in the mean over both directions (m)."""
-        return float(np.sqrt(self._bending[2, 2] * np.trace(self._compliance) / 2))
 
     @cached_property
     def _layer(self) -> np.ndarray:
@@ -184,9 +180,24 @@ class ShearForm:
         t, n, _ = self._frame
         twist = np.stack([n[0] * t[0], n[1] * t[1], n[0] * t[1] + n[1] * t[0]])
         bend = np.stack([n[0] ** 2, n[1] ** 2, 2 * n[0] * n[1]])
-        D66, D16, D11 = (np.einsum("amn,ab,bmn->mn", one, self._bending, two)
+        D66, D16, D11 = (_product(one, self._edges.pure_bending(), two)
                          for one, two in ((twist, twist), (twist, bend), (bend, bend)))  # fmt: skip
-        return np.asarray(np.sqrt(np.einsum("amn,ab,bmn->mn", t, self._compliance, t) / (D66 - D16**2 / D11)))
+        return np.asarray(np.sqrt(_product(t, _compliance(self._edges), t) / (D66 - D16**2 / D11)))
+
+
+def _compliance(section: Section) -> np.ndarray:
+    """Of transverse shear, S^-1, (2, 2)."""
+    return np.asarray(np.linalg.inv(section.shear_stiffness()))
+
+
+def _width(section: Section) -> Any:
+    """Of an edge layer, in the mean over both directions (m)."""
+    return np.sqrt(section.pure_bending()[..., 2, 2] * np.trace(_compliance(section), axis1=-2, axis2=-1) / 2)
+
+
+def _product(one: np.ndarray, matrix: np.ndarray, two: np.ndarray) -> np.ndarray:
+    """Of vectors (k, m, n) with one matrix (k, k), or one for each place: (m, n)."""
+    return np.asarray(np.einsum(f"amn,{'mn' * (matrix.ndim > 2)}ab,bmn->mn", one, matrix, two))
 
 
 def share_of(product: float, energy: float, heat: float) -> float:

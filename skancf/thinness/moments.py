@@ -42,8 +42,8 @@ def moments_of_small(system: System, change: np.ndarray, case: Case = FULL) -> M
 
 def moment_rates(system: System, q: np.ndarray, change: np.ndarray) -> Moments:
     """Their derivative along a change of the nodal coordinates q."""
-    abd, assembly = system.problem.section.abd(), cast(Any, system.assembly)
-    if abd[:3, 3:].any() or not assembly.curved.centred:  # with the assumed membrane strains that bending is coupled to
+    assembly = cast(Any, system.assembly)
+    if assembly.couples:  # with the assumed membrane strains that bending is coupled to
         return lambda points, elements: derivative(lambda v: moments_of(system, v)(points, elements), q, change)
     geometry, theory = system.geometry, system.geometry.theory
 
@@ -55,7 +55,10 @@ def moment_rates(system: System, q: np.ndarray, change: np.ndarray) -> Moments:
         moved, before = theory.jets(local(change, pick), points), theory.jets(geometry.undeformed_local[pick], points)
         now = before if q is system.undeformed else theory.jets(local(q, pick), points)
         turn = covariant_to_local(before, geometry.tangents(points, pick), geometry.side[pick])[0][3:, 3:]
-        return np.asarray(np.einsum("ij,jkep,kep->eip", abd[3:, 3:], turn, _curvature_rates(now, moved), optimize=True))
+        D = assembly.section.at(points, elements).abd()[..., 3:, 3:]
+        of_places = "ep" * (D.ndim > 2)
+        changes = _curvature_rates(now, moved)
+        return np.asarray(np.einsum(f"{of_places}ij,jkep,kep->eip", D, turn, changes, optimize=True))
 
     return moments
 

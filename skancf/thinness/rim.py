@@ -5,10 +5,11 @@ from functools import cached_property
 
 import numpy as np
 
+from skancf.history import FULL, Case
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.singularities import Singularity, beside_each_other, nodes_at
 from skancf.surfaces import normal
-from skancf.system.regularity import facets_of, of_supports
+from skancf.system.regularity import facets_of, singularities
 from skancf.system.system import System
 from skancf.tolerances import ONE_DIRECTION
 
@@ -33,12 +34,15 @@ class Rim:
     kinds : (m,) int array
         :data:`FREE`, :data:`MIRROR`, :data:`SUPPORTED` or :data:`CLAMPED`: what both ends of a facet hold. A mirror is a
         symmetry, or a guided edge.
+    found : list of Singularity
+        What supports, loads and other terms say.
     """
 
     system: System
     facets: np.ndarray
     held: np.ndarray
     kinds: np.ndarray
+    found: list[Singularity]
 
     @property
     def tilting(self) -> np.ndarray:
@@ -46,17 +50,18 @@ class Rim:
 
         The thin nodes do not know it of a support, which says that it holds the tilt.
         """
-        held = facets_of(of_supports(self.system), "tilt")
+        held = facets_of(self.found, "tilt")
         return np.asarray(self.facets[((self.kinds == FREE) | (self.kinds == SUPPORTED)) & ~np.isin(self.facets, held)])
 
-    def strong(self, found: list[Singularity]) -> np.ndarray:
+    @property
+    def strong(self) -> np.ndarray:
         """Positions (3, k) of points about which the energy of the thin theory's shear forces has no limit.
 
         Those are corners, and forces, moments and supports at single points.
         """
         geometry = self.system.geometry
-        loads = [each.alone for each in found if each.pushes("force") or each.pushes("moment")]
-        nodes = geometry.points[:, self._corners | self._single(found)]
+        loads = [each.alone for each in self.found if each.pushes("force") or each.pushes("moment")]
+        nodes = geometry.points[:, self._corners | self._single]
         return np.asarray(geometry.surface.position(*np.hstack([nodes, *loads])))
 
     @cached_property
@@ -97,16 +102,17 @@ class Rim:
     @property
     def _couples(self) -> bool:
         """Does the section couple bending and twisting along its axes?"""
-        D = self.system.problem.section.abd()[3:, 3:]
-        return bool((D[:2, 2] ** 2 > COUPLED**2 * D[2, 2] * D.diagonal()[:2]).any())
+        D = [section.abd()[3:, 3:] for section in self.system.assembly.section.samples()]
+        return any(bool((d[:2, 2] ** 2 > COUPLED**2 * d[2, 2] * d.diagonal()[:2]).any()) for d in D)
 
-    def _single(self, found: list[Singularity]) -> np.ndarray:
+    @property
+    def _single(self) -> np.ndarray:
         """Nodes held or sprung on their own, (n_nodes,), but not the free corners of up to 90 degrees that only rest: there
         the thin theory carries the force by its twisting moment."""
         geometry = self.system.geometry
         out = np.zeros(geometry.n_nodes, dtype=bool)
-        for each in found:
-            if each.holds and each.at_rest:
+        for each in self.found:
+            if each.holds and each.at_rest and each.alone.size:
                 nodes = nodes_at(geometry, each.alone)
                 out[nodes[~beside_each_other(geometry, nodes)]] = True
         on_edges = np.isin(np.arange(geometry.n_nodes), geometry.ends(self.facets[self.kinds >= SUPPORTED]))
@@ -114,8 +120,8 @@ class Rim:
         return out & ~on_edges & ~resting
 
 
-def rim_of(system: System) -> Rim:
-    """The rim of a system, by its constraints."""
+def rim_of(system: System, case: Case = FULL) -> Rim:
+    """The rim of a system, by its constraints, and by what its supports and loads say."""
     geometry, facets = system.geometry, system.geometry.boundary
     with np.errstate(invalid="ignore", divide="ignore"):
         n = np.nan_to_num(normal(geometry.surface, *geometry.points).T)  # none at a pole
@@ -123,4 +129,4 @@ def rim_of(system: System) -> Rim:
     ends, (x, y) = geometry.ends(facets), np.abs(geometry.facet_directions(facets))
     across = np.where(y > x, R_X, R_Y)
     deflection, rotation = ((held[ends, kind] & (ends >= 0)).all(axis=0) for kind in (R, across))
-    return Rim(system, facets, held, 2 * deflection + rotation)
+    return Rim(system, facets, held, 2 * deflection + rotation, singularities(system, case))

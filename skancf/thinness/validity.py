@@ -11,9 +11,10 @@ def warn_if_mass_is_off(system: System) -> None:
     off it."""
     if not hasattr(system, "geometry") or system.geometry.theory.directors:
         return
-    section = system.problem.section
-    off = section.first_moment / section.mass if section.mass else 0.0
-    if abs(off) > section.thickness / 100:
+    for section in system.assembly.section.samples():
+        off = section.first_moment / section.mass if section.mass else 0.0
+        if abs(off) <= section.thickness / 100:
+            continue
         warnings.warn(
             f"theory 'kirchhoff' has its mass in the reference surface, and the centre of mass is {off:.3g} m off, with a "
             f"thickness of {section.thickness:.3g} m: take the surface through it (offset of a laminate), or theory 'full' "
@@ -21,3 +22,4 @@ def warn_if_mass_is_off(system: System) -> None:
             OutOfDepth,
             stacklevel=3,
         )
+        return

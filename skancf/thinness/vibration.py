@@ -24,13 +24,13 @@ def product_of(form: ShearForm, q: np.ndarray, shape: np.ndarray) -> float:
 
 def rotary_inertia(system: System, q: np.ndarray, shape: np.ndarray) -> float:
     r""":math:`\int \rho z^2 dz \int |\delta n|^2 dA`, which a small motion adds to :math:`\phi \cdot M \phi`."""
-    geometry, section = system.geometry, system.problem.section
+    geometry, inertia = system.geometry, system.assembly.section.at(system.geometry.integration.local).second_moment
     local, rates = (geometry.local(system.shell.nodal(v)) for v in (q, shape))
     turned = geometry.integration.gathered(
         lambda points, e: geometry.theory.normal_rates(local[e], rates[e], points, geometry.side[e])
     )
-    inertia = float(section.density @ np.diff(section.z**3)) / 3
-    return inertia * float(((turned**2).sum(axis=1) * system.assembly.areas).sum())
+    each = (turned**2).sum(axis=1) * system.assembly.areas
+    return inertia * float(each.sum()) if isinstance(inertia, float) else float((inertia * each).sum())
 
 
 def with_shear(value: float, energy: float, product: float, rotary: float = 0.0) -> float:

@@ -11,7 +11,7 @@ from fuzz.case import Case
 from skancf.linear import DirectSolver
 from skancf.solving import Status
 from skancf.statics import StaticResult
-from skancf.statics.newton import factored
+from skancf.statics.corrections import factored
 
 BALANCED = 1e-6
 """Of the larger of the sums of the magnitudes of nodal loads and of reactions: a user sees six digits of a reaction."""

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from skancf.layout.zones import SectionsOnMesh
+from skancf.materials import Section
 from skancf.tolerances import EPS
 
 # Keys that differ by less than this many times the rounding of the nodes' positions are equal.
@@ -16,6 +18,11 @@ def classes(key: np.ndarray, rounding: float) -> tuple[np.ndarray, np.ndarray]:
     apart = np.flatnonzero(np.abs(key - key[representative][shape]).max(axis=1) > ROUNDINGS * rounding)
     shape[apart] = len(representative) + np.arange(len(apart))
     return np.concatenate([representative, apart]), shape
+
+
+def key_of(section: Section | SectionsOnMesh, points: np.ndarray) -> list[np.ndarray]:
+    """What tells elements apart by their sections at local points, none or (n_elements, n)."""
+    return [] if isinstance(section, Section) else [section.key(points)]
 
 
 def rounding_of(undeformed: np.ndarray, lengths: np.ndarray) -> float:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -10,9 +10,12 @@ from skancf.errors import InputError
 from skancf.kernels.constants import FUNCTIONS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.curved import require_one_side
+from skancf.materials.law import IN_PLANE
 from skancf.materials.parallel import TRACE, principal_curvatures, sums
+from skancf.materials.section import stress_of
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.full_sections import Sections, build_sections
 from skancf.terms.shells.shell import CompiledAssembly
@@ -31,15 +34,18 @@ class FullAssembly(CompiledAssembly):
     residual_kernel, stress_kernel, tangent_kernel = residual_kernel.residual, kernels.stresses, tangent_kernel.tangent
     recovers_bending = True
 
-    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+    def __init__(self, geometry: Geometry, section: Section | SectionsOnMesh, schedule: Schedule):
         super().__init__(geometry, section, schedule)
         if not geometry.integration.shared:
             raise InputError("theory 'full' has the Gauss points in all elements, as its force takes many at once; "
                              "take theory 'kirchhoff'")  # fmt: skip
         self.theory = cast(Full, geometry.theory)
         self.sections = build_sections(geometry, section)
-        if abs(section.z[0] + section.z[-1]) > ROUNDED_PLACE * section.thickness:
-            require_one_side(principal_curvatures(self._curvature(self.theory.quadrature[0])), section.z[[0, -1]])
+        points = self.theory.quadrature[0]
+        here = section.at(points)
+        bottom, top = here.z[..., 0], here.z[..., -1]
+        if (np.abs(bottom + top) > ROUNDED_PLACE * np.asarray(here.thickness)).any():
+            require_one_side(principal_curvatures(self._curvature(points)), [bottom, top])
         self._tables = _tables(self.theory, self.sections)
         parts = self.sections
         self._elements = kernels.Elements(parts.shape, parts.reference, parts.law, parts.sampled)
@@ -64,34 +70,31 @@ class FullAssembly(CompiledAssembly):
         )
 
     def thermal_stresses(self, temperature: Heat) -> np.ndarray:
-        section, (middle, gradient) = self.section, temperature(self.theory.quadrature[0])
-        z, _, layer = section.points(self.theory.n_thickness)
-        to_local, volume = self._through_thickness()
-        free = np.stack([self.free_strain(depth, middle, gradient) for depth in z])
-        stress = np.einsum("zpq,zevq,zev->zevp", section.stiffness[layer], free, volume)
+        free, laws, to_local, volume = self._heated(temperature)
+        stress = np.einsum(f"z{_of(laws)}pq,zevq,zev->zevp", laws, free, volume)
         return np.ascontiguousarray(np.einsum("zpkev,zevp->ekv", to_local, stress, optimize=True))
 
-    def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        return self.section.thermal_strain_of_one_director(z, middle, gradient)
+    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        return self.section.at(points).thermal_strain_of_one_director(z, middle, gradient)
 
     def thermal_energy(self, temperature: Heat) -> float:
-        section, (middle, gradient) = self.section, temperature(self.theory.quadrature[0])
-        z, _, layer = section.points(self.theory.n_thickness)
-        _, volume = self._through_thickness()
-        free = np.stack([self.free_strain(depth, middle, gradient) for depth in z])
-        return float(0.5 * np.einsum("zevp,zpq,zevq,zev->", free, section.stiffness[layer], free, volume, optimize=True))
+        free, laws, _, volume = self._heated(temperature)
+        return float(0.5 * np.einsum(f"zevp,z{_of(laws)}pq,zevq,zev->", free, laws, free, volume, optimize=True))
 
-    def _through_thickness(self) -> tuple[np.ndarray, np.ndarray]:
-        """From the strains to those in the local frame, and volumes, at all integration points: the layers' points first."""
+    def _heated(self, temperature: Heat) -> tuple[np.ndarray, ...]:
+        """Free strains, laws, from the strains to those in the local frame, and volumes, at all integration points: the
+        layers' points first."""
         geometry, (points, weights) = self.geometry, self.geometry.theory.quadrature
-        z, thicknesses, _ = self.section.points(self.theory.n_thickness)
+        section, (middle, gradient) = self.section.at(points), temperature(points)
+        z, thicknesses, laws = section.through(self.theory.n_thickness)
+        free = np.stack([section.thermal_strain_of_one_director(depth, middle, gradient) for depth in z])
         jets = geometry.theory.jets(geometry.undeformed_local, points)
         to_local, volume = covariant_to_local(jets, geometry.tangents(points), z)
-        return to_local, volume * weights * thicknesses[:, None, None]
+        return free, laws, to_local, volume * weights * _over_points(thicknesses)
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
-        def elastic(depth: float) -> np.ndarray:
-            free = np.zeros(6) if temperature is None else self.free_strain(depth, *temperature)
+        def elastic(depth: Any) -> np.ndarray:
+            free = np.zeros(6) if temperature is None else self.free_strain(points, depth, *temperature)
             return self.strains(q, points, depth, temperature) - free
 
         return self._resultants(elastic, points)
@@ -100,13 +103,13 @@ class FullAssembly(CompiledAssembly):
         """The part of the section forces (n_elements, 6, n) that slopes of the director make."""
         return self._resultants(lambda depth: self.bending_strains(q, points, depth), points)
 
-    def _resultants(self, elastic: Callable[[float], np.ndarray], points: np.ndarray) -> np.ndarray:
+    def _resultants(self, elastic: Callable[[Any], np.ndarray], points: np.ndarray) -> np.ndarray:
         """N and M (n_elements, 6, n) at points of elastic strains (n_elements, n, 6) at a depth."""
-        z, w, layer = self.section.points(2)
-        stress = [elastic(depth) @ self.section.stiffness[k] for depth, k in zip(z.tolist(), layer, strict=True)]
-        plane = np.stack(stress)[..., [0, 1, 5]]
-        plane = plane - z[:, None, None, None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
-        return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
+        z, w, laws = self.section.at(points).through(2)
+        stress = [stress_of(law, elastic(depth)) for depth, law in zip(z, laws, strict=True)]
+        plane = np.stack(stress)[..., IN_PLANE]
+        plane = plane - _over_points(z)[..., None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
+        return np.concatenate([np.einsum(f"z{_of(laws, 'ep')},zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
 
     def _shorter(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
         """What lengths at a height take from a stress 11, 22, 12 per length of the reference surface: (m, n, 3, 3) (1/m)."""
@@ -125,30 +128,41 @@ class FullAssembly(CompiledAssembly):
         self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray, part: slice = ALL
     ) -> np.ndarray:
         geometry, theory = self.geometry, self.theory
-        z, w, layer = self.section.points(2)
+        z, w, laws = self.section.at(points, elements).through(2)
         jets = theory.jets(geometry.undeformed_local[elements], points)
         to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), z)
-        plane = np.stack([w[k] * (weights[:, :3] + z[k] * weights[:, 3:]) for k in range(len(z))])
-        shorter = self._shorter(points, elements)
-        plane = plane - z[:, None, None, None] * np.einsum("enij,zein->zejn", shorter, plane)
-        laws = self.section.stiffness[layer][:, [0, 1, 5]]
-        stresses = np.zeros((len(elements), N_STRAINS, points.shape[1]))
-        stresses[:, part] = np.einsum("zvken,zcv,zecn->ekn", to_local[:, :, part], laws, plane, optimize=True)
+        depths, shares = _over_points(z)[:, :, None], _over_points(w)[:, :, None]
+        plane = shares * (weights[:, :3] + depths * weights[:, 3:])
+        plane = plane - depths * np.einsum("enij,zein->zejn", self._shorter(points, elements), plane)
+        stresses, rows = np.zeros((len(elements), N_STRAINS, points.shape[1])), laws[..., IN_PLANE, :]
+        stresses[:, part] = np.einsum(
+            f"zvken,z{_of(laws, 'en')}cv,zecn->ekn", to_local[:, :, part], rows, plane, optimize=True
+        )
         return geometry.nodal(theory.strain_forces(geometry.local(q, elements), points, stresses), elements)
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
         return self._strains(q, points, z, ALL)
 
-    def bending_strains(self, q: np.ndarray, points: np.ndarray, z: float) -> np.ndarray:
+    def bending_strains(self, q: np.ndarray, points: np.ndarray, z: Any) -> np.ndarray:
         """The part of :meth:`strains` that slopes of the director make."""
         return self._strains(q, points, z, BENDING)
 
-    def _strains(self, q: np.ndarray, points: np.ndarray, z: float, part: slice) -> np.ndarray:
+    def _strains(self, q: np.ndarray, points: np.ndarray, z: Any, part: slice) -> np.ndarray:
         geometry, theory = self.geometry, self.geometry.theory
         change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
         jets = theory.jets(geometry.undeformed_local, points)
-        to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.array([z]))
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.asarray(z)[None])
         return np.einsum("vken,ekn->env", to_local[0][:, part], change[:, part], optimize=True)
+
+
+def _of(laws: np.ndarray, places: str = "ev") -> str:
+    """Subscripts of places, of laws that have axes for them."""
+    return places if laws.ndim > 3 else ""
+
+
+def _over_points(values: np.ndarray) -> np.ndarray:
+    """Values through the thickness (k,) of all places, or of each, (k, m, n), as (k, 1, 1) or (k, m, n)."""
+    return values.reshape(len(values), *(values.shape[1:] or (1, 1)))
 
 
 def _tables(theory: Full, sections: Sections) -> kernels.Tables:

@@ -6,9 +6,10 @@ from typing import cast
 import numpy as np
 
 from skancf.layout.geometry import Geometry
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.memory import require_shapes
-from skancf.terms.shells.classes import classes, rounding_of
+from skancf.terms.shells.classes import classes, key_of, rounding_of
 from skancf.theories.full.theory import N_IN_PLANE, R1, R2, TERMS, Full, local_frame, section_stiffness
 from skancf.tolerances import ROUNDED_VALUE
 from skancf.vectors import cross
@@ -45,16 +46,17 @@ class Sections:
     areas: np.ndarray
 
 
-def build_sections(geometry: Geometry, section: Section) -> Sections:
-    """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
+def build_sections(geometry: Geometry, section: Section | SectionsOnMesh) -> Sections:
+    """The classes of a mesh; equal means equal to rounding in undeformed strains, frame, and section."""
     theory = cast(Full, geometry.theory)
     points, weights = theory.quadrature
-    representative, shape = classes(*_shape_key(geometry))
+    key, rounding = _shape_key(geometry)
+    representative, shape = classes(np.hstack([key, *key_of(section, points)]), rounding)
     require_shapes(len(representative), theory.bytes_per_shape, theory.name)
     local = geometry.undeformed_local[representative]
     jets = theory.jets(local, points)
     first = geometry.tangents(points, representative)
-    full, moments = section_stiffness(jets, first, section, theory.n_thickness)
+    full, moments = section_stiffness(jets, first, section.at(points, representative), theory.n_thickness)
     full = full * weights[:, None, None]
     k, l = np.nonzero(np.triu(np.abs(full).max(axis=(0, 1)) > ROUNDED_VALUE * _scale(full)))
     return Sections(

@@ -1,7 +1,7 @@
 """Theory `kirchhoff` on a mesh: forces, stresses, tangents, and strains at any point."""
 
 from functools import cached_property
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -9,8 +9,9 @@ from skancf.kernels.constants import FUNCTIONS, POINTS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.layout.points import IntegrationPoints
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
-from skancf.materials.curved import CurvedSection
+from skancf.materials.curved import CurvedSection, times
 from skancf.materials.section import IN_PLANE, OUT_OF_PLANE
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.kirchhoff_sections import build_thin_sections, local_curvature
@@ -29,17 +30,30 @@ class ThinAssembly(CompiledAssembly):
     residual_kernel, stress_kernel, tangent_kernel = kernels.residual, kernels.stresses, tangent_kernel.tangent
     assumes_membrane = True
 
-    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+    def __init__(self, geometry: Geometry, section: Section | SectionsOnMesh, schedule: Schedule):
         super().__init__(geometry, section, schedule)
-        self.curved = CurvedSection(section)
-        self.sections = build_thin_sections(geometry, self.curved)
-        self.curved.check(self.sections.curvature)
+        self.sections = build_thin_sections(geometry, section)
         theory = cast(Kirchhoff, geometry.theory)
         self._tables = _tables(theory, geometry.integration, self.sections.pairs)
         parts = self.sections
         self._elements = kernels.Elements(
             parts.shape, parts.points, parts.reference, parts.law, parts.assumed, parts.rest
         )
+
+    def curved_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> CurvedSection:
+        """The section on the curved surface at local points (2, n) of elements (m,), or of all."""
+        return self._everywhere or CurvedSection(self.section.at(points, elements))
+
+    @cached_property
+    def _everywhere(self) -> CurvedSection | None:
+        """The one of a plate that is everywhere the same."""
+        return CurvedSection(self.section) if isinstance(self.section, Section) else None
+
+    @cached_property
+    def couples(self) -> bool:
+        """Whether bending strains the reference surface, somewhere."""
+        curved = self.curved_at(self.geometry.integration.local)
+        return bool(curved.section.abd()[..., :3, 3:].any()) or not curved.centred
 
     @property
     def plain_elements(self) -> kernels.Elements:
@@ -77,31 +91,34 @@ class ThinAssembly(CompiledAssembly):
     def thermal_stresses(self, temperature: Heat) -> np.ndarray:
         return self._initial_stresses(self._free_strains(temperature))
 
-    def free_strain(self, z: float, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        return self.section.thermal_strain(z, middle, gradient)
+    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        return self.section.at(points).thermal_strain(z, middle, gradient)
 
     def thermal_energy(self, temperature: Heat) -> float:
-        strains, sections = self._free_strains(temperature), self.sections
-        left = self.curved.energy_left(sections.curvature[sections.shape], *temperature(self.geometry.integration.local))
+        strains, sections, points = self._free_strains(temperature), self.sections, self.geometry.integration.local
+        left = self.curved_at(points).energy_left(sections.curvature[sections.shape], *temperature(points))
         return float(0.5 * np.vdot(strains, self._initial_stresses(strains)) + np.vdot(self.areas, left))
 
     def _free_strains(self, temperature: Heat) -> np.ndarray:
         """Covariant strains (n_elements, 6 or 9, n_points) that a temperature change makes without section forces."""
         sections, geometry = self.sections, self.geometry
 
-        def covariant(curvature: np.ndarray, turn: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-            free = self.curved.free_strains(curvature, middle, gradient)
+        def covariant(
+            curved: CurvedSection, curvature: np.ndarray, turn: np.ndarray, middle: np.ndarray, gradient: np.ndarray
+        ) -> np.ndarray:
+            free = curved.free_strains(curvature, middle, gradient)
             return np.moveaxis(np.linalg.solve(turn, free[..., None])[..., 0], 1, 2)
 
-        turn = np.moveaxis(sections.turn[sections.shape], 3, 1)
-        out = covariant(sections.curvature[sections.shape], turn, *temperature(geometry.integration.local))
+        turn, local = np.moveaxis(sections.turn[sections.shape], 3, 1), geometry.integration.local
+        out = covariant(self.curved_at(local), sections.curvature[sections.shape], turn, *temperature(local))
         if geometry.integration.shared:
             return out
         points, sampled = geometry.theory.quadrature[0], np.flatnonzero(self._sampled)
         more = np.zeros((len(out), N_MEMBRANE, POINTS))
         turn, curvature = self._frame(points, sampled)
         middle, gradient = (values[sampled] for values in temperature(points))
-        more[sampled] = covariant(curvature, turn.transpose(2, 3, 0, 1), middle, gradient)[:, :N_MEMBRANE]
+        curved, turn = self.curved_at(points, sampled), turn.transpose(2, 3, 0, 1)
+        more[sampled] = covariant(curved, curvature, turn, middle, gradient)[:, :N_MEMBRANE]
         return np.concatenate([out, more], axis=1)
 
     def _initial_stresses(self, strains: np.ndarray) -> np.ndarray:
@@ -189,18 +206,27 @@ class ThinAssembly(CompiledAssembly):
         self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None
     ) -> np.ndarray:
         """As the protocol has it, of all elements or of some, (m,)."""
-        strains, b = self.section_strains(q, points, elements)
+        (strains, b), curved = self.section_strains(q, points, elements), self.curved_at(points, elements)
         if temperature is not None:
-            strains = strains - self.curved.free_strains(b, *temperature)
-        forces = self.curved.forces(b, (self.curved.law(b) @ strains[..., None])[..., 0])
-        return np.asarray(forces.swapaxes(1, 2))
+            strains = strains - curved.free_strains(b, *temperature)
+        return np.asarray(curved.forces(b, self._work_conjugate(curved, strains, b)).swapaxes(1, 2))
+
+    def _work_conjugate(self, curved: CurvedSection, strains: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Forces and moments that do work on local strains, both (m, n, 6), where the undeformed curvatures are b."""
+        return np.asarray((curved.law(b) @ strains[..., None])[..., 0])
+
+    def _law_at(
+        self, curved: CurvedSection, q: np.ndarray, points: np.ndarray, elements: np.ndarray, b: np.ndarray
+    ) -> np.ndarray:
+        """Derivative of them by the strains, (m, n, 6, 6)."""
+        return curved.law(b)
 
     def section_force_gradient(
         self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray
     ) -> np.ndarray:
         geometry, theory = self.geometry, cast(Kirchhoff, self.geometry.theory)
-        turn, b = self._frame(points, elements)
-        law = self.curved.forces(b[..., None, :], self.curved.law(b))  # rows are symmetric to columns
+        (turn, b), curved = self._frame(points, elements), self.curved_at(points, elements)
+        law = curved.forces(b[..., None, :], self._law_at(curved, q, points, elements, b))  # rows are symmetric to columns
         stresses = np.einsum("ikep,epij,ejp->ekp", turn, law, weights, optimize=True)
         local = geometry.local(q, elements)
         forces = theory.strain_forces(local, points, stresses)
@@ -212,14 +238,14 @@ class ThinAssembly(CompiledAssembly):
         """Which of some elements take their membrane strains as they are, as positions among them."""
         return np.flatnonzero(self.sections.assumed[self.sections.shape[elements]] == 0)
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: float, temperature: np.ndarray | None) -> np.ndarray:
+    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
         parts, b = self.section_strains(q, points)
-        free = np.zeros(6) if temperature is None else self.free_strain(z, *temperature)
-        out = free + np.zeros((*b.shape[:-1], 6), parts.dtype)
-        elastic = self.curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]
+        free = np.zeros(6) if temperature is None else self.free_strain(points, z, *temperature)
+        out, curved = free + np.zeros((*b.shape[:-1], 6), parts.dtype), self.curved_at(points)
+        elastic = curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]
         out[:, :, IN_PLANE] += elastic
         # The others follow from S33 = S23 = S13 = 0.
-        out[:, :, OUT_OF_PLANE] += elastic @ self.section.condensed(z).T
+        out[:, :, OUT_OF_PLANE] += times(curved.section.condensed(z), elastic)
         return out
 
 

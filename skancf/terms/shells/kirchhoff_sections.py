@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.layout.geometry import Geometry
+from skancf.layout.zones import SectionsOnMesh
+from skancf.materials import Section
 from skancf.materials.curved import CurvedSection
 from skancf.memory import require_shapes
-from skancf.terms.shells.classes import classes, rounding_of
+from skancf.terms.shells.classes import classes, key_of, rounding_of
 from skancf.theories.kirchhoff.point import DOUBLED, dot, strain
 from skancf.theories.kirchhoff.theory import covariant_to_local, local_frame, rest_factors
 from skancf.tolerances import ROUNDED_VALUE
@@ -58,14 +60,22 @@ class ThinSections:
     areas: np.ndarray
 
 
-def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSections:
-    """The classes of a mesh; equal means equal to rounding in undeformed strains and frame."""
+def build_thin_sections(geometry: Geometry, section: Section | SectionsOnMesh) -> ThinSections:
+    """The classes of a mesh; equal means equal to rounding in undeformed strains, frame, and section.
+
+    Raises
+    ------
+    InputError
+        Where layers are past a centre of curvature.
+    """
     theory, integration = geometry.theory, geometry.integration
     # Covariant strains grow with the distance from a pole and its square, which the assumed ones beside it cannot.
     at_pole = geometry.at_poles
     plain = at_pole if theory.assumed else np.ones_like(at_pole)
     key, rounding = _shape_key(geometry)
-    representative, shape = classes(np.hstack([key, plain[:, None], integration.kinds[:, None]]), rounding)
+    representative, shape = classes(
+        np.hstack([key, plain[:, None], integration.kinds[:, None], *key_of(section, integration.local)]), rounding
+    )
     require_shapes(len(representative), theory.bytes_per_shape, theory.name)
     vectors, kinds = geometry.undeformed_local[representative], integration.kinds[representative]
     jets = integration.gathered(lambda points, shapes: theory.jets(vectors[shapes], points), kinds, axis=2)
@@ -73,7 +83,9 @@ def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSecti
     turn, area = covariant_to_local(jets, tangents, geometry.side[representative])
     areas = area * integration.weights[kinds]
     turns, curvature = turn.transpose(2, 3, 0, 1), local_curvature(jets, turn)
-    in_frame = section.section.abd() if section.centred else section.law(curvature)
+    curved = CurvedSection(section.at(integration.of(kinds), representative))
+    curved.check(curvature)
+    in_frame = curved.section.abd() if curved.centred else curved.law(curvature)
     law = (turns.swapaxes(2, 3) @ in_frame @ turns * areas[:, :, None, None]).transpose(0, 2, 3, 1)
     scale = np.sqrt(np.abs(np.einsum("ekkp->ekp", law)).max(axis=(0, 2)))
     k, l = np.nonzero(np.triu(np.abs(law).max(axis=(0, 3)) > ROUNDED_VALUE * np.outer(scale, scale)))
@@ -86,10 +98,10 @@ def build_thin_sections(geometry: Geometry, section: CurvedSection) -> ThinSecti
         pairs=np.stack([k, l], axis=1),
         law=np.ascontiguousarray(law[:, k, l]),
         assumed=np.where(plain[representative], 0, 1 + kinds),
-        rest=rest_factors(whole, section.section.bending_thickness),
+        rest=rest_factors(whole, np.atleast_1d(curved.section.bending_thickness).mean(axis=-1)),
         turn=np.ascontiguousarray(np.moveaxis(turn, 2, 0)),
         curvature=curvature,
-        moments=section.masses(curvature).swapaxes(0, 1) * areas[:, None],
+        moments=curved.masses(curvature).swapaxes(0, 1) * areas[:, None],
         areas=areas,
     )
 

@@ -7,7 +7,9 @@ import numpy as np
 
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
+from skancf.materials.section import stress_of
 
 
 class CompiledAssembly:
@@ -18,11 +20,12 @@ class CompiledAssembly:
     tangent_kernel: ClassVar[Callable[..., None]]
     assumes_membrane: ClassVar[bool] = False
     recovers_bending: ClassVar[bool] = False
+    linear: ClassVar[bool] = True
     sections: Any
     _tables: Any
     _elements: Any
 
-    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+    def __init__(self, geometry: Geometry, section: Section | SectionsOnMesh, schedule: Schedule):
         self.geometry, self.section, self.schedule = geometry, section, schedule
 
     @property
@@ -43,6 +46,11 @@ class CompiledAssembly:
         )
         return strains, out
 
+    def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
+        strains, stresses = self.stresses(q, None, keep_strains=True)
+        energy = 0.5 * float(np.vdot(strains, stresses))
+        return energy if initial is None else energy + (thermal - float(np.vdot(initial, strains)))
+
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
     ) -> None:
@@ -50,6 +58,18 @@ class CompiledAssembly:
         self.schedule.run(
             type(self).tangent_kernel, q, stresses, self._tables, self.geometry.maps, elements, slots, out
         )
+
+    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
+        return stress_of(section.of_layer(section.stiffness, z), elastic)
+
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        return self.stresses(q, None, keep_strains=False)[1]
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
+        return None
+
+    def refusal(self) -> str | None:
+        return None
 
     @property
     def plain_elements(self) -> Any:

@@ -229,7 +229,8 @@ def covariant_to_local(jet: np.ndarray, first: np.ndarray, z: np.ndarray) -> tup
         Jet of the undeformed state.
     first : (3, ...) array
         Direction 1 of the local frame before it is made orthogonal to the normal.
-    z : (n_z,) array
+    z : (n_z,) or (n_z, ...) array
+        For all places, or for each of them.
 
     Returns
     -------
@@ -284,6 +285,7 @@ def section_stiffness(
     first : (3, ...) array
         Tangent along the parameter x.
     section : Section
+        One for all places, or one for each of them.
     n_z : int
         Gauss points through each layer; 3 are exact for a flat plate.
 
@@ -295,9 +297,11 @@ def section_stiffness(
         Integrals of the density times det F, z det F, z^2 det F over z: what mass and dead loads need.
     """
     stiffness, moments = np.zeros((*jet.shape[2:], N_STRAINS, N_STRAINS)), np.zeros((3, *jet.shape[2:]))
-    points = (part.reshape(-1, n_z) for part in section.points(n_z)[:2])
-    for law, density, z, w in zip(section.stiffness, section.density, *points, strict=True):
+    z, w, laws = section.through(n_z)
+    points = (part.reshape(-1, n_z, *part.shape[1:]) for part in (z, w))
+    of = "" if section.places is None else "..."
+    for law, density, z, w in zip(laws[::n_z], np.moveaxis(section.density, -1, 0), *points, strict=True):
         P, volume = covariant_to_local(jet, first, z)
-        stiffness += np.einsum("zpk...,pq,zql...,z...,z->...kl", P, law, P, volume, w, optimize=True)
-        moments += density * np.stack([np.einsum("z...,z->...", volume, w * z**k) for k in range(3)])
+        stiffness += np.einsum(f"zpk...,{of}pq,zql...,z...,z{of}->...kl", P, law, P, volume, w, optimize=True)
+        moments += density * np.stack([np.einsum(f"z...,z{of}->...", volume, w * z**k) for k in range(3)])
     return stiffness, moments

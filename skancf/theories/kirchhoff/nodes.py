@@ -58,8 +58,9 @@ class HermiteNodes:
         return [Row(spot.node, condition({R_X: along[0], R_Y: along[1]}, spot.normal))]
 
     def no_turn(self, spot: Spot, edges: Sequence[np.ndarray]) -> list[Row]:
-        """The slope across an edge stays in the tangent plane, n . r_,x = 0 all along it: the stretch of the surface at the
-        edge is free. Its derivative along the edge is n . r_,xy + n_,y . r_,x = 0. At a point n . r_,x = n . r_,y = 0."""
+        r"""The slope across an edge stays in the tangent plane, :math:`n \cdot r_{,x} = 0` all along it: the stretch of the
+        surface at the edge is free. Its derivative along the edge is :math:`n \cdot r_{,xy} + n_{,y} \cdot r_{,x} = 0`. At a
+        point :math:`n \cdot r_{,x} = n \cdot r_{,y} = 0`."""
         n = spot.normal
         if not edges:
             return [Row(spot.node, condition({kind: 1.0}, n), own=spot.own) for kind in self.turns]

@@ -79,6 +79,15 @@ def second_by_second(tables, kind, square, gamma, scratch, S):
 
 @compiled(**INNER)
 def kept_law(tables, kind, square, rest, C):
+    """One of the next two, by what the rest has: known when this is compiled."""
+    if rest.ndim == 1:
+        kept_law_with(tables, kind, square, rest, C)
+    else:
+        kept_law_beside(tables, kind, square, rest, C)
+
+
+@compiled(**INNER)
+def kept_law_with(tables, kind, square, rest, C):
     """C (16, 16), half the law of the coefficients of the assumed strains with that of the rest; the membrane law becomes
     that of the rest."""
     for k in range(3):
@@ -92,6 +101,22 @@ def kept_law(tables, kind, square, rest, C):
                     C[r, s] = 0.5 * (1.0 + scale) * total
             for p in range(POINTS):
                 square[k, l, p] *= scale
+
+
+@compiled(**INNER)
+def kept_law_beside(tables, kind, square, rest, C):
+    """As :func:`kept_law_with` where the rest has a law of its own, (3, 3, 16), which the membrane law becomes."""
+    for k in range(3):
+        for l in range(3):
+            for r in range(KEPT[k], KEPT[k + 1]):
+                for s in range(KEPT[l], KEPT[l + 1]):
+                    total = 0.0
+                    for p in range(POINTS):
+                        both = square[k, l, p] + rest[k, l, p]
+                        total += tables.kept[kind, r, p] * both * tables.kept[kind, s, p]
+                    C[r, s] = 0.5 * total
+            for p in range(POINTS):
+                square[k, l, p] = rest[k, l, p]
 
 
 @compiled(**INNER)

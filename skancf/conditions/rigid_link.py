@@ -1,0 +1,106 @@
+"""A rigid rod between two points of the surface."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from skancf.arguments import plain, text
+from skancf.conditions import distance
+from skancf.conditions.condition import Condition, Joint
+from skancf.conditions.rows import cells_of, extent_of, in_space
+from skancf.errors import InputError, vector
+from skancf.history import Case
+from skancf.kernels.constants import AXES, VECTORS
+from skancf.layout.layout import Layout, vectors
+from skancf.terms.blocks import Blocks
+from skancf.tolerances import ONE_PLACE
+
+
+@dataclass(frozen=True)
+class RigidLink(Joint):
+    r"""A rigid rod, hinged at both ends, between two points of the mid-surface.
+
+    .. math:: |r(a) - r(b)|^2 = L^2
+
+    Their distance stays what it is undeformed. The multiplier is the force in the rod (N), positive if it pulls.
+
+    Parameters
+    ----------
+    a, b : (2,)
+        Points of the parameter plane.
+    name : str
+        By which results and messages know it.
+
+    Raises
+    ------
+    InputError
+        For points that are none; on a mesh, for one off the surface, and for two that are one place, whose link has no
+        direction.
+
+    Examples
+    --------
+    >>> problem = sk.Problem(..., conditions=[sk.RigidLink((1.0, 0.0), (1.0, 2.0), name="rod")])
+    >>> sk.solve(problem.on(mesh)).unwrap().conditions["rod"]
+    -12.3
+    """
+
+    a: tuple[float, float]
+    b: tuple[float, float]
+    name: str = "rigid link"
+
+    def __post_init__(self) -> None:
+        plain(self)
+        vector("a", self.a, 2)
+        vector("b", self.b, 2)
+        text("name", self.name)
+
+    def on(self, shell: Any, layout: Layout) -> "Distance":
+        rows = shell.position_rows(*shell.geometry.locate_all(np.array([self.a, self.b], float).T))
+        difference = sp.csr_matrix(rows[1] - rows[0])
+        difference.eliminate_zeros()
+        extent = extent_of(layout)
+        length = float(np.linalg.norm(difference @ vectors(layout.undeformed)))
+        if not length > ONE_PLACE * extent:
+            raise InputError(f"{self.name} from {tuple(self.a)} to {tuple(self.b)}: its length is zero, for both points are "
+                             "at one place in space; give two that are apart, or a Hinge for edges that meet")  # fmt: skip
+        return Distance(self.name, difference, length, extent)
+
+
+class Distance(Condition):
+    """The condition of a :class:`RigidLink`, on weights (1, 4 n_blocks) that make the vector between its ends."""
+
+    n = 1
+
+    def __init__(self, name: str, difference: sp.csr_matrix, length: float, extent: float) -> None:
+        self.name, self.length, self.scales = name, length, np.array([extent])
+        self._difference, self._in_space = difference, in_space(difference)
+        self._cells = cells_of(difference)
+        weights = np.zeros((self._cells.shape[1], VECTORS))
+        blocks, kinds = np.divmod(difference.indices, VECTORS)
+        weights[np.searchsorted(self._cells[0], blocks), kinds] = difference.data
+        self._outer = np.kron(np.outer(weights, weights), distance.curvature(length))
+
+    def couples(self) -> np.ndarray:
+        return self._cells
+
+    def value(self, q: np.ndarray, case: Case) -> np.ndarray:
+        return np.array([distance.value(self._apart(q), self.length)])
+
+    def gradient(self, q: np.ndarray) -> sp.csr_matrix:
+        along = sp.csr_matrix(distance.gradient(self._apart(q), self.length)[None])
+        return sp.csr_matrix(along @ self._in_space)
+
+    def add_curvature(self, q: np.ndarray, multipliers: np.ndarray, blocks: Blocks) -> None:
+        blocks.add(self._cells, multipliers[0] * self._outer[None])
+
+    def rows(self) -> list[str]:
+        return ["its length"]
+
+    def forces(self, multipliers: np.ndarray) -> float:
+        """The force in the rod (N), positive if it pulls."""
+        return float(multipliers[0])
+
+    def _apart(self, q: np.ndarray) -> np.ndarray:
+        return np.asarray(self._in_space @ q).reshape(AXES)

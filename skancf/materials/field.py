@@ -1,0 +1,233 @@
+r"""Sections that vary over a surface: thickness, offset and material as functions of place, and zones.
+
+Everything a section says (stiffness, mass, heights of the faces) is asked at places of the parameter plane, and is that of
+the functions there: no polynomial stands between. Integration points ask once, when a system is made.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from skancf.errors import InputError, number
+from skancf.functions import Noted, is_function, values_at
+from skancf.materials.section import Section, section_of
+from skancf.materials.zones import Zone
+
+
+@dataclass(frozen=True)
+class Given:
+    """What the section of a part of the surface is made of: constants, and functions of the parameters (x, y).
+
+    Parameters
+    ----------
+    name : str
+        Of a zone; empty for the plate.
+    material, thickness, offset
+        As those of :class:`~skancf.Problem`.
+    """
+
+    name: str
+    material: Any
+    thickness: Any
+    offset: Any
+
+    def __post_init__(self) -> None:
+        with self._noted():
+            if not is_function(self.offset):
+                number("offset", self.offset)
+            if not is_function(self.material):
+                any_will_do = is_function(self.thickness) and not brings_thickness(self.material)
+                section_of(self.material, 1.0 if any_will_do else self.thickness)
+
+    @property
+    def varies(self) -> bool:
+        """Whether anything is a function."""
+        return any(map(is_function, (self.material, self.thickness, self.offset)))
+
+    def at(self, places: np.ndarray) -> "Layers":
+        """Arrays of the sections at places (2, n) of the parameter plane.
+
+        Raises
+        ------
+        InputError
+            For a thickness that is not positive at some, and for values that are no numbers, laws or laminates.
+        """
+        with self._noted():
+            kinds, which = self._materials(places)
+            made = Layers(*(np.stack(each)[which] for each in zip(*kinds, strict=True)))
+            heights = made.z
+            if self.thickness is not None:
+                heights = heights * self._thickness(places)[:, None]
+            return made._replace(z=heights + _values("offset", self.offset, places)[:, None])
+
+    def _thickness(self, places: np.ndarray) -> np.ndarray:
+        thickness = _values("thickness", self.thickness, places)
+        wrong = np.flatnonzero(~(thickness > 0))
+        if wrong.size:
+            x, y = places[:, wrong[0]]
+            raise InputError(f"thickness = {thickness[wrong[0]]:.6g} at (x, y) = ({x:.6g}, {y:.6g}): a plate is thicker "
+                             "than zero everywhere; end the surface before, or give the function a least value")  # fmt: skip
+        return thickness
+
+    def _materials(self, places: np.ndarray) -> tuple[list["Layers"], np.ndarray]:
+        """Layers of all the materials in a part, of the thickness 1 where it is a law, and which of them is at each place
+        (n,)."""
+        unit = None if self.thickness is None else 1.0
+        if not is_function(self.material):
+            return [Layers.of(section_of(self.material, unit))], np.zeros(places.shape[1], dtype=int)
+        known: dict[Any, int] = {}
+        materials: list[Any] = []
+        which = np.empty(places.shape[1], dtype=int)
+        for k, (x, y) in enumerate(places.T.tolist()):
+            with Noted("material"):
+                material = self.material(x, y)
+            which[k] = known.setdefault(_key(material), len(materials))
+            if which[k] == len(materials):
+                materials.append(material)
+        return filled_up([Layers.of(section_of(material, unit)) for material in materials]), which
+
+    def _noted(self) -> Any:
+        return _Said(before=f"zone {self.name!r}: " if self.name else "")
+
+
+def sections_of(material: Any, thickness: Any, offset: Any = 0.0, zones: Sequence[Zone] = ()) -> "Section | SectionField":
+    """The section of a plate that is everywhere the same, or the field of sections of one that is not."""
+    if zones or any(map(is_function, (material, thickness, offset))):
+        return SectionField(material, thickness, offset, zones)
+    return section_of(material, thickness).about(-number("offset", offset))
+
+
+class SectionField:
+    """The sections of a plate that is not everywhere the same, by place of the parameter plane.
+
+    Parameters
+    ----------
+    material, thickness, offset
+        Of what is in no zone, as those of :class:`~skancf.Problem`, and of a zone that says nothing else. With zones that
+        cover everything they may be missing.
+    zones : sequence of Zone
+
+    Raises
+    ------
+    InputError
+        For what is missing, with the name of the zone.
+    """
+
+    points_law = None
+    """Laws at points are refused, see :meth:`Layers.of`."""
+
+    def __init__(self, material: Any, thickness: Any, offset: Any, zones: Sequence[Zone] = ()):
+        self.zones = tuple(zones)
+        made = [Given(*_of_zone(zone, material, thickness, offset)) for zone in zones]
+        self.covers = material is not None and (thickness is not None or brings_thickness(material) or not zones)
+        self.given = [*made, *([Given("", material, thickness, offset)] if self.covers or not zones else [])]
+
+    @property
+    def varies(self) -> bool:
+        """Whether anything is a function of place within a zone."""
+        return any(part.varies for part in self.given)
+
+    @property
+    def varies_in_material(self) -> bool:
+        """Whether the material is one within a zone."""
+        return any(is_function(part.material) for part in self.given)
+
+    def at(self, places: np.ndarray, zones: Any) -> Section:
+        """Sections at places (2, ...) in zones of these numbers, which broadcast to (...); the rest has the last number."""
+        zones, flat = np.broadcast_to(zones, places.shape[1:]).ravel(), places.reshape(2, -1)
+        present = np.unique(zones)
+        groups = [np.flatnonzero(zones == zone) for zone in present]
+        found = filled_up([self.given[zone].at(flat[:, group]) for zone, group in zip(present, groups, strict=True)])
+        arrays = found[0] if found else NOWHERE
+        if len(found) > 1:
+            order = np.argsort(np.concatenate(groups), kind="stable")
+            arrays = Layers(*(np.concatenate(each)[order] for each in zip(*found, strict=True)))
+        shaped = (each.reshape(*places.shape[1:], *each.shape[1:]) for each in arrays)
+        z, stiffness, density, expansion, thinning = shaped
+        return Section(z, stiffness, density, expansion, thinning, places=places)
+
+
+class Layers(NamedTuple):
+    """Arrays of sections, as :class:`~skancf.materials.Section` has them, with axes of places before or without."""
+
+    z: np.ndarray
+    stiffness: np.ndarray
+    density: np.ndarray
+    expansion: np.ndarray
+    thinning: np.ndarray
+
+    @classmethod
+    def of(cls, section: Section) -> "Layers":
+        if section.points_law is not None:
+            raise InputError(f"material: {type(section.points_law).__name__} is a law at points, of which a plate has one, "
+                             "of one thickness everywhere; leave the zones and functions of place out, or take a linear "
+                             "law")  # fmt: skip
+        return cls(*(getattr(section, name) for name in cls._fields))
+
+    def with_layers(self, n: int) -> "Layers":
+        """With so many layers, by layers of no thickness on top."""
+        more = n - self.density.shape[-1]
+        if not more:
+            return self
+        axes = (-1, -3, -1, -2, -2)
+        last = [np.take(each, [-1] * more, axis) for each, axis in zip(self, axes, strict=True)]
+        return Layers(*map(np.concatenate, zip(self, last, strict=True), axes))
+
+
+NOWHERE = Layers(*(np.empty((0, *shape)) for shape in ((2,), (1, 6, 6), (1,), (1, 6), (1, 3))))
+"""Sections at no places."""
+
+
+def filled_up(sections: Sequence[Layers]) -> list[Layers]:
+    """All with as many layers as that of the most."""
+    most = max((one.density.shape[-1] for one in sections), default=1)
+    return [one.with_layers(most) for one in sections]
+
+
+def brings_thickness(material: Any) -> bool:
+    """Whether a material is a laminate."""
+    return callable(getattr(material, "section", None)) and not isinstance(material, type)
+
+
+def _of_zone(zone: Zone, material: Any, thickness: Any, offset: Any) -> tuple[Any, ...]:
+    """What a zone is made of: what it says itself, and what the problem says of the rest."""
+    material = material if zone.material is None else zone.material
+    if zone.thickness is not None or brings_thickness(material):
+        thickness = zone.thickness
+    return zone.name, material, thickness, offset if zone.offset is None else zone.offset
+
+
+def _values(name: str, given: Any, places: np.ndarray) -> np.ndarray:
+    """A constant or a function at places (2, n), (n,); errors of a function name the place."""
+    try:
+        return values_at(name, given, places)
+    except InputError as wrong:
+        for x, y in places.T:
+            with _Said(f"; at (x, y) = ({x:.6g}, {y:.6g})"):
+                values_at(name, given, np.array([x, y]))
+        raise wrong
+
+
+class _Said:
+    """Errors within say something more, after or before their message."""
+
+    def __init__(self, after: str = "", before: str = ""):
+        self.after, self.before = after, before
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, wrong: BaseException | None, trace: Any) -> None:
+        if type(wrong) is InputError and (self.after or self.before):
+            raise InputError(f"{self.before}{wrong}{self.after}") from wrong
+
+
+def _key(material: Any) -> Any:
+    """What equal materials have in common."""
+    try:
+        hash(material)
+    except TypeError:
+        return id(material)
+    return material

@@ -1,0 +1,66 @@
+"""Meshes with lines where they are wanted."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import skfem
+
+from skancf.arguments import row, whole
+from skancf.materials.zones import Zone, check_zones, lines_of
+from skancf.memory import MESH, require_mesh
+from skancf.meshes.openings import Opening, rectangles_of
+from skancf.meshes.tensor import bounds_of, tensor
+from skancf.surfaces import BoundedSurface
+from skancf.tolerances import ONE_PLACE
+
+
+def with_lines(
+    surface: BoundedSurface, nx: int, ny: int, zones: Sequence[Zone] = (), *, x: Any = (), y: Any = (),
+    openings: Sequence[Opening] = (),
+) -> skfem.MeshQuad:  # fmt: skip
+    """About ``nx`` by ``ny`` rectangles over ``surface.bounds``, with lines where zones end and at some coordinates.
+
+    Between these lines steps are even, at least one, and as near to those of :func:`uniform` as whole numbers are. Quadtrees
+    on this mesh keep its lines.
+
+    Parameters
+    ----------
+    surface : BoundedSurface
+    nx, ny : int
+    zones : sequence of Zone
+        Those of a problem; a rectangle has lines along its four sides, as far as it is in bounds.
+    x, y : sequences of float
+        Coordinates of more lines.
+    openings : sequence of ((x0, x1), (y0, y1))
+        Rectangles without elements; their sides are lines too.
+
+    Raises
+    ------
+    InputError
+        For counts that are not whole numbers of at least 1, a surface without bounds, and zones that overlap.
+
+    Examples
+    --------
+    >>> mesh = sk.meshes.with_lines(plate.surface, 16, 8, plate.zones)
+    """
+    zones, counts, rectangles = check_zones(zones), (whole("nx", nx), whole("ny", ny)), rectangles_of(openings)
+    rows = []
+    for axis, (name, more) in enumerate((("x", x), ("y", y))):
+        low, high = bounds_of(surface)[axis]
+        held = [*lines_of(zones, axis), *row(name, more).tolist(), *rectangles.reshape(-1, 2, 2)[:, axis].ravel().tolist()]
+        require_mesh(counts[axis], MESH)
+        rows.append(row_through(low, high, counts[axis], held))
+    return tensor(surface, rows[0], rows[1], openings)
+
+
+def row_through(low: float, high: float, count: int, held: Sequence[float], wanted: Sequence[float] = ()) -> np.ndarray:
+    """About ``count`` even steps that meet the coordinates ``held``, and those ``wanted`` where no sliver comes of it."""
+    fixed = np.array([low, high])
+    for points, least in ((held, ONE_PLACE * (high - low)), (wanted, (high - low) / count / 4)):
+        for x in sorted(points):
+            if low < x < high and np.abs(fixed - x).min() > least:
+                fixed = np.sort(np.append(fixed, x))
+    parts = np.maximum(1, np.round(count * np.diff(fixed) / (high - low)).astype(int))
+    steps = [np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(fixed[:-1], fixed[1:], parts, strict=True)]
+    return np.append(np.concatenate(steps), high)

@@ -1,0 +1,136 @@
+"""Statics with conditions: multipliers are carried from correction to correction, as stresses of the mixed tangent are."""
+
+from typing import Any
+
+import numpy as np
+
+from skancf.errors import InputError
+from skancf.history import FULL, Case
+from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver, contradiction
+from skancf.statics.corrections import NONE, StaticSystem, Tangents, along_load, factored, skew_part
+from skancf.statics.stopping import Pull, work
+
+PASSES = 1
+"""Of the solve with conditions in a correction: the next correction mends what it leaves."""
+Tangent = SkewSolver | ConditionedSolver
+
+
+def conditions_in(system: Any) -> Any:
+    """The conditions of a system; None where it has none, or knows nothing of them."""
+    return getattr(system, "conditions", None) or None
+
+
+def solver_at(system: Any, solver: DirectSolver, q: np.ndarray) -> Any:
+    """A solver whose answers meet the conditions of a system to first order about q; the same one where there are none."""
+    conditions = conditions_in(system)
+    return ConditionedSolver(solver, conditions.gradient(q)) if conditions else solver
+
+
+def curved(system: Any, matrix: BlockMatrix, q: np.ndarray, multipliers: np.ndarray | None) -> BlockMatrix:
+    """A tangent of a system with the curvature of its conditions."""
+    conditions = conditions_in(system)
+    if not conditions or multipliers is None or not multipliers.size:
+        return matrix
+    blocks = system.blocks()
+    conditions.add_curvature(q, multipliers, blocks)
+    return matrix if blocks.is_zero else matrix + blocks.matrix()
+
+
+def tangent_at(
+    system: Any, q: np.ndarray, load_factor: float, solver: DirectSolver, stresses: np.ndarray | None = None,
+    multipliers: np.ndarray | None = None, pull: Pull | None = None,
+) -> Tangent:  # fmt: skip
+    """:func:`factored`, with conditions where a system has them.
+
+    Raises
+    ------
+    SingularMatrix
+    """
+    if not conditions_in(system):
+        return factored(system, q, load_factor, solver, stresses, pull)
+    matrix = curved(system, system.tangent(q, Case(load_factor), stresses), q, multipliers)
+    if pull:
+        matrix = matrix + pull.strength * pull.metric
+    held: ConditionedSolver = solver_at(system, solver, q)
+    return held.factor(matrix, skew_part(system, q, load_factor))
+
+
+def along_both(system: Any, q: np.ndarray, tangent: Tangent) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives of q and of the multipliers with respect to the load factor."""
+    if not isinstance(tangent, ConditionedSolver):
+        return along_load(system, q, tangent), NONE
+    force, moved, conditions = system.external_force(q), system.prescribed(), system.conditions
+    rate = conditions.value(q, FULL) - conditions.value(q, Case(0.0))
+    change, more = tangent.solve_both(force - tangent.multiply(moved), -(rate + tangent.gradient @ moved))
+    return change + moved, more
+
+
+def require_no_contradiction(system: Any) -> None:
+    """InputError where no small change meets all conditions of the undeformed state with supports where they go."""
+    conditions = conditions_in(system)
+    if not conditions:
+        return
+    at = system.undeformed + system.prescribed()
+    rows = contradiction(conditions.gradient(at), -conditions.value(at), conditions.scales, system.constraints)
+    if not rows.size:
+        return
+    names = list(dict.fromkeys(conditions.owner(row) for row in rows))
+    others = ", ".join(map(repr, names[1:])) or "what supports prescribe"
+    raise InputError(f"conditions contradict each other: {names[0]!r} and {others} cannot be met together, as "
+                     f"{conditions.words(rows[0])} shows. Take one of them out, or let both move alike")  # fmt: skip
+
+
+def solved(tangent: Tangent, rhs: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """A correction of q, that of the multipliers, and the energy of the first."""
+    if not isinstance(tangent, ConditionedSolver):
+        change = tangent.solve(rhs)
+        return change, NONE, work(change, rhs)
+    change, more = tangent.solve_both(rhs, values)
+    return change, more, work(change, tangent.multiply(change))
+
+
+def tangents_of(system: StaticSystem, *options: Any) -> Tangents:
+    """The corrections of a system, with its conditions or without."""
+    return (ConditionedTangents if conditions_in(system) else Tangents)(system, *options)
+
+
+class ConditionedTangents(Tangents):
+    """Those of a system with conditions: the unknowns are q, the multipliers and the load factor."""
+
+    system: Any
+
+    def __init__(self, system: Any, *options: Any) -> None:
+        super().__init__(system, *options)
+        self.conditions = system.conditions
+
+    def unknowns(self, q: np.ndarray, multipliers: np.ndarray | None, load_factor: float) -> np.ndarray:
+        return np.concatenate([q, np.zeros(self.conditions.n) if multipliers is None else multipliers, [load_factor]])
+
+    def unmet(self, x: np.ndarray) -> str:
+        return str(self.conditions.worst(x[: self.n], Case(float(x[-1]))))
+
+    def residual(self, x: np.ndarray) -> np.ndarray:
+        q, multipliers, case = x[: self.n], x[self.n : -1], Case(float(x[-1]))
+        self.values = self.conditions.value(q, case)
+        return super().residual(np.append(q, x[-1])) + self.conditions.force(q, multipliers)
+
+    def correction(self, x: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
+        """By the work of the tangent on the correction."""
+        q, multipliers, load_factor, system = x[: self.n], x[self.n : -1], float(x[-1]), self.system
+        tangent: Any = tangent_at(system, q, load_factor, self.solver, self.stresses, multipliers, self.pull)
+        self.tangent = tangent
+        self.moved = moved = system.constraints.fixed_part(system.undeformed + load_factor * self.prescribed - q)
+        rhs, values = -(residual + tangent.multiply(moved)), -(self.values + tangent.gradient @ moved)
+        change, more = tangent.solve_both(rhs, values, PASSES)
+        change, step = change + moved, 0.0
+        if self.constraint is not None:
+            self.along, self.pulled = along_both(system, q, tangent)
+            step = self.constraint.correction(q + change, load_factor, self.along)
+            if not np.isfinite(step):
+                return np.full_like(x, np.inf), np.inf
+            change, more = change + step * self.along, more + step * self.pulled
+        return np.concatenate([change, more, [step]]), work(change, tangent.multiply(change))
+
+    def step(self, x: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
+        self.stresses = self.system.stresses(x[: self.n], change[: self.n]) if self.mixed else None
+        return x + change

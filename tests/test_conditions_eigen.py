@@ -24,7 +24,10 @@ HINGE, ROD = sk.Hinge("start", "end"), sk.RigidLink((0.0, 0.5), (0.5, 2.5))
 theories = pytest.mark.parametrize("theory", ["kirchhoff", "full"])
 
 
-def tube(joints, theory="kirchhoff", n=(2, 8), supports=(sk.Clamp("left"),), loads=()):
+CLAMPED = (sk.Clamp("left"),)
+
+
+def tube(joints, theory="kirchhoff", n=(2, 8), supports=CLAMPED, loads=()):
     problem = sk.Problem(TUBE, 0.01, STEEL, supports, loads, conditions=list(joints))
     return problem.on(sk.meshes.uniform(TUBE, *n), theory)
 
@@ -138,7 +141,8 @@ def hinged_ring(n, degree=24):
     r""":math:`\omega^2 \rho A R^4 / E I` of in-plane motions of a ring that does not stretch and has one hinge, (n,).
 
     Ritz's method with the tangential motion v, a polynomial of the angle; the radial one is v' and turns by v'' + v, both
-    sides of the hinge as they like: :math:`\int (v''' + v')(\delta v''' + \delta v') = \Omega^2 \int v \delta v + v' \delta v'`.
+    sides of the hinge as they like:
+    :math:`\int (v''' + v')(\delta v''' + \delta v') = \Omega^2 \int v \delta v + v' \delta v'`.
     """
     x, weights = legendre.leggauss(degree + 5)
     every = np.eye(degree + 1)
@@ -194,7 +198,8 @@ def strips(n, joints):
     x = np.array([-0.1, *np.linspace(0, LENGTH, n + 1)])
     y = np.array([0.0, *np.linspace(WIDTH, 1 + WIDTH, 11), 1 + 2 * WIDTH])
     mesh = sk.meshes.tensor(surface, x, y, openings=[((0.0, LENGTH), (WIDTH, 1 + WIDTH))])
-    return sk.Problem(surface, THICKNESS, BAR, [sk.Clamp(lambda x, y: x < 1e-9)], conditions=list(joints)).on(mesh, "kirchhoff")
+    root = [sk.Clamp(lambda x, y: x < 1e-9)]
+    return sk.Problem(surface, THICKNESS, BAR, root, conditions=list(joints)).on(mesh, "kirchhoff")
 
 
 def test_two_cantilevers_whose_tips_a_link_ties():
@@ -220,8 +225,9 @@ ROOT, GAP = 0.1, 0.5
 PRESSED = BAR.young * WIDTH * THICKNESS**3 / 12 / LENGTH**2 * (
     brentq(lambda x: np.sin(x) - x * (1 + GAP / LENGTH) * np.cos(x), 0.1, np.pi / 2) ** 2
 )  # fmt: skip
-r"""Force at which a clamped column buckles that is pressed by a link of length a whose other end stays on its line: the tip is
-pushed aside by P w(L) / a, so that :math:`\tan k L = k (L + a)` with :math:`k^2 = P / E I`; without a, k L = pi / 2."""
+r"""Force at which a clamped column buckles that is pressed by a link of length a whose other end stays on its line: the tip
+is pushed aside by P w(L) / a, so that :math:`\tan k L = k (L + a)`, :math:`k^2 = P / E I`. A dead force has k L = pi/2."""
+
 
 
 def column(load=1.0, n=8, theory="kirchhoff", joints=()):

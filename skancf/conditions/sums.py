@@ -115,5 +115,5 @@ def refuse(system: Any, what: str) -> None:
     conditions = getattr(system, "conditions", None)
     if conditions:
         raise InputError(f"{what} cannot take conditions yet, and this system has {', '.join(map(repr, conditions.names))}; "
-                         "statics can (solve, solve_linear, trace). Leave them out, or hold the parts together by a term of "
-                         "your own, as a stiff spring")  # fmt: skip
+                         "statics can (solve, solve_linear, trace, modes, buckling). Leave them out, or hold the parts "
+                         "together by a term of your own, as a stiff spring")  # fmt: skip

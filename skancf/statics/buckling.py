@@ -172,7 +172,7 @@ def buckling(
 def _require_load(system: System) -> None:
     """InputError where nothing loads a structure: no load, and nothing that is held moves."""
     conditions, start = conditions_in(system), system.undeformed
-    moves = system.prescribed().any() or (conditions and conditions.value(start).any())
+    moves = system.prescribed().any() or (conditions and not conditions.met(conditions.value(start)))
     if not (moves or system.external_force(start).any()):
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
 

@@ -71,7 +71,10 @@ def require_no_contradiction(system: Any) -> None:
     if not conditions:
         return
     at = system.undeformed + system.prescribed()
-    rows = contradiction(conditions.gradient(at), -conditions.value(at), conditions.scales, system.constraints)
+    values = conditions.value(at)
+    if conditions.met(values):
+        return
+    rows = contradiction(conditions.gradient(at), -values, conditions.scales, system.constraints)
     if not rows.size:
         return
     names = list(dict.fromkeys(conditions.owner(row) for row in rows))

@@ -142,7 +142,7 @@ LEFT_BY_REFINEMENT = 1e-6
 GMRES_RTOL = 1e-9
 """Of the solution without the skew part of a matrix: what is left when the one with it is found."""
 PASSED = 1e-12
-"""Of the answer of a linear solve with conditions: the last pass. Each gains a factor of 1e3 to 1e5: two or three do."""
+"""Of the answer of a linear solve with conditions, and of its multipliers: the last pass. Each gains a thousandfold."""
 ROUNDED_LEAST_SQUARES = 1e-14
 """Of matrix and right-hand side: where an iteration for least squares ends."""
 CONTRADICTION = 1e-6

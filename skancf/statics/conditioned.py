@@ -8,6 +8,7 @@ from skancf.conditions.solver import conditions_in, curved, solver_at
 from skancf.errors import InputError
 from skancf.history import FULL, Case
 from skancf.linear import ConditionedSolver, DirectSolver, SkewSolver, contradiction
+from skancf.solution import Solution
 from skancf.statics.corrections import NONE, StaticSystem, Tangents, along_load, factored, skew_part
 from skancf.statics.stopping import Pull, work
 
@@ -43,6 +44,13 @@ def along_both(system: Any, q: np.ndarray, tangent: Tangent) -> tuple[np.ndarray
     rate = conditions.value(q, FULL) - conditions.value(q, Case(0.0))
     change, more = tangent.solve_both(force - tangent.multiply(moved), -(rate + tangent.gradient @ moved))
     return change + moved, more
+
+
+def at_rest(system: Any) -> Solution:
+    """The undeformed state without loads, from which statics begins."""
+    conditions = conditions_in(system)
+    multipliers = np.zeros(conditions.n) if conditions else None
+    return Solution(system, system.undeformed.copy(), load_factor=0.0, multipliers=multipliers)
 
 
 def require_no_contradiction(system: Any) -> None:

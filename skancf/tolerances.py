@@ -147,7 +147,7 @@ GMRES_RTOL = 1e-9
 NO_CHANGE = 1e-6
 """Of a strain between two states, relative to the strains: what is of third order in it is rounding of the energy."""
 PASSED = 1e-12
-"""Of the answer of a linear solve with conditions: the last pass. Each gains a factor of 1e3 to 1e5: two or three do."""
+"""Of the answer of a linear solve with conditions, and of its multipliers: the last pass. Each gains a thousandfold."""
 ROUNDED_LEAST_SQUARES = 1e-14
 """Of matrix and right-hand side: where an iteration for least squares ends."""
 CONTRADICTION = 1e-6

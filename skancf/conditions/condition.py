@@ -14,6 +14,7 @@ import scipy.sparse as sp
 
 from skancf.history import Case
 from skancf.layout.layout import Layout
+from skancf.layout.singularities import Singularity
 from skancf.terms.blocks import Blocks
 
 
@@ -63,6 +64,10 @@ class Condition:
 
     def histories(self) -> list[Any]:
         """Its functions of time. Default: none."""
+        return []
+
+    def singularities(self, case: Case) -> list[Singularity]:
+        """What its forces do that is not smooth: see :class:`~skancf.layout.singularities.Singularity`. Default: nothing."""
         return []
 
     def forces(self, multipliers: np.ndarray) -> Any:

@@ -14,6 +14,7 @@ from skancf.errors import InputError, vector
 from skancf.history import Case
 from skancf.kernels.constants import AXES, VECTORS
 from skancf.layout.layout import Layout, vectors
+from skancf.layout.singularities import Singularity
 from skancf.terms.blocks import Blocks
 from skancf.tolerances import ONE_PLACE
 
@@ -61,26 +62,27 @@ class RigidLink(Joint):
         difference = sp.csr_matrix(rows[1] - rows[0])
         difference.eliminate_zeros()
         extent = extent_of(layout)
-        length = float(np.linalg.norm(difference @ vectors(layout.undeformed)))
-        if not length > ONE_PLACE * extent:
+        way = (difference @ vectors(layout.undeformed))[0]
+        if not np.linalg.norm(way) > ONE_PLACE * extent:
             raise InputError(f"{self.name} from {tuple(self.a)} to {tuple(self.b)}: its length is zero, for both points are "
                              "at one place in space; give two that are apart, or a Hinge for edges that meet")  # fmt: skip
-        return Distance(self.name, difference, length, extent)
+        ends = shell.geometry.within(np.array([self.a, self.b], float).T)
+        return Distance(self.name, difference, way, extent, ends)
 
 
 class Distance(Condition):
-    """The condition of a :class:`RigidLink`, on weights (1, 4 n_blocks) that make the vector between its ends."""
+    """The condition of a :class:`RigidLink`, on weights (1, 4 n_blocks) that make the vector between its ends (2, 2)."""
 
     n = 1
 
-    def __init__(self, name: str, difference: sp.csr_matrix, length: float, extent: float) -> None:
-        self.name, self.length, self.scales = name, length, np.array([extent])
-        self._difference, self._in_space = difference, in_space(difference)
+    def __init__(self, name: str, difference: sp.csr_matrix, way: np.ndarray, extent: float, ends: np.ndarray) -> None:
+        self.name, self.length, self.scales, self._ends = name, float(np.linalg.norm(way)), np.array([extent]), ends
+        self._in_space, self._way = in_space(difference), way / self.length
         self._cells = cells_of(difference)
         weights = np.zeros((self._cells.shape[1], VECTORS))
         blocks, kinds = np.divmod(difference.indices, VECTORS)
         weights[np.searchsorted(self._cells[0], blocks), kinds] = difference.data
-        self._outer = np.kron(np.outer(weights, weights), distance.curvature(length))
+        self._outer = np.kron(np.outer(weights, weights), distance.curvature(self.length))
 
     def couples(self) -> np.ndarray:
         return self._cells
@@ -97,6 +99,10 @@ class Distance(Condition):
 
     def rows(self) -> list[str]:
         return ["its length"]
+
+    def singularities(self, case: Case) -> list[Singularity]:
+        """A force at both ends, along the undeformed rod."""
+        return [Singularity("force", self._ends, "a RigidLink", vector=self._way)]
 
     def forces(self, multipliers: np.ndarray) -> float:
         """The force in the rod (N), positive if it pulls."""

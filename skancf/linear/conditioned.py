@@ -29,12 +29,12 @@ from skancf.linear.skew import SkewSolver
 from skancf.linear.solver import DirectSolver
 from skancf.tolerances import CONDITION_HELD, CONTRADICTION, PASSED, ROUNDED_LEAST_SQUARES, SOFTEST_OF_BLOCK
 
-STIFFNESS = 1e4
-"""Of P, over the stiffness that the matrix has against a row. From 1e2 to 1e8 the answer is the same; less gains less in a
-pass, more takes Newton's method longer where shells are very thin."""
+STIFFNESS = 1e3
+"""Of P, over the stiffness that the matrix has against a row: so much a pass gains. With more, its rounding is more than the
+bending stiffness of very thin shells."""
 VECTOR = 3
 MOST = 12
-"""Passes of a linear solve; two are the rule."""
+"""Passes of a linear solve; five to eight are the rule."""
 SLOW = 0.5
 """A pass that leaves more of the correction before it gains nothing."""
 

@@ -4,36 +4,17 @@ from typing import Any
 
 import numpy as np
 
+from skancf.conditions.solver import conditions_in, curved, solver_at
 from skancf.errors import InputError
 from skancf.history import FULL, Case
-from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver, contradiction
+from skancf.linear import ConditionedSolver, DirectSolver, SkewSolver, contradiction
+from skancf.solution import Solution
 from skancf.statics.corrections import NONE, StaticSystem, Tangents, along_load, factored, skew_part
 from skancf.statics.stopping import Pull, work
 
 PASSES = 1
 """Of the solve with conditions in a correction: the next correction mends what it leaves."""
 Tangent = SkewSolver | ConditionedSolver
-
-
-def conditions_in(system: Any) -> Any:
-    """The conditions of a system; None where it has none, or knows nothing of them."""
-    return getattr(system, "conditions", None) or None
-
-
-def solver_at(system: Any, solver: DirectSolver, q: np.ndarray) -> Any:
-    """A solver whose answers meet the conditions of a system to first order about q; the same one where there are none."""
-    conditions = conditions_in(system)
-    return ConditionedSolver(solver, conditions.gradient(q)) if conditions else solver
-
-
-def curved(system: Any, matrix: BlockMatrix, q: np.ndarray, multipliers: np.ndarray | None) -> BlockMatrix:
-    """A tangent of a system with the curvature of its conditions."""
-    conditions = conditions_in(system)
-    if not conditions or multipliers is None or not multipliers.size:
-        return matrix
-    blocks = system.blocks()
-    conditions.add_curvature(q, multipliers, blocks)
-    return matrix if blocks.is_zero else matrix + blocks.matrix()
 
 
 def tangent_at(
@@ -63,6 +44,13 @@ def along_both(system: Any, q: np.ndarray, tangent: Tangent) -> tuple[np.ndarray
     rate = conditions.value(q, FULL) - conditions.value(q, Case(0.0))
     change, more = tangent.solve_both(force - tangent.multiply(moved), -(rate + tangent.gradient @ moved))
     return change + moved, more
+
+
+def at_rest(system: Any) -> Solution:
+    """The undeformed state without loads, from which statics begins."""
+    conditions = conditions_in(system)
+    multipliers = np.zeros(conditions.n) if conditions else None
+    return Solution(system, system.undeformed.copy(), load_factor=0.0, multipliers=multipliers)
 
 
 def require_no_contradiction(system: Any) -> None:

@@ -4,9 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from skancf.conditions.solver import curved, solver_at
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
-from skancf.statics.conditioned import curved, solver_at
 from skancf.statics.corrections import StaticSystem
 
 INVERSE_ITERATIONS = 12

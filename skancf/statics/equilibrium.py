@@ -1,7 +1,5 @@
 """Equilibrium under the loads: the nonlinear one, that of small deflections, and that along the path."""
 
-
-
 from skancf.arguments import instance
 from skancf.errors import number, positive
 from skancf.linear import DirectSolver
@@ -9,6 +7,7 @@ from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.cascade import Cascade, Settings
+from skancf.statics.conditioned import at_rest
 from skancf.statics.controls import ArcLength
 from skancf.statics.diagnosis import require_support
 from skancf.statics.path import traced
@@ -88,7 +87,7 @@ def equilibrium(
     backend: str = "auto", progress: bool = False,
 ) -> StaticResult:  # fmt: skip
     """:func:`solve` for a system that is known to be supported, without a judgement of its theory."""
-    begin = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
+    begin = start or at_rest(system)
     if follow and begin.load_factor != load_factor:
         return _followed(begin, load_factor, rtol, mixed, backend, progress)
     solver = DirectSolver(system.pattern, system.constraints, backend)

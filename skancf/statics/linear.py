@@ -4,12 +4,12 @@ import warnings
 
 import numpy as np
 
+from skancf.conditions.solver import solver_at
 from skancf.errors import DidNotConverge, OutOfDepth
 from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
-from skancf.statics.conditioned import conditions_in, solver_at
 from skancf.statics.diagnosis import require_support
 from skancf.statics.newton import OPEN
 from skancf.statics.validity import warn_if_loose, warn_if_thick, warn_without_time

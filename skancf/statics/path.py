@@ -12,6 +12,7 @@ from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
+from skancf.statics.conditioned import at_rest
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.critical import turning_estimate
 from skancf.statics.diagnosis import NEAR, require_support
@@ -154,7 +155,7 @@ def traced(
     max_iterations: int = 15, mixed: bool = True, backend: str = "auto", progress: bool = False,
 ) -> PathResult:  # fmt: skip
     """:func:`trace` for a system that is known to be supported, and arguments that are checked."""
-    at = start or Solution(system, system.undeformed.copy(), load_factor=0.0)
+    at = start or at_rest(system)
     control = ArcLength() if control is None else control
     if not isinstance(control, ArcLength | DisplacementControl):
         raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")

@@ -16,9 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from skancf.conditions.solver import curved, solver_at
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
-from skancf.statics.conditioned import curved, solver_at, tangent_at
+from skancf.statics.conditioned import tangent_at
 from skancf.statics.corrections import StaticSystem
 from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.stopping import Pull, work

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from skancf.checks import Check
+from skancf.conditions.solver import conditions_in
 from skancf.errors import SingularMatrix
 from skancf.history import FULL, Case
 from skancf.linear import DirectSolver
-from skancf.statics.conditioned import conditions_in, solved, tangent_at
+from skancf.statics.conditioned import solved, tangent_at
 from skancf.statics.corrections import none
 from skancf.statics.stopping import is_rigid, moves, stored, work
 from skancf.system.linearised import Exact, Linearised

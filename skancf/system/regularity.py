@@ -15,12 +15,12 @@ from skancf.system.system import System
 
 
 def singularities(system: System, case: Case = FULL) -> list[Singularity]:
-    """Those of all supports, loads and other terms.
+    """Those of all supports, loads, other terms and conditions.
 
     Raises
     ------
     InputError
-        Where a load, support or term of the user's own says something else.
+        Where a load, support, term or condition of the user's own says something else.
     """
     out: list[Singularity] = []
     for support in system.problem.supports:
@@ -29,6 +29,8 @@ def singularities(system: System, case: Case = FULL) -> list[Singularity]:
         out += _checked("support", support, said, system.geometry)
     for term in system.terms:
         out += _checked("load" if term.load else "term", getattr(term, "acting", term), term.singularities, case)
+    for condition in system.conditions:
+        out += _checked("condition", condition, condition.singularities, case)
     return out
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.conditions.solver import solver_at
 from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver, factor_shifted, soft_motions
 from skancf.system.rigid import free_rigid_motions
@@ -51,11 +52,12 @@ def first_share(system: System) -> float:
     rigid = len(free_rigid_motions(system))
     with DirectSolver(system.pattern, system.constraints) as solver:
         try:
-            factor_shifted(solver, stiffness, system.mass)
+            held = solver_at(system, solver, system.undeformed)
+            factor_shifted(held, stiffness, system.mass)
         except SingularMatrix as none:
             raise InputError(f"theory = 'auto' judges by the first vibration, and there is none ({none}); name the theory, "
                              "'kirchhoff' or 'full'") from none  # fmt: skip
-        values, shapes = soft_motions(system, solver, stiffness, rigid + SPARE, ITERATIONS)
+        values, shapes = soft_motions(system, held, stiffness, rigid + SPARE, ITERATIONS)
     first = np.argsort(values)[min(rigid, len(values) - 1)]
     value, shape, start = float(values[first]), shapes[first], system.undeformed
     product = product_of(ShearForm(system), start, shape)

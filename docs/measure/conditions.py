@@ -1,0 +1,93 @@
+"""How stiff the product of conditions is to be: passes of linear solves, iterations of Newton's method, and the force along
+a hinge.
+
+From the folder of the repository, in a minute:
+
+    .venv/bin/python docs/measure/conditions.py
+"""
+
+import warnings
+
+import numpy as np
+from tables import write
+
+import skancf as sk
+from skancf.linear import ConditionedSolver, DirectSolver, conditioned
+
+RADIUS, WIDTH, YOUNG = 1.0, 0.3, 2e11
+STIFFNESSES = (1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
+THICKNESSES = (1e-1, 1e-2, 1e-3, 1e-4, 3e-5)
+RING = sk.CylinderSector(RADIUS, WIDTH, 2 * np.pi)
+USED = conditioned.STIFFNESS
+
+
+def opposite(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return np.abs(y - np.pi) < 1e-6
+
+
+def hinged(thickness: float, force: float, theory: str = "kirchhoff", rods: int = 0) -> sk.system.System:
+    """A ring pulled at its hinge, with a skew link across it, perhaps several times."""
+    links = [sk.RigidLink((0.0, 0.5), (WIDTH, 2.5))] * rods
+    problem = sk.Problem(
+        RING, thickness, sk.Isotropic(YOUNG, 0.3, 7800.0), [sk.Clamp(opposite)],
+        [sk.EdgeLoad("start", (0.0, -force / WIDTH, 0.0))], conditions=[sk.Hinge("start", "end"), *links],
+    )  # fmt: skip
+    return problem.on(sk.meshes.uniform(RING, 2, 24), theory)
+
+
+def passes(thickness: float, stiffness: float) -> list[str]:
+    """What passes leave of a linear answer, in its mean displacement, and how many there are until nothing changes."""
+    system = hinged(thickness, 1.0, rods=2)
+    start, mass = system.undeformed, system.mass
+    gradient, load = system.conditions.gradient(start), system.external_force(start)
+    answers = {}
+    for each in (1e3, stiffness):
+        conditioned.STIFFNESS = each
+        solver = ConditionedSolver(DirectSolver(system.pattern, system.constraints), gradient).factor(system.stiffness())
+        zero = np.zeros(gradient.shape[0])
+        answers[each] = [solver.solve_both(load, zero, count)[0] for count in (1, 2, 3, None)]
+    conditioned.STIFFNESS = USED
+    reference = answers[1e3][-1]
+    errors = [x - reference for x in answers[stiffness]]
+    off = [np.sqrt(e @ (mass @ e) / (reference @ (mass @ reference))) for e in errors]
+    return [*(f"{each:.0e}" for each in off[:3]), f"{solver.passes}" if not solver.lost else f"stays at {solver.lost:.0e}"]
+
+
+def iterations(thickness: float, stiffness: float, theory: str) -> str:
+    """Of three load steps to half a radius."""
+    conditioned.STIFFNESS = stiffness
+    bending = YOUNG * thickness**3 / 12 * WIDTH
+    ring = hinged(thickness, 3 * bending / RADIUS**2, theory)
+    found = sk.solve(ring, control=sk.HalveAndGrow(first=1 / 3, growth=1.0), relax=False)
+    conditioned.STIFFNESS = USED
+    return " ".join(str(result.iterations) for _, result in found.attempts) if found.ok else "fails"
+
+
+def along(n: int, theory: str) -> np.ndarray:
+    """Force per length along a hinge with a load that varies along it."""
+    tube = sk.CylinderSector(RADIUS, 1.0, 2 * np.pi)
+    load = sk.EdgeLoad("start", lambda x, y: [0 * x, -np.sin(2 * x) - x, 0.2 * x**2])
+    problem = sk.Problem(tube, 0.1, sk.Isotropic(YOUNG, 0.3, 7800.0), [sk.Clamp(opposite)], [load],
+                         conditions=[sk.Hinge("start", "end")])  # fmt: skip
+    answer = sk.solve_linear(problem.on(sk.meshes.uniform(tube, n, 16), theory))
+    return np.asarray(answer.conditions["hinge"].per_length(np.linspace(0.26, 0.74, 65)))
+
+
+def main() -> None:
+    warnings.simplefilter("ignore", sk.OutOfDepth)
+    write("conditions_passes.csv", "t / R; stiffness; 1 pass; 2; 3; passes until nothing changes",
+          [[f"{t:.0e}", f"{k:.0e}", *passes(t, k)] for t in THICKNESSES for k in STIFFNESSES])  # fmt: skip
+    write("conditions_newton.csv", "t / R; theory; " + "; ".join(f"{k:.0e}" for k in STIFFNESSES),
+          [[f"{t:.0e}", theory, *(iterations(t, k, theory) for k in STIFFNESSES)]
+           for t in THICKNESSES[1:] for theory in ("kirchhoff", "full")])  # fmt: skip
+    rows = []
+    for theory in ("kirchhoff", "full"):
+        found = {n: along(n, theory) for n in (4, 8, 16, 48)}
+        size = np.sqrt((found[48] ** 2).mean())
+        off = [np.sqrt(((found[n] - found[48]) ** 2).mean()) / size for n in (4, 8, 16)]
+        rows.append([theory, *(f"{each:.2g}" for each in off), f"{np.log2(off[1] / off[2]):.2f}"])
+    write("conditions_force.csv", "theory; 4 elements along the hinge; 8; 16; order", rows)
+
+
+if __name__ == "__main__":
+    main()

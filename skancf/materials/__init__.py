@@ -5,8 +5,9 @@ from skancf.materials.field import SectionField, sections_of
 from skancf.materials.isotropic import Isotropic
 from skancf.materials.laminate import Laminate, Layer
 from skancf.materials.law import Anisotropic, Law
+from skancf.materials.made import section_of
 from skancf.materials.orthotropic import Orthotropic
-from skancf.materials.section import Section, section_of
+from skancf.materials.section import Section
 from skancf.materials.zones import Zone
 
 ALL = [Isotropic, Orthotropic, Anisotropic]

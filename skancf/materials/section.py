@@ -16,6 +16,8 @@ from skancf.tolerances import ROUNDED_PLACE
 
 LEAST, MOST = 1e-80, 1e80
 """Of stiffnesses and mass per area: cubes of them times those of lengths are computed with."""
+FARTHEST = 1e6
+"""Heights over the thickness: of its square, the part of the bending stiffness about the middle has fewer digits."""
 SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
 
@@ -97,6 +99,11 @@ class Section:
                                  f"{value:.3g} {unit}, and products of numbers beyond {LEAST:g} to {MOST:g} are no "
                                  "floating-point numbers, or zero; give thickness, moduli and density in other "
                                  "units")  # fmt: skip
+
+        reach, thickness = np.abs(self.z).max(axis=-1), np.asarray(self.thickness)
+        if (far := reach > FARTHEST * thickness).any():
+            raise InputError(f"offset: heights of a section reach {reach[far].flat[0]:.3g} m{self.said_of(far)}, over "
+                             f"{FARTHEST:g} times its thickness, where bending is lost in rounding; put the surface nearer")
 
     def at(self, points: np.ndarray, elements: np.ndarray | None = None) -> "Section":
         """The section at local points (2, n) of elements (m,): itself, which is everywhere the same. That of a field is

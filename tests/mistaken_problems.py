@@ -59,10 +59,31 @@ class Uses:
 
 
 def add_problems(add: Any, s: Any) -> None:
+    add_sections(add, s)
     add_surfaces(add, s)
     add_loads(add, s)
     add_supports(add, s)
     add_places(add, s)
+
+
+def add_sections(add: Any, s: Any) -> None:
+    """Problems and zones, made into systems: their functions of place are called then."""
+    where = ((0.0, 0.5), (0.0, 1.0))
+    kinds = {"thickness": "field", "offset": "field", "where": "any"}
+    for theory in THEORIES:
+        def on(problem: Any, theory: str = theory) -> Any:
+            system = problem.on(s.plain, theory)
+            return system.undeformed, system.stiffness().values
+
+        def zone(zone: Any, theory: str = theory) -> Any:
+            return on(sk.Problem(s.surface, 0.01, s.material, [sk.Clamp("left")], zones=[zone]), theory)
+
+        add(f"Problem {theory}", used(sk.Problem, on), surface=s.surface, thickness=0.01, material=s.material,
+            supports=[sk.Clamp("left")], loads=[sk.Gravity()], damping=sk.Damping(), terms=[], offset=0.001,
+            zones=[sk.Zone("a", where, thickness=0.02)], takes="damping:none",
+            kinds={"supports": "items", "loads": "items", "zones": "items", **kinds})  # fmt: skip
+        add(f"Zone {theory}", used(sk.Zone, zone), name="a", where=where, thickness=0.02, material=s.material, offset=0.001,
+            takes="thickness:none,material:none,offset:none", kinds=kinds)  # fmt: skip
 
 
 def add_surfaces(add: Any, s: Any) -> None:

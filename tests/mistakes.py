@@ -319,9 +319,6 @@ def add_materials(add: Any, s: Scene) -> None:
     add("Layer", sk.Layer, material=s.material, thickness=0.1, angle=0.1)
     add("Laminate", sk.Laminate, layers=[sk.Layer(s.material, 0.1)], offset=0.1, kinds={"layers": "items"})
     add("Damping", sk.Damping, mass=0.1, stiffness=0.1)
-    add("Problem", sk.Problem, surface=s.surface, thickness=0.01, material=s.material, supports=[sk.Clamp("left")],
-        loads=[sk.Gravity()], damping=sk.Damping(), terms=[], takes="damping:none",
-        kinds={"supports": "items", "loads": "items", "thickness": "number"})  # fmt: skip
     add("Problem.on", s.problem.on, mesh=s.plain, theory="full", tolerance=0.01)
     add("through_thickness", sk.through_thickness, mesh=s.plain, thickness=0.1, n=2, n_z=2)
     add("Full", sk.Full, assumed=True, n_thickness=3)
@@ -361,6 +358,10 @@ def add_histories(add: Any) -> None:
 def add_meshes(add: Any, s: Scene) -> None:
     m = sk.meshes
     opening = [((0.0, 0.5), (0.0, 0.5))]
+    zone = sk.Zone("a", ((0.0, 0.3), (0.0, 1.0)), thickness=0.02)
+    add("with_lines", m.with_lines, surface=s.surface, nx=2, ny=2, zones=[zone], x=[0.5], y=[0.5], openings=opening,
+        aliases={"nx": "elements", "ny": "elements"}, kinds={"zones": "items"},
+        takes="openings:empty,openings:nothing,y:half")  # fmt: skip
     add("uniform", m.uniform, surface=s.surface, nx=2, ny=2, openings=opening, aliases={"nx": "elements", "ny": "elements"},
         takes="openings:empty,openings:nothing")  # fmt: skip
     row = [0.0, 0.5, 1.0]

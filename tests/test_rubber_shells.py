@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.materials import Gent, MooneyRivlin, NeoHooke, Ogden
+from skancf.materials import Gent, MooneyRivlin, NeoHooke, Ogden, section_of
 from skancf.materials.point_law import FINE, PointResponse
-from skancf.materials.section import section_of
 from skancf.meshes import uniform
 from skancf.system.unstressed import unstressed
 

@@ -127,8 +127,8 @@ def test_a_tapered_strip_of_theory_full_has_its_shear_too():
 
 
 def blade(share, n=16):
-    """Frequencies of a tapered cantilever, in units of a uniform one: omega L^2 sqrt(rho A0 / E I0), by Ritz's method
-    with polynomials, which are exact to rounding."""
+    """Frequencies of a tapered cantilever, omega L^2 sqrt(rho A0 / E I0), by Ritz's method with polynomials, which are exact
+    to rounding."""
     x, w = np.polynomial.legendre.leggauss(60)
     x, w, h = (x + 1) / 2, w / 2, 1 - share * (x + 1) / 2
     shapes = [np.polynomial.Legendre.basis(k, [0, 1]) * np.polynomial.Polynomial([0, 0, 1]).convert(
@@ -158,8 +158,7 @@ def test_modes_of_a_tapered_blade(share):
 
 @theories
 def test_weight_of_a_taper_with_a_flat_bottom(theory):
-    """Hung up by its root along x: weight acts at the centre of mass, which is off the surface, but bends nothing that moves
-    it: stresses are those of the weight below over the section, with the offset's moment balanced."""
+    """Weight acts at the centre of mass; the surface is the bottom, and the answer that of the plate about its mid-plane."""
     def thickness(x, y):
         return H * (1 - 0.5 * x / L)
 
@@ -239,7 +238,10 @@ def test_fibres_that_turn():
         return sk.Orthotropic((4 * E, E, E), (0.0, 0.0, 0.0), (E / 2, E / 2, E / 2), RHO, angle=0.6 * x)
 
     section = sk.Problem(STRIP, H, turned).on(sk.meshes.uniform(STRIP, 2, 1)).assembly.section
-    assert same(section.at_places(np.array([[0.5], [0.05]])).stiffness[0, 0], ply.stiffness())
+    one = section.at_places(np.array([[0.5], [0.05]])).one(0)
+    assert same(one.stiffness[0], ply.stiffness()) and one.thermal_resultants(1.0, 0.0).shape == (6,)
+    with pytest.raises(InputError, match=r"another one at each place.*\.one\(0\)"):
+        section.at(INSIDE).thermal_resultants(1.0, 0.0)
 
 
 WRONG = {

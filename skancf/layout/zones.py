@@ -89,7 +89,7 @@ class SectionsOnMesh:
         for zone in np.unique(self.zones):
             here = self.zones == zone
             found = {int(np.argmax(np.where(here[:, None], size, -1.0))) for size in (section.thickness, off)}
-            out += [_one(section, np.unravel_index(place, off.shape)) for place in sorted(found)]
+            out += [section.one(np.unravel_index(place, off.shape)) for place in sorted(found)]
         return out
 
     def key(self, points: np.ndarray) -> np.ndarray:
@@ -108,13 +108,6 @@ class SectionsOnMesh:
 def section_on(geometry: Geometry, section: Section | SectionField) -> Section | SectionsOnMesh:
     """A section on a mesh: one that is everywhere the same is that on every mesh."""
     return SectionsOnMesh(section, geometry) if isinstance(section, SectionField) else section
-
-
-def _one(section: Section, place: tuple[np.intp, ...]) -> Section:
-    """The section at one of many places, without layers that have no thickness there."""
-    there = section.thicknesses[place] > 0
-    z, others = section.z[place], (section.stiffness, section.density, section.expansion, section.thinning)
-    return Section(np.append(z[:1], z[1:][there]), *(each[place][there] for each in others))
 
 
 def zones_of_elements(geometry: Geometry, field: SectionField) -> np.ndarray:

@@ -6,9 +6,10 @@ from skancf.materials.hyperelastic import Gent, Hyperelastic, MooneyRivlin, NeoH
 from skancf.materials.isotropic import Isotropic
 from skancf.materials.laminate import Laminate, Layer
 from skancf.materials.law import Anisotropic, Law
+from skancf.materials.made import section_of
 from skancf.materials.orthotropic import Orthotropic
 from skancf.materials.point_law import BeyondLaw, PointLaw, PointResponse
-from skancf.materials.section import Section, section_of
+from skancf.materials.section import Section
 from skancf.materials.zones import Zone
 
 ALL = [Isotropic, Orthotropic, Anisotropic]

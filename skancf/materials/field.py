@@ -12,7 +12,8 @@ import numpy as np
 
 from skancf.errors import InputError, number
 from skancf.functions import Noted, is_function, values_at
-from skancf.materials.section import Section, section_of
+from skancf.materials.made import section_of
+from skancf.materials.section import Section
 from skancf.materials.zones import Zone
 
 

@@ -8,8 +8,9 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive, shown
 from skancf.materials.law import Law, require_law, stiffness_of, thinning_of, turned, turned_strain, turned_thinning
+from skancf.materials.made import stack
 from skancf.materials.point_law import is_point_law
-from skancf.materials.section import Section, stack
+from skancf.materials.section import Section
 from skancf.materials.shear import with_shear_of_equilibrium
 
 

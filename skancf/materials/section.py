@@ -3,7 +3,6 @@ r"""A section: the layers through the thickness, and what they amount to per are
 Classical lamination theory is that of R. M. Jones, *Mechanics of Composite Materials*, 2nd ed. (1999), chapter 4.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -11,14 +10,15 @@ from typing import Any
 import numpy as np
 
 from skancf.elements.quad_ancf import gauss
-from skancf.errors import InputError, finite, positive
-from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, require_law, stiffness_of, thinning, thinning_of
-from skancf.materials.own_point_law import point_law_of
-from skancf.materials.point_law import PointLaw, is_point_law
+from skancf.errors import InputError, finite
+from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, thinning
+from skancf.materials.point_law import PointLaw
 from skancf.tolerances import ROUNDED_PLACE
 
 LEAST, MOST = 1e-80, 1e80
 """Of stiffnesses and mass per area: cubes of them times those of lengths are computed with."""
+FARTHEST = 1e6
+"""Heights over the thickness: of its square, the part of the bending stiffness about the middle has fewer digits."""
 SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
 
@@ -105,6 +105,11 @@ class Section:
                                  "floating-point numbers, or zero; give thickness, moduli and density in other "
                                  "units")  # fmt: skip
 
+        reach, thickness = np.abs(self.z).max(axis=-1), np.asarray(self.thickness)
+        if (far := reach > FARTHEST * thickness).any():
+            raise InputError(f"offset: heights of a section reach {reach[far].flat[0]:.3g} m{self.said_of(far)}, over "
+                             f"{FARTHEST:g} times its thickness, where bending is lost in rounding; put the surface nearer")
+
     def at(self, points: np.ndarray, elements: np.ndarray | None = None) -> "Section":
         """The section at local points (2, n) of elements (m,): itself, which is everywhere the same. That of a field is
         :meth:`skancf.layout.zones.SectionsOnMesh.at`."""
@@ -117,6 +122,14 @@ class Section:
     def at_places(self, places: Any) -> "Section":
         """The section at places of the parameter plane, (2, ...): itself."""
         return self
+
+    def one(self, place: Any) -> "Section":
+        """That of one of many places, by its index, without layers that have no thickness there."""
+        if self.places is None:
+            return self
+        there = self.thicknesses[place] > 0
+        z, others = self.z[place], (self.stiffness, self.density, self.expansion, self.thinning)
+        return Section(np.append(z[:1], z[1:][there]), *(each[place][there] for each in others))
 
     def said_of(self, which: np.ndarray) -> str:
         """Where the first of some places is, in words; nothing of a section that is everywhere the same."""
@@ -277,6 +290,7 @@ class Section:
         (6, ...) array
             :math:`N_T` (N/m), then :math:`M_T` (N), each in the order 11, 22, 12.
         """
+        require_one(self)
         stress = np.einsum("lij,lj->li", self.in_plane(), self.expansion[:, IN_PLANE])
         first, second, third = self._powers() @ stress
         by_mid, by_gradient = np.concatenate([first, second]), np.concatenate([second, third])
@@ -288,6 +302,7 @@ class Section:
 
         .. math:: \tfrac12 \int \alpha \cdot Q \alpha \, (T_0 + z T_1)^2 \, dz
         """
+        require_one(self)
         alpha = self.expansion[:, IN_PLANE]
         first, second, third = self._powers() @ np.einsum("li,lij,lj->l", alpha, self.in_plane(), alpha)
         middle, gradient = finite("temperature_mid", temperature_mid), finite("temperature_gradient", temperature_gradient)
@@ -325,6 +340,13 @@ class Section:
         return np.stack([np.diff(self.z**k) / k for k in (1, 2, 3)])
 
 
+def require_one(section: Any) -> None:
+    """InputError for sections of many places, and for a field of them."""
+    if not isinstance(section, Section) or section.places is not None:
+        raise InputError("section: it is another one at each place; give that of one, as in "
+                         "system.assembly.section.at_places([[x], [y]]).one(0)")  # fmt: skip
+
+
 def trace(matrices: np.ndarray) -> Any:
     """Of matrices (..., 3, 3)."""
     return np.trace(matrices, axis1=-2, axis2=-1)
@@ -350,41 +372,3 @@ def _unless_rounding(value: Any, rounding: Any) -> Any:
     if isinstance(value, float):
         return value if abs(value) > rounding else 0.0
     return np.where(np.abs(value) > rounding, value, 0.0)
-
-
-def section_of(material: Any, thickness: float | None) -> Section:
-    """The section of a plate: one layer about its mid-surface, or the layers that the material brings.
-
-    Parameters
-    ----------
-    material : Law or Laminate
-    thickness : float or None
-        Of the plate, for a law (m); None for a laminate.
-
-    Raises
-    ------
-    InputError
-        For a law without a thickness, a laminate with one, and a material that is neither.
-    """
-    if callable(getattr(material, "section", None)) and not isinstance(material, type):
-        if thickness is not None:
-            raise InputError(f"thickness = {thickness}: a laminate brings its own, the sum of its layers'; leave it out")
-        return material.section()
-    if not is_point_law(material):
-        require_law(material)
-    if thickness is None:
-        raise InputError(f"thickness: missing; a plate of one material ({type(material).__name__}) needs a thickness")
-    half = positive("thickness", thickness, "m") / 2
-    if is_point_law(material):
-        law = point_law_of(material)
-        one = stack([-half, half], [law.stiffness()], [law.density], [law.thermal_strain()], [law.thinning()])
-        return replace(one, points_law=law)
-    return stack([-half, half], [stiffness_of(material)], [material.density], [material.thermal_strain()],
-                 [thinning_of(material)])  # fmt: skip
-
-
-def stack(
-    z: Any, stiffness: Sequence[Any], density: Sequence[float], expansion: Sequence[Any], thinning: Sequence[Any]
-) -> Section:
-    """A section from lists."""
-    return Section(np.array(z), np.array(stiffness), np.array(density), np.array(expansion), np.array(thinning))

@@ -27,7 +27,7 @@ import numpy as np
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import warn
 from skancf.materials.law import SHEAR_CORRECTION
-from skancf.materials.section import SHEAR, Section
+from skancf.materials.section import SHEAR, Section, require_one
 
 ALONE = 0.05
 """Error of the deflection by shear from which it is said that layers bend one by one."""
@@ -71,6 +71,7 @@ def shear_stress_at(section: Section, z: float) -> np.ndarray:
     --------
     >>> tau = shear_stress_at(laminate.section(), 0.25e-3) @ solution.shear_forces()[0, :, 0]
     """
+    require_one(section)
     layer = int(section.layer_at(z))
     part = np.clip((z - section.z[layer]) / section.thicknesses[layer], 0.0, 1.0)
     return np.asarray(shear_stresses(section, np.array([part]))[layer, 0])

@@ -14,7 +14,7 @@ FORCES = ("N11", "N22", "N12", "M11", "M22", "M12")
 SHEAR = ("Q1", "Q2")
 ABOVE = 1e-9
 """Of the thickness."""
-NAMES = (*STRESSES, "mises", *STRAINS, *FORCES, *SHEAR, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3")
+NAMES = (*STRESSES, "mises", *STRAINS, *FORCES, *SHEAR, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3", "thickness")
 
 
 def von_mises(stress: np.ndarray) -> np.ndarray:
@@ -39,6 +39,8 @@ def unit(name: str) -> str:
     """The unit of a field; empty for strains."""
     if name in STRAINS:
         return ""
+    if name == "thickness":
+        return "m"
     if name in FORCES + SHEAR:
         return "N" if name[0] == "M" else "N/m"
     return next((unit for vector, (short, unit) in VECTORS.items() if name == vector or name[0] == short), "Pa")
@@ -110,6 +112,9 @@ def values(solution: Solution, name: str, subdivisions: int, z: Depth | None) ->
         return solution.recovered_section_forces(points)[:, FORCES.index(name)].ravel()
     if name in SHEAR:
         return solution.shear_forces(points)[:, SHEAR.index(name)].ravel()
+    if name == "thickness":
+        here = solution.system.assembly.section.at(solution.system.geometry.inside(points)).thickness
+        return np.broadcast_to(here, (solution.system.geometry.n_elements, points.shape[1])).ravel()
     surface = sample_surface(solution, subdivisions, z)
     vector = surface.displacement if name[0] in "du" else surface.velocity
     if vector is None:

@@ -37,9 +37,9 @@ class EnergyMomentum(ImplicitMidpoint):
     A body that turns at a constant strain loses nothing.
 
     With a law at points, which is not linear, the mean of the stresses has a part besides, with which it does the work of
-    the law's energy on the change of the strains: energy and momenta are kept as well. The dissipation then has the stresses of
-    small strain, :math:`\chi\,C\,[\Delta\varepsilon_{n+1} - r\,\Delta\varepsilon_n]`, so that it never raises the energy,
-    whatever the law.
+    the law's energy on the change of the strains: energy and momenta are kept as well. The dissipation then has the stresses
+    of small strain, :math:`\chi\,C\,[\Delta\varepsilon_{n+1} - r\,\Delta\varepsilon_n]`, so that it never raises the
+    energy, whatever the law.
 
     In theory `full` strains are quadratic in q and :math:`D\varepsilon` is their gradient at the middle; in `kirchhoff` it
     is the :func:`~skancf.theories.kirchhoff.point.discrete_gradient` at each integration point.

@@ -30,6 +30,8 @@ class FullAssembly(CompiledAssembly):
 
     residual_kernel, stress_kernel, tangent_kernel = residual_kernel.residual, kernels.stresses, tangent_kernel.tangent
     recovers_bending = True
+    resultant_points = 2
+    """Gauss points in each layer that section forces are integrated with."""
 
     def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
         super().__init__(geometry, section, schedule)
@@ -102,8 +104,8 @@ class FullAssembly(CompiledAssembly):
 
     def _resultants(self, elastic: Callable[[float], np.ndarray], points: np.ndarray) -> np.ndarray:
         """N and M (n_elements, 6, n) at points of elastic strains (n_elements, n, 6) at a depth."""
-        z, w, layer = self.section.points(2)
-        stress = [elastic(depth) @ self.section.stiffness[k] for depth, k in zip(z.tolist(), layer, strict=True)]
+        z, w, _ = self.section.points(self.resultant_points)
+        stress = [self.stress_of(elastic(depth), depth) for depth in z.tolist()]
         plane = np.stack(stress)[..., [0, 1, 5]]
         plane = plane - z[:, None, None, None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
         return np.concatenate([np.einsum("z,zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)

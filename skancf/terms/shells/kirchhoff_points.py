@@ -67,7 +67,7 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         """Of strains (6, n) in the local frame."""
         return through_thickness(self.law, *self._heights, strains[:3], strains[3:], curvature)
 
-    def _strains(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return self._all_strains(q, change)[:2]
 
     def _all_strains(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

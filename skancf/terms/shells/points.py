@@ -51,9 +51,9 @@ class Answer:
 
 
 class AtPoints(CompiledAssembly):
-    """See :class:`skancf.terms.protocols.Assembly`; a base before the assembly of a theory, which has the law of small strain.
+    """See :class:`skancf.terms.protocols.Assembly`; a base before the assembly of a theory, with the law of small strain.
 
-    A theory gives :meth:`_ask`, :meth:`_strains`, :meth:`_on_all` and :meth:`_elements_with`.
+    A theory gives :meth:`_ask`, :meth:`_seen`, :meth:`_on_all` and :meth:`_elements_with`.
     """
 
     linear = False
@@ -83,7 +83,7 @@ class AtPoints(CompiledAssembly):
         """Ask the law."""
 
     @abstractmethod
-    def _strains(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All strains, extrapolated linearly along a change, and those that the law sees."""
 
     @abstractmethod
@@ -101,7 +101,7 @@ class AtPoints(CompiledAssembly):
         answer = self.answer(q)
         everything, seen, stress = answer.everything, answer.seen, answer.stress
         if change is not None:
-            everything, seen = self._strains(q, change)
+            everything, seen = self._seen(q, change)
             stress, own = stress.copy(), np.arange(len(stress))
             self.schedule.run(add_law, answer.law, own, self.every_pair, seen - answer.seen, stress)
         return everything, self._on_all(stress, everything, seen)

@@ -36,7 +36,7 @@ def test_force_tangent_and_work_are_those_of_the_energy(surface, assumed):
 
 
 def test_a_strip_stretched_to_twice_its_length():
-    """J, width and stress of J. Kiendl et al. (2015), as in theory `kirchhoff`: the stress across is zero, not given to be."""
+    """J, width and stress of J. Kiendl et al. (2015), as in theory `kirchhoff`; the stress across is found to be zero."""
     supports = [sk.Symmetry(["left", "bottom"]), sk.Roller("left"), sk.Prescribed("right", (2.0, None, None))]
     surface = sk.Rectangle(2.0, 1.0)
     solution = sk.solve(sk.Problem(surface, THICKNESS, LAW, supports).on(uniform(surface, 2, 2), "full")).unwrap()
@@ -78,7 +78,7 @@ def test_a_plate_blown_up_in_both_theories():
     near(full.thickness_stretch(MIDDLE, "middle"), thin.thickness_stretch(MIDDLE, "middle"), 1e-2)
     # In the corners of soft supports shear makes a difference.
     inside = np.abs(full.system.mesh.p[:, full.system.mesh.t].mean(axis=1) - 0.5).max(axis=0) < 0.3
-    near(full.stresses(MIDDLE, "top")[inside, 0, 0], thin.stresses(MIDDLE, "top")[inside, 0, 0], 2e-2)
+    near(full.stresses(MIDDLE, "top")[inside, 0, 0], thin.stresses(MIDDLE, "top")[inside, 0, 0], 4e-2)
 
 
 def test_motion_keeps_energy():

@@ -2,8 +2,8 @@ r"""Theory `full` on a mesh with laws at points through the thickness, which are
 
 The theory has one strain across through the thickness, and a law in three dimensions that couples it to the others would
 make bending stiffer by :math:`(1 - \nu)^2 / (1 - 2 \nu)`. So at each integration point there is a strain across besides,
-:math:`z\,\alpha`, with the :math:`\alpha` of the least energy: an enhanced assumed strain, eliminated where it is. Transverse
-shear strains go into the law times the root of its shear correction factor.
+:math:`z\,\alpha`, with the :math:`\alpha` of the least energy: an enhanced assumed strain, eliminated where it is.
+Transverse shear strains go into the law times the root of its shear correction factor.
 
 References
 ----------
@@ -145,7 +145,7 @@ class FullPointAssembly(AtPoints, FullAssembly):
         return out
 
     def _across(self, change: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """Factor of the strain across that is linear in z, (m, n), of strains (m, 14, n), which may be complex, at points."""
+        """Factor of the strain across that is linear in z, (m, n), of strains (m, 14, n), complex ones too, at points."""
         P, volume = self._matrices(points)
         local = np.einsum("zvken,ekn->vzen", P, change, optimize=True)
         alpha, found = self._balanced(local.real, volume)

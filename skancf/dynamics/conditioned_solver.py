@@ -19,7 +19,7 @@ from skancf.dynamics.conditioned_step import (
 from skancf.dynamics.forces import net_force
 from skancf.dynamics.prescribed import prescribed_acceleration
 from skancf.dynamics.rule import Rule
-from skancf.dynamics.state import State
+from skancf.dynamics.state import NONE, State
 from skancf.dynamics.step_newton import DIFFERENCE, Effort, KeptFactors, StepCriterion, StepTangents
 from skancf.dynamics.step_solver import StepSolver
 from skancf.history import Case
@@ -83,7 +83,7 @@ class ConditionedStepSolver(StepSolver):
         n, inertia = e.size, self.rule.mass_factor(dt) * (self.system.mass @ e)
         return self.factors.solve(np.concatenate([inertia, np.zeros(self.system.conditions.n)]))[0][:n]
 
-    def residual(self, u: np.ndarray, start: State, dt: float, multipliers: np.ndarray) -> np.ndarray:
+    def residual(self, u: np.ndarray, start: State, dt: float, multipliers: np.ndarray = NONE) -> np.ndarray:
         """With the force of the conditions."""
         equations = ConditionedEquations(self.system, self.rule, start, dt)
         return equations.residual(np.concatenate([u, multipliers]))[: u.size]

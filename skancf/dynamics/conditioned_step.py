@@ -119,6 +119,7 @@ class ConditionedFactors(KeptFactors):
         n, held, (now, end), back = self.matrix.shape[0], self.held, self.gradients, self.rows.swapaxes(1, 2)
         rhs, values = self._turned(back, force[:n]), np.where(held.held, 0.0, force[n:])
         x, multipliers, left, open_rows = np.zeros(n), np.zeros(len(values)), rhs, values
+        product = x
         for k in range(PASSES):
             if k:
                 left = rhs - product - self._turned(back, now.T @ multipliers)

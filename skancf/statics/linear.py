@@ -80,7 +80,7 @@ def answer_by(
     system: System, solver: DirectSolver, load_factor: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """The same by a solver, which then has the factors of the stiffness, or of what is condensed from it."""
-    if conditions_in(system):
+    if system.conditions:
         return change_with_conditions(system, solver, load_factor)
     solver.factor(system.stiffness())
     return change_by(system, solver, load_factor), None

@@ -6,12 +6,14 @@ from skancf.layout.zones import section_on
 from skancf.materials import Section, SectionField
 from skancf.terms.protocols import Assembly
 from skancf.terms.shells.full import FullAssembly
+from skancf.terms.shells.full_points import FullPointAssembly
 from skancf.terms.shells.kirchhoff import ThinAssembly
 from skancf.terms.shells.kirchhoff_points import ThinPointAssembly
 from skancf.theories import Full, Kirchhoff
 
 ASSEMBLIES: dict[tuple[type, bool], type] = {
-    (Full, False): FullAssembly, (Kirchhoff, False): ThinAssembly, (Kirchhoff, True): ThinPointAssembly,
+    (Full, False): FullAssembly, (Full, True): FullPointAssembly,
+    (Kirchhoff, False): ThinAssembly, (Kirchhoff, True): ThinPointAssembly,
 }  # fmt: skip
 """By theory, and whether the section has a law at points."""
 

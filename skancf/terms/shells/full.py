@@ -15,7 +15,6 @@ from skancf.materials import Section
 from skancf.materials.curved import require_one_side
 from skancf.materials.law import IN_PLANE
 from skancf.materials.parallel import TRACE, principal_curvatures, sums
-from skancf.materials.section import stress_of
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.full_sections import Sections, build_sections
 from skancf.terms.shells.shell import CompiledAssembly
@@ -33,6 +32,8 @@ class FullAssembly(CompiledAssembly):
 
     residual_kernel, stress_kernel, tangent_kernel = residual_kernel.residual, kernels.stresses, tangent_kernel.tangent
     recovers_bending = True
+    resultant_points = 2
+    """Gauss points in each layer that section forces are integrated with."""
 
     def __init__(self, geometry: Geometry, section: Section | SectionsOnMesh, schedule: Schedule):
         super().__init__(geometry, section, schedule)
@@ -105,11 +106,12 @@ class FullAssembly(CompiledAssembly):
 
     def _resultants(self, elastic: Callable[[Any], np.ndarray], points: np.ndarray) -> np.ndarray:
         """N and M (n_elements, 6, n) at points of elastic strains (n_elements, n, 6) at a depth."""
-        z, w, laws = self.section.at(points).through(2)
-        stress = [stress_of(law, elastic(depth)) for depth, law in zip(z, laws, strict=True)]
+        section = self.section.at(points)
+        z, w, _ = section.through(self.resultant_points)
+        stress = [self.stress_of(elastic(depth), section, depth) for depth in z]
         plane = np.stack(stress)[..., IN_PLANE]
         plane = plane - _over_points(z)[..., None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
-        return np.concatenate([np.einsum(f"z{_of(laws, 'ep')},zepi->eip", w * z**k, plane) for k in (0, 1)], axis=1)
+        return np.concatenate([np.einsum("zep,zepi->eip", _over_points(w * z**k), plane) for k in (0, 1)], axis=1)
 
     def _shorter(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
         """What lengths at a height take from a stress 11, 22, 12 per length of the reference surface: (m, n, 3, 3) (1/m)."""

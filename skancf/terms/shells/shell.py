@@ -1,5 +1,6 @@
 """What the assemblies of all theories share: compiled kernels that run over the elements."""
 
+from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any, ClassVar
 
@@ -31,6 +32,10 @@ class CompiledAssembly:
     @property
     def areas(self) -> np.ndarray:
         return np.asarray(self.sections.areas[self.sections.shape])
+
+    @abstractmethod
+    def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:
+        """Nodal forces of stresses at the integration points."""
 
     def internal_force(self, q: np.ndarray) -> np.ndarray:
         out = np.zeros_like(self.geometry.undeformed)

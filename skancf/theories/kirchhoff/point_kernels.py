@@ -164,21 +164,6 @@ def to_covariant(start, stop, order, forces, stiffness, pairs, elements, places,
 
 
 @compiled(**OPTIONS)
-def add_law(start, stop, order, law, of_element, pairs, change, out):
-    """Adds what the law of each element, one of (n_laws, n_pairs, 16), makes of a change of strains, (n_elements, 6, 16)."""
-    for index in range(start, stop):
-        e = order[index]
-        own = law[of_element[e]]
-        for m in range(pairs.shape[0]):
-            k, l = pairs[m]
-            for p in range(POINTS):
-                out[e, k, p] += own[m, p] * change[e, l, p]
-            if k != l:
-                for p in range(POINTS):
-                    out[e, l, p] += own[m, p] * change[e, k, p]
-
-
-@compiled(**OPTIONS)
 def stresses(start, stop, order, law_stress, everything, hat, tables, elements, places, out):
     """Stresses on all strains (n_elements, 6 or 9, 16): those on the strains that the law sees (n_elements, 6, 16), and that
     of the rest of the membrane strains, from all strains and those that the law sees."""

@@ -1,0 +1,173 @@
+r"""Theory `full` on a mesh with laws at points through the thickness, which are not linear in the strain.
+
+The theory has one strain across through the thickness, and a law in three dimensions that couples it to the others would
+make bending stiffer by :math:`(1 - \nu)^2 / (1 - 2 \nu)`. So at each integration point there is a strain across besides,
+:math:`z\,\alpha`, with the :math:`\alpha` of the least energy: an enhanced assumed strain, eliminated where it is.
+Transverse shear strains go into the law times the root of its shear correction factor.
+
+References
+----------
+N. Buechter and E. Ramm, 3d-extension of nonlinear shell equations based on the enhanced assumed strain concept, in
+*Computational Methods in Applied Sciences* (1992) 55-62.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from skancf.errors import InputError
+from skancf.kernels.constants import POINTS
+from skancf.kernels.schedule import Schedule
+from skancf.layout.geometry import Geometry
+from skancf.materials import Section
+from skancf.materials.hyperelastic.law import require_solid
+from skancf.materials.law import THICKNESS, TRANSVERSE
+from skancf.materials.point_law import PointResponse
+from skancf.terms.shells.full import FullAssembly
+from skancf.terms.shells.points import NOWHERE, Answer, AtPoints, of_places, square
+from skancf.theories.full import kernels, point_kernels
+from skancf.theories.full.theory import N_STRAINS, covariant_to_local
+from skancf.tolerances import LAST_STEP
+
+EVERY_PAIR = np.array([(k, l) for k in range(N_STRAINS) for l in range(k, N_STRAINS)])
+PAIRS = np.array([(k, l) for k in range(6) for l in range(k, 6)])
+ACROSS = 11
+"""Entry 33, 33 among the 21 of a stiffness."""
+ITERATIONS = 25
+LARGEST_STEP = 0.5
+"""Part of the smallest C33 that one step may take away."""
+
+
+class FullPointAssembly(AtPoints, FullAssembly):
+    """See :class:`skancf.terms.protocols.Assembly`."""
+
+    every_pair = EVERY_PAIR
+    recovers_bending, resultant_points = False, 4
+
+    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+        require_solid(getattr(section.points_law, "material", section.points_law))
+        super().__init__(geometry, section, schedule)
+        self._heights, self._middle = section.points(self.theory.n_thickness)[:2], 0.5 * (section.z[0] + section.z[-1])
+        shape, n = self.sections.shape, geometry.n_elements
+        representative = np.unique(shape, return_index=True)[1]
+        points, weights = self.theory.quadrature
+        P, volume = self._matrices(points, representative)
+        self._matrix = np.ascontiguousarray(P.transpose(3, 0, 1, 2, 4))
+        self._volume = np.ascontiguousarray(np.moveaxis(volume * weights, 0, 1))
+        self._own = kernels.Elements(np.arange(n, dtype=shape.dtype), np.empty((0, 0, 0)), np.empty((0, 0, 0)),
+                                     np.empty((0, 0, 0)))  # fmt: skip
+        self._law_tables = self._tables._replace(pairs=EVERY_PAIR, coupled=True)
+
+    def _matrices(self, points: np.ndarray, elements: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """From the 14 strains to those that the law sees, at heights and points of elements, (n_z, 6, 14, m, n), and volumes
+        with the weights of the heights, (n_z, m, n)."""
+        geometry, (z, weights) = self.geometry, self._heights
+        local = geometry.undeformed_local[slice(None) if elements is None else elements]
+        P, volume = covariant_to_local(self.theory.jets(local, points), geometry.tangents(points, elements), z)
+        P[:, TRANSVERSE] *= self._sheared
+        return P, volume * weights[:, None, None]
+
+    @property
+    def _sheared(self) -> float:
+        """Root of the shear correction factor."""
+        return float(np.sqrt(getattr(self.law, "shear_correction", 1.0)))
+
+    def _ask(self, q: np.ndarray) -> Answer:
+        everything, _ = self._seen(q, NOWHERE)
+        n, (z, _), shape = len(everything), self._heights, self.sections.shape
+        local = np.empty((6, z.size, n, POINTS))
+        self.schedule.run(point_kernels.to_local, everything, shape, self._matrix, local)
+        volume = np.moveaxis(self._volume[shape], 1, 0)
+        _, found = self._balanced(local, volume)
+        stress, law = np.empty_like(everything), np.empty((n, len(EVERY_PAIR), POINTS))
+        parts = (part.reshape(-1, *local.shape[1:]) for part in (found.stress, found.stiffness))
+        self.schedule.run(point_kernels.integrate, *parts, self._arms, shape, self._matrix, self._volume, stress, law)
+        energy = (found.energy.reshape(local.shape[1:]) * volume).sum(axis=0)
+        return Answer(q.copy(), everything, everything, energy, stress, law, found.code.reshape(local.shape[1:]))
+
+    @property
+    def _arms(self) -> np.ndarray:
+        """Heights above the middle of the layer."""
+        return self._heights[0] - self._middle
+
+    def _balanced(self, local: np.ndarray, volume: np.ndarray) -> tuple[np.ndarray, PointResponse]:
+        r"""The factor of the strain across that is linear in z, (...), and what the law then says of all points.
+
+        Newton's method for :math:`\int z \sigma_{33} dV = 0` at strains (6, n_z, ...), with volumes (n_z, ...).
+        """
+        z = self._arms.reshape(-1, *[1] * (local.ndim - 2))
+        alpha, size = np.zeros(local.shape[2:]), float(np.abs(z).max())
+        for _ in range(ITERATIONS):
+            C = 1.0 * local
+            C[THICKNESS] += alpha * z
+            C[:3] = 1 + 2 * C[:3]
+            found: Any = self.law.respond3d(C.reshape(6, -1))  # type: ignore[attr-defined]
+            stress = found.stress[THICKNESS].reshape(volume.shape)
+            slope = (volume * z * z * found.stiffness[ACROSS].reshape(volume.shape)).sum(axis=0)
+            step = np.nan_to_num(-(volume * z * stress).sum(axis=0) / slope)  # zero where the law has no stress
+            most = LARGEST_STEP * C[THICKNESS].min(axis=0) / (2 * size)
+            if not (np.abs(step) * size > LAST_STEP).any():
+                break
+            alpha = alpha + np.clip(step, -most, most)
+        return alpha, found
+
+    def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        shape = (self.geometry.n_elements, *self.sections.reference.shape[1:])
+        strains, unused = np.empty(shape), np.empty(shape)
+        kernel = type(self).stress_kernel
+        self.schedule.run(kernel, q, change, self._tables, self.geometry.maps, self._elements, strains, unused)
+        return strains, strains
+
+    def _on_all(self, stress: np.ndarray, everything: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        return stress
+
+    def _elements_with(self, law: np.ndarray, plain: bool) -> tuple[Any, Any]:
+        tables, n_rows = self._law_tables, len(self._tables.sample_rows)
+        if tables.plain:
+            return tables, self._own._replace(law=law)
+        sampled = np.empty((len(law), n_rows, n_rows))
+        self.schedule.run(point_kernels.sampled_laws, law, tables.interpolation, tables.sample_rows, sampled)
+        return tables, self._own._replace(law=law, sampled=sampled)
+
+    def _membrane(self, answer: Answer, e: int, p: int) -> np.ndarray:
+        middle = self._matrix[self.sections.shape[e], :, :, :, p].mean(axis=0)
+        strain: np.ndarray = middle @ answer.everything[e, :, p]
+        return strain[[0, 1, 5]]
+
+    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
+        geometry, theory = self.geometry, self.theory
+        change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
+        jets = theory.jets(geometry.undeformed_local, points)
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.array([z]))
+        out = np.einsum("vken,ekn->env", to_local[0], change, optimize=True)
+        out[..., THICKNESS] += (z - self._middle) * self._across(change, points)
+        return out
+
+    def _across(self, change: np.ndarray, points: np.ndarray) -> np.ndarray:
+        """Factor of the strain across that is linear in z, (m, n), of strains (m, 14, n), complex ones too, at points."""
+        P, volume = self._matrices(points)
+        local = np.einsum("zvken,ekn->vzen", P, change, optimize=True)
+        alpha, found = self._balanced(local.real, volume)
+        if not np.iscomplexobj(local):
+            return alpha
+        arm = self._arms[:, None, None]
+        rows = square(found.stiffness, PAIRS, volume.shape)[..., THICKNESS, :]
+        moved = (volume * arm * np.einsum("zenv,vzen->zen", rows, local.imag)).sum(axis=0)
+        return alpha - 1j * moved / (volume * arm**2 * rows[..., THICKNESS]).sum(axis=0)
+
+    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
+        sheared = np.where(np.isin(np.arange(6), TRANSVERSE), self._sheared, 1.0)
+        first_order = small or np.iscomplexobj(elastic)
+        C = np.moveaxis(np.zeros_like(elastic.real) if first_order else elastic * sheared, -1, 0).copy()
+        C[:3] = 1 + 2 * C[:3]
+        found: Any = self.law.respond3d(C.reshape(6, -1))  # type: ignore[attr-defined]
+        if first_order:
+            law = square(found.stiffness, PAIRS, elastic.shape[:-1])
+            return np.asarray(sheared * (law @ (sheared * elastic)[..., None])[..., 0])
+        return np.asarray(sheared * of_places(found.stress, elastic))
+
+    def section_force_gradient(
+        self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray, part: Any = None
+    ) -> np.ndarray:
+        raise InputError("SectionForce: section forces of laws at points have no derivative in theory 'full' yet; take "
+                         "theory 'kirchhoff', or another quantity")

@@ -1,0 +1,185 @@
+"""What assemblies with a law at points share: it is asked once for a state, and its stress is not linear in the strain."""
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from skancf.errors import InputError
+from skancf.kernels.constants import AXES, VECTORS
+from skancf.kernels.laws import add_law
+from skancf.materials import Section
+from skancf.materials.point_law import PointLaw, why
+from skancf.terms.protocols import Heat
+from skancf.terms.shells.shell import CompiledAssembly
+from skancf.tolerances import NO_CHANGE
+
+REMEMBERED = 3
+"""States whose answers are kept: start, middle and end of a step."""
+NOWHERE = np.empty((0, VECTORS, AXES))
+"""No change of the nodal vectors."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the law says of a state, with the weights of the points.
+
+    Attributes
+    ----------
+    q : (n_nodes, 4, 3) array
+        The state.
+    everything : (n_elements, n_all, 16) array
+        All covariant strains.
+    seen : (n_elements, n_strains, 16) array
+        Those that the law sees.
+    energy : (n_elements, 16) array
+    stress : (n_elements, n_strains, 16) array
+        On the strains that the law sees.
+    law : (n_elements, n_pairs, 16) array
+        Entries k <= l of its derivative.
+    code : (n_heights, n_elements, 16) array
+        Where it is not 0 the law has no stress, see :mod:`skancf.materials.point_law`.
+    """
+
+    q: np.ndarray
+    everything: np.ndarray
+    seen: np.ndarray
+    energy: np.ndarray
+    stress: np.ndarray
+    law: np.ndarray
+    code: np.ndarray
+
+
+class AtPoints(CompiledAssembly):
+    """See :class:`skancf.terms.protocols.Assembly`; a base before the assembly of a theory, with the law of small strain.
+
+    A theory gives :meth:`_ask`, :meth:`_seen`, :meth:`_on_all` and :meth:`_elements_with`.
+    """
+
+    linear = False
+    section: Section
+    every_pair: Any
+    """Entries (n_pairs, 2) of a law that is full."""
+    _heights: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def law(self) -> PointLaw:
+        law = self.section.points_law
+        assert law is not None
+        return law
+
+    def answer(self, q: np.ndarray) -> Answer:
+        """What the law says of a state, asked once for it."""
+        answers: list[Answer] = self.__dict__.setdefault("_answers", [])
+        for k, known in enumerate(answers):
+            if np.array_equal(known.q, q):
+                answers.insert(0, answers.pop(k))
+                return known
+        del answers[REMEMBERED - 1 :]
+        answers.insert(0, self._ask(q))
+        return answers[0]
+
+    @abstractmethod
+    def _ask(self, q: np.ndarray) -> Answer:
+        """Ask the law."""
+
+    @abstractmethod
+    def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All strains, extrapolated linearly along a change, and those that the law sees."""
+
+    @abstractmethod
+    def _on_all(self, stress: np.ndarray, everything: np.ndarray, seen: np.ndarray) -> np.ndarray:
+        """Stresses on all strains, from those on the strains that the law sees."""
+
+    @abstractmethod
+    def _elements_with(self, law: np.ndarray, plain: bool) -> tuple[Any, Any]:
+        """Tables and elements of the tangent with the law of each element, (n_elements, n_pairs, 16)."""
+
+    def internal_force(self, q: np.ndarray) -> np.ndarray:
+        return self.force_of(q, self.stresses(q, None, keep_strains=False)[1])
+
+    def stresses(self, q: np.ndarray, change: np.ndarray | None, keep_strains: bool) -> tuple[np.ndarray, np.ndarray]:
+        answer = self.answer(q)
+        everything, seen, stress = answer.everything, answer.seen, answer.stress
+        if change is not None:
+            everything, seen = self._seen(q, change)
+            stress, own = stress.copy(), np.arange(len(stress))
+            self.schedule.run(add_law, answer.law, own, self.every_pair, seen - answer.seen, stress)
+        return everything, self._on_all(stress, everything, seen)
+
+    def small_stresses(self, q: np.ndarray) -> np.ndarray:
+        return super().stresses(q, None, keep_strains=False)[1]
+
+    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray:
+        r"""Along the change of the strains in the metric C of small strain,
+
+        .. math:: \frac{\psi_1 - \psi_0 - \bar S \cdot \Delta\varepsilon}{\Delta\varepsilon \cdot C \Delta\varepsilon}\,
+            C \Delta\varepsilon,
+
+        at each point; zero where the strain changes so little that it would be rounding.
+
+        References
+        ----------
+        O. Gonzalez, Exact energy and momentum conserving algorithms for general models in nonlinear elasticity, Comput.
+        Methods Appl. Mech. Eng. 190 (2000) 1763-1783.
+        """
+        start, end, sections = self.answer(q0), self.answer(q1), self.sections
+        change = end.seen - start.seen
+        along = np.zeros_like(change)
+        self.schedule.run(add_law, sections.law, sections.shape, sections.pairs, change, along)
+        missing = end.energy - start.energy - 0.5 * ((start.stress + end.stress) * change).sum(axis=1)
+        squares = (along * change).sum(axis=1)
+        large = squares > NO_CHANGE**2 * (np.abs(start.energy) + np.abs(end.energy))
+        along *= np.where(large, missing / np.where(large, squares, 1.0), 0.0)[:, None]
+        nothing = np.zeros_like(start.everything)
+        return self._on_all(along, nothing, nothing)
+
+    def tangent(
+        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
+    ) -> None:
+        tables, elements = self._elements_with(self.answer(q).law, plain)
+        kernel = type(self).tangent_kernel
+        self.schedule.run(kernel, q, stresses, tables, self.geometry.maps, elements, slots, out)
+
+    def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
+        answer = self.answer(q)
+        energy = float(answer.energy.sum()) + self._energy_of_rest(answer)
+        return energy if initial is None else energy + (thermal - float(np.vdot(initial, answer.everything)))
+
+    def _energy_of_rest(self, answer: Answer) -> float:
+        """Of the strains that the law does not see."""
+        return 0.0
+
+    def thermal_stresses(self, temperature: Heat) -> np.ndarray:
+        raise InputError("a temperature change with a law at points: the free strain would have to go into the law, which "
+                         "sections do not do yet; take a linear law, whose thermal stress is that of small strain")
+
+    def refusal(self) -> str | None:
+        answers: list[Answer] = self.__dict__.get("_answers", [])
+        if not answers or not answers[0].code.any():
+            return None
+        height, e, p = (int(at[0]) for at in np.nonzero(answers[0].code))
+        code, points = int(answers[0].code[height, e, p]), self.geometry.integration.local
+        x, y = self.geometry.parameters(points if points.ndim == 2 else points[e], np.array([e]))[:, 0, p]
+        strain = ", ".join(f"{value:.4g}" for value in self._membrane(answers[0], e, p))
+        name = type(getattr(self.law, "material", self.law)).__name__
+        return (f"{name} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {self._heights[0][height]:.4g}, "
+                f"membrane strain ({strain}): {why(self.law, code)}")  # fmt: skip
+
+    @abstractmethod
+    def _membrane(self, answer: Answer, e: int, p: int) -> np.ndarray:
+        """Membrane strain (3,) in the local frame at a point of an element."""
+
+
+def square(entries: np.ndarray, pairs: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """Symmetric matrices (*shape, n, n) from their entries (n_pairs, m)."""
+    k, l = pairs.T
+    out = np.empty((*shape, k.max() + 1, k.max() + 1))
+    out[..., k, l] = out[..., l, k] = np.moveaxis(entries.reshape(-1, *shape), 0, -1)
+    return out
+
+
+def of_places(values: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """Values (k, n) at the places of an array (m, n, ...): (m, n, k)."""
+    return np.moveaxis(values.reshape(-1, *like.shape[:-1]), 0, -1)

@@ -110,10 +110,13 @@ def _different(names: list[str]) -> tuple[str, ...]:
     return tuple(f"{name} {names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names))
 
 
-def refuse(system: Any, what: str) -> None:
-    """InputError where a system has conditions and ``what`` cannot take them yet."""
+OTHERS = "solve, solve_linear, trace, modes, buckling and simulate can"
+
+
+def refuse(system: Any, what: str, others: str = OTHERS) -> None:
+    """InputError where a system has conditions and ``what`` cannot take them yet, with the words on what can."""
     conditions = getattr(system, "conditions", None)
     if conditions:
         raise InputError(f"{what} cannot take conditions yet, and this system has {', '.join(map(repr, conditions.names))}; "
-                         "statics can (solve, solve_linear, trace, modes, buckling). Leave them out, or hold the parts "
-                         "together by a term of your own, as a stiff spring")  # fmt: skip
+                         f"{others}. Leave them out, or hold the parts together by a term of your own, as a stiff "
+                         "spring")  # fmt: skip

@@ -27,7 +27,7 @@ SCRIPT = restarts.__file__
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed by SIGKILL")
 SEED = 11
 ATTEMPTS = 12
-"""Runs that are to be killed, until two processes were: on a machine with much else to do they end before the signal comes."""
+"""Runs that are to be killed, until two processes were: where a machine has much else to do, they end before the signal."""
 
 
 def files_of(folder):

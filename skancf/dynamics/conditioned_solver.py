@@ -28,7 +28,6 @@ from skancf.linear import ConditionedSolver, DirectSolver
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO
 
-
 AGAINST = 0.01
 """Of a velocity: a larger part of it that conditions do not allow is said."""
 

@@ -125,7 +125,7 @@ class Recorder:
             parts[knot.segment].append(replace(knot, output=False) if late else knot)
         return tuple(
             Segment(system, *(np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output")),
-                    _pulls(self.logs["pulls"], k))
+                    pulls=_pulls(self.logs["pulls"], k))
             for k, (system, part) in enumerate(zip(self.systems, parts, strict=True))
         )  # fmt: skip
 

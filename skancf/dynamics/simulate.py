@@ -211,7 +211,8 @@ def _balance(balance: float | str | None, rule: Rule) -> float | None:
 def _check(system: System, record: Any, follow: Any, rule: Any) -> None:
     _require_mass(system)
     if isinstance(rule, Trapezoidal):
-        refuse(system, "rule = Trapezoidal()", "the others can: their multipliers do not alternate from step to step and grow")
+        refuse(system, "rule = Trapezoidal()", "its multipliers would alternate from step to step and grow, and those of the "
+               "other rules do not")  # fmt: skip
     if follow is not None:
         refuse(system, "follow", "a run on one mesh can")
         having("follow", follow, ("change", "check"), "a policy of meshes, for example sk.Follow(rtol=0.2)")
@@ -298,8 +299,9 @@ def _initial_velocity(
         raise InputError(f"a prescribed displacement jumps by {jump:.3g} at the start, t = {begin}; give it a history that "
                          "begins with the present state, as in history=lambda t: min(1.0, t / 0.1)")  # fmt: skip
     if missed := system.conditions.worst(at, Case(time=begin)):
-        raise InputError(f"the start at t = {begin} does not meet the conditions: {missed}. Begin with a state that does, as "
-                         "the end of a step, and let what depends on time begin there, with a history that is zero at first")  # fmt: skip
+        raise InputError(f"the start at t = {begin} does not meet the conditions: {missed}. Begin with a state that does, "
+                         "as the end of a step, and let what depends on time begin there, with a history that is zero at "
+                         "first")  # fmt: skip
     rate = prescribed_rate(system, begin, RATE_STEP * t_end)
     if velocity is None and start is not None:
         velocity = start.velocity

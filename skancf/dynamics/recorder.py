@@ -123,11 +123,11 @@ class Recorder:
             # At the time of an event the output is the state after it.
             late = after is not None and after.segment > knot.segment and after.output and after.time == knot.time
             parts[knot.segment].append(replace(knot, output=False) if late else knot)
-        return tuple(
-            Segment(system, *(np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output")),
-                    pulls=_pulls(self.logs["pulls"], k))
-            for k, (system, part) in enumerate(zip(self.systems, parts, strict=True))
-        )  # fmt: skip
+        segments = []
+        for k, (system, part) in enumerate(zip(self.systems, parts, strict=True)):
+            time, q, v, output = (np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output"))
+            segments.append(Segment(system, time, q, v, output, _pulls(self.logs["pulls"], k)))
+        return tuple(segments)
 
     @property
     def records(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:

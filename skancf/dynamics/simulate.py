@@ -211,8 +211,8 @@ def _balance(balance: float | str | None, rule: Rule) -> float | None:
 def _check(system: System, record: Any, follow: Any, rule: Any) -> None:
     _require_mass(system)
     if isinstance(rule, Trapezoidal):
-        refuse(system, "rule = Trapezoidal()", "its multipliers would alternate from step to step and grow, and those of the "
-               "other rules do not")  # fmt: skip
+        refuse(system, "rule = Trapezoidal()", "its multipliers would alternate from step to step and grow, and those of "
+               "the other rules do not")  # fmt: skip
     if follow is not None:
         refuse(system, "follow", "a run on one mesh can")
         having("follow", follow, ("change", "check"), "a policy of meshes, for example sk.Follow(rtol=0.2)")

@@ -133,5 +133,5 @@ if __name__ == "__main__":
     warnings.simplefilter("ignore")
     tables.write("conditioned_motion.csv", "theory; conditions; rho_inf; newton_rtol; iterations a step; factorisations; "
                  "energy above its start; momenta without a source; conditions missed", kept())  # fmt: skip
-    tables.write("conditioned_pendulum.csv", "rule; steps; place, error; tension in the steps, error; tension as it is given, "
-                 "error", pendulum())  # fmt: skip
+    tables.write("conditioned_pendulum.csv", "rule; steps; place, error; tension in the steps, error; "
+                 "tension as it is given, error", pendulum())  # fmt: skip

@@ -163,6 +163,20 @@ class Gap(Condition):
         of += ["gap at its begin", "gap at its end"][: self.n // AXES - len(of)]
         return [f"{each}, {axis}" for each in of for axis in "xyz"]
 
+    def carried(self, multipliers: np.ndarray, onto: Condition) -> np.ndarray:
+        """The same force per length: on each segment of the other mesh its best straight line, by least squares."""
+        assert isinstance(onto, Gap)
+        here, there = self.seam.ends, onto.seam.ends * (self.seam.ends[-1] / onto.seam.ends[-1])
+        knots = np.unique(np.concatenate([here, there]))
+        points, weights = gauss(2)
+        s = (knots[:-1, None] + np.diff(knots)[:, None] * points).ravel()
+        ds = (np.diff(knots)[:, None] * weights).ravel()
+        of_segments, at_ends = np.split(multipliers.reshape(-1, AXES), [2 * (len(here) - 1)])
+        tests = legendre(s, there).multiply(ds)
+        norms = np.outer(np.diff(there), [1.0, 1.0 / 3.0]).ravel()  # of Legendre polynomials
+        projected = (tests @ (legendre(s, here).T @ of_segments)) / norms[:, None]
+        return np.concatenate([projected, at_ends]).ravel()
+
     def forces(self, multipliers: np.ndarray) -> "HingeForce":
         return HingeForce(self.seam.ends, multipliers.reshape(-1, AXES))
 
@@ -183,7 +197,8 @@ class HingeForce:
     multipliers: np.ndarray
 
     def per_length(self, s: Any) -> np.ndarray:
-        """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3)."""
+        """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3). They count from its end with
+        the smaller x, or y where both have one x."""
         places = np.atleast_1d(np.asarray(s, float))
         slack = ONE_PLACE * self.ends[-1]
         if not ((places >= -slack) & (places <= self.ends[-1] + slack)).all():

@@ -94,6 +94,11 @@ class Conditions(Sequence[Condition]):
         parts = zip(self.names, self, self._slices, strict=True)
         return {name: each.forces(multipliers[part]) for name, each, part in parts}
 
+    def carried(self, multipliers: np.ndarray, onto: "Conditions") -> np.ndarray:
+        """Multipliers (n,) for the same conditions on another mesh, (onto.n,)."""
+        pairs = zip(self, onto, self._slices, strict=True)
+        return np.concatenate([np.zeros(0), *(one.carried(multipliers[part], other) for one, other, part in pairs)])
+
     def histories(self) -> list[Any]:
         """Functions of time."""
         return [history for each in self for history in each.histories()]

@@ -15,6 +15,7 @@ References
 Powell (1969), in Optimization, ed. Fletcher, 283-298; Fortin and Glowinski (1983), Augmented Lagrangian Methods.
 """
 
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -99,6 +100,14 @@ class ConditionedSolver:
         self.matrix = matrix
         self.stiffness = self.times * row_stiffness(sizes or matrix, self.free, self.direct.constraints, self.held)
         return matrix + products(matrix, self.free, self.stiffness)
+
+    def symmetric(self) -> "ConditionedSolver":
+        """One without the skew part, by the same factors."""
+        if self.skew is None:
+            return self
+        out = copy(self)
+        out.skew, out._condensed = None, SkewSolver(self._condensed.matrix, None, self.direct)
+        return out
 
     @property
     def negative_pivots(self) -> int:

@@ -265,15 +265,24 @@ class Enriched(Refined):
         """K^-1 force on the free coordinates, after the step; with conditions the motion that keeps them."""
         return self.solve_both(force)[0]
 
-    def solve_both(self, force: np.ndarray, lift: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """The same, and the multipliers (n,) of it; on top of a motion of supports (n_fine,), if there is one."""
+    def solve_both(self, force: np.ndarray, values: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """The same, and the multipliers (n,) of it; the motion may also change the conditions by some values (n,)."""
         _ = self._answer
         tangent: Any = self._tangent
         if not self.multipliers.size:
             return self._direct.solve(force), NONE
-        values = np.zeros(self.multipliers.size) if lift is None else tangent.gradient @ lift
+        values = np.zeros(self.multipliers.size) if values is None else values
         x, pulls = tangent.symmetric().solve_both(force, values)
         return x, pulls
+
+    def rows(self, change: np.ndarray) -> np.ndarray:
+        """What a change makes of the conditions after the step, (n,)."""
+        _ = self._answer
+        return rows_of(self._tangent, change)
+
+    def held_by(self, pulls: np.ndarray) -> np.ndarray:
+        """The forces of multipliers (n,) after the step, (n_fine,)."""
+        return self._force(self._end, pulls)
 
     def pulled(self, pulls: np.ndarray) -> np.ndarray:
         r"""What conditions that the interpolated state does not meet add to an estimate by the multipliers (n,) of a dual

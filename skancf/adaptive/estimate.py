@@ -137,7 +137,7 @@ def goal_estimate(
         better = enriched.corrected
         gradient = gradient_of(quantity, better)
         lift = quantity.lift(better) if hasattr(quantity, "lift") else None
-        weight, pulls = enriched.solve_both(gradient, lift)
+        weight, pulls = enriched.solve_both(gradient, None if lift is None else enriched.rows(lift))
         smooth = weight if lift is None else weight - lift
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
         if pulls.size:

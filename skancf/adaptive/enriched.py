@@ -295,8 +295,8 @@ class Enriched(Refined):
 
     def rounding(self, weight: np.ndarray, gradient: np.ndarray, pulls: np.ndarray = NONE) -> float:
         r"""Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces, and what
-        the gradient of the quantity makes of the rounding of the coordinates themselves. ``pulls`` are the multipliers of the
-        weight, by which conditions that are not quite met count.
+        the gradient of the quantity makes of the rounding of the coordinates themselves. ``pulls`` are the multipliers of
+        the weight, by which conditions that are not quite met count.
 
         The rest that Newton's method left has a direction, and cancels in parts as the residual does; rounding has none.
         That of products by strains is in equilibrium in each element, and does work on the strains of the weight only, no

@@ -116,8 +116,9 @@ def multipliers_on(state: Solution, system: System) -> np.ndarray:
     if not conditions:
         return np.zeros(0)
     if state.multipliers is None:
-        raise InputError("state: it has no multipliers, and its system has conditions: "
-                         f"{', '.join(map(repr, conditions.names))}; give what solve, solve_linear or trace found")  # fmt: skip
+        names = ", ".join(map(repr, conditions.names))
+        raise InputError(f"state: it has no multipliers, and its system has conditions: {names}; give what solve, "
+                         "solve_linear or trace found")  # fmt: skip
     return conditions.carried(state.multipliers, system.conditions)
 
 

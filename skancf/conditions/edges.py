@@ -20,8 +20,8 @@ INVERSIONS = 20
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Boundary facets one after another, the same way on every mesh: from the end with the smaller x, or y where both have one
-    x. A closed one begins at its smallest place, and goes where x grows, or y.
+    """Boundary facets one after another, the same way on every mesh: from the end with the smaller x, or y where both have
+    one x. A closed one begins at its smallest place, and goes to the neighbour with the smaller one.
 
     Attributes
     ----------

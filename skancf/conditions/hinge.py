@@ -202,8 +202,8 @@ class HingeForce:
     multipliers: np.ndarray
 
     def per_length(self, s: Any) -> np.ndarray:
-        """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3). They count from its end with
-        the smaller x, or y where both have one x."""
+        """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3). They count from its end
+        with the smaller x, or y where both have one x."""
         places = np.atleast_1d(np.asarray(s, float))
         slack = ONE_PLACE * self.ends[-1]
         if not ((places >= -slack) & (places <= self.ends[-1] + slack)).all():

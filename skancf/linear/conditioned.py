@@ -105,7 +105,8 @@ class ConditionedSolver:
     def condensed(self, matrix: BlockMatrix, sizes: BlockMatrix | None = None, times: float | None = None) -> BlockMatrix:
         """A of K, see :meth:`factor`; with another stiffness of P, if given."""
         self.matrix = matrix
-        self.stiffness = (self.times if times is None else times) * row_stiffness(sizes or matrix, self.free, self.direct.constraints, self.held)
+        times = self.times if times is None else times
+        self.stiffness = times * row_stiffness(sizes or matrix, self.free, self.direct.constraints, self.held)
         return matrix + products(matrix, self.free, self.stiffness)
 
     def symmetric(self) -> "ConditionedSolver":

@@ -21,8 +21,8 @@ class Reaction:
 
     .. math:: c \cdot (P R(q) - F (q - q_0)), \qquad \text{with the gradient} \qquad K^T P c - F c
 
-    and the tangent K of the state, that of follower loads included. Conditions pull at what supports hold, too: R is with their
-    forces, and K with their curvature.
+    and the tangent K of the state, that of follower loads included. Conditions pull at what supports hold, too: R is with
+    their forces, and K with their curvature.
 
     Parameters
     ----------

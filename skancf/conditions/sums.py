@@ -8,7 +8,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.conditions.condition import Condition
-from skancf.errors import InputError
 from skancf.history import FULL, Case
 from skancf.terms.blocks import Blocks
 from skancf.tolerances import CONDITION_MET
@@ -113,12 +112,3 @@ class Conditions(Sequence[Condition]):
 def _different(names: list[str]) -> tuple[str, ...]:
     """Names with a number where several are equal."""
     return tuple(f"{name} {names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names))
-
-
-def refuse(system: Any, what: str) -> None:
-    """InputError where a system has conditions and ``what`` cannot take them yet."""
-    conditions = getattr(system, "conditions", None)
-    if conditions:
-        raise InputError(f"{what} cannot take conditions yet, and this system has {', '.join(map(repr, conditions.names))}; "
-                         "statics can (solve, solve_linear, trace, modes, buckling). Leave them out, or hold the parts "
-                         "together by a term of your own, as a stiff spring")  # fmt: skip

@@ -229,7 +229,8 @@ def test_what_shear_adds_with_conditions():
         values = [number.value(state) for state in thick]
         limit = values[1] + (values[1] - values[0]) / 3
         found = sk.theory_error(thin, number)
-        assert found.value == pytest.approx(limit - number.value(thin), rel=0.12) and found.share > 0.04  # 0.02 on finer ones
+        # To 0.02 on meshes of 16 elements and more across.
+        assert found.value == pytest.approx(limit - number.value(thin), rel=0.12) and found.share > 0.04
     bent = sk.solve(ring(2.0 * D / R**2).on(sk.meshes.uniform(RING, 1, 24), "kirchhoff")).solution
     of_half = sk.solve(half(2.0 * D / R**2).on(sk.meshes.uniform(HALF, 1, 12), "kirchhoff")).solution
     shares = [sk.theory_error(state, TIP).share for state in (bent, of_half)]
@@ -245,7 +246,7 @@ def test_the_theory_is_chosen_with_conditions(thickness, name):
 
 @theories
 def test_meshes_that_follow_a_motion_with_conditions(theory):
-    """A hinged tube with a rod across, thrown and struck: nothing pulls from outside, so momenta stay over changes of mesh."""
+    """A hinged tube with a rod across, thrown and struck: nothing pulls from outside, and momenta stay."""
     surface = sk.CylinderSector(R, 0.5, 2 * np.pi)
     joints = [sk.Hinge("start", "end"), sk.RigidLink((0.25, 1.0), (0.25, 4.0), name="rod")]
     free = sk.Problem(surface, 0.05, sk.Isotropic(1e6, 0.3, 1000.0), conditions=joints)

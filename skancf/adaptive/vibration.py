@@ -7,10 +7,11 @@ import numpy as np
 
 from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.energies import energies, small
-from skancf.adaptive.enriched import Enriched, Refined
+from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.grow import SMALLEST
 from skancf.adaptive.quantities import StrainEnergy
+from skancf.adaptive.refined import Refined
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
 from skancf.arguments import flag, whole

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.arguments import having
+from skancf.conditions.check import require_derivative
 from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.sums import Conditions
 from skancf.errors import InputError, shown
@@ -25,8 +26,8 @@ def conditions_of(joints: Sequence[Joint], shell: Any, layout: Layout) -> Condit
     Raises
     ------
     InputError
-        For what is no condition, one whose rows, gradient and cells do not fit each other, and one that the undeformed state
-        does not meet at the load factor zero.
+        For what is no condition, one whose rows, gradient and cells do not fit each other, one that the undeformed state
+        does not meet at the load factor zero, and one whose gradient there is not the derivative of its value.
     """
     found = [_condition(joint, shell, layout) for joint in joints]
     conditions = Conditions(found, layout.n_dofs)
@@ -38,6 +39,8 @@ def conditions_of(joints: Sequence[Joint], shell: Any, layout: Layout) -> Condit
             raise InputError(f"condition {name!r}: the undeformed state does not meet it, {each.rows()[worst]} is "
                              f"{values[worst]:.4g}. Begin with a state that does, and let its value depend "
                              "on the case to move there: it vanishes at case.factor = 0")  # fmt: skip
+        if not is_ours(each):
+            require_derivative(f"condition {name!r}", each, layout)
     return conditions
 
 
@@ -49,6 +52,12 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
     name = f"the condition of {shown(joint)}"
     having(name, condition, NAMES, "one from on(), of a class that is derived from skancf.conditions.Condition, with name, "
            "n and scales")  # fmt: skip
+    check_condition_of(name, condition, layout)
+    return condition
+
+
+def check_condition_of(name: str, condition: Condition, layout: Layout) -> None:
+    """InputError where shapes and blocks of a condition do not fit the layout, or its numbers are none."""
     n, q = condition.n, layout.undeformed.ravel().copy()
     q.flags.writeable = False  # a condition that writes into what it is given is stopped here
     with Noted("conditions: couples, value or gradient"):
@@ -64,7 +73,6 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
         raise InputError(f"scales of {name}: {shown(condition.scales)}; the size of a row is greater than zero")
     for what, matrix in (("gradient", gradient), ("between", between)):
         _check_gradient(f"{what} of {name}", matrix, cells, n, layout)
-    return condition
 
 
 def _check_gradient(name: str, gradient: Any, cells: np.ndarray, n: int, layout: Layout) -> None:

@@ -19,7 +19,7 @@ AROUND = 8
 
 
 def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
-    """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads and supports, and along
+    """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads, supports and links, and along
     the sides of zones and of the rectangle over which a quantity is a mean.
 
     Raises
@@ -48,8 +48,9 @@ def _held(problem: Problem, axis: int) -> list[float]:
 
 
 def _loaded(problem: Problem, axis: int) -> list[float]:
-    """Coordinates of points where something acts: nodes there help."""
-    return [float(point[axis]) for load in problem.loads for point in _points(getattr(load, "at", None))]
+    """Coordinates of points where something acts, a condition too: nodes there help."""
+    places = [getattr(load, "at", None) for load in problem.loads] + [list(joint.points) for joint in problem.conditions]
+    return [float(point[axis]) for place in places for point in _points(place)]
 
 
 def _points(where: object) -> list:

@@ -19,8 +19,8 @@ AROUND = 8
 
 
 def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
-    """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads, supports and links, and along
-    the sides of zones and of the rectangle over which a quantity is a mean.
+    """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads, supports and links, and
+    along the sides of zones and of the rectangle over which a quantity is a mean.
 
     Raises
     ------

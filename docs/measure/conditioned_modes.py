@@ -95,7 +95,7 @@ def among(basis: np.ndarray, *matrices: BlockMatrix) -> list[np.ndarray]:
 
 
 def eigenvalues(system: System) -> tuple[np.ndarray, int]:
-    """All of the stiffness against the mass, and how many are zero; of their inverses, which give the low ones all digits."""
+    """All of the stiffness against the mass, and how many are zero; from their inverses: the low ones have all digits."""
     stiffness, mass = among(null_basis(system), system.stiffness(), system.mass)
     rough = eigh(stiffness, mass, eigvals_only=True)
     rigid = int((rough < RIGID * rough[MODES]).sum())

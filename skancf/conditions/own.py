@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.arguments import having
+from skancf.arguments import having, text, whole
+from skancf.conditions.check import check_derivatives
 from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.sums import Conditions
 from skancf.errors import InputError, shown
@@ -25,8 +26,8 @@ def conditions_of(joints: Sequence[Joint], shell: Any, layout: Layout) -> Condit
     Raises
     ------
     InputError
-        For what is no condition, one whose rows, gradient and cells do not fit each other, and one that the undeformed state
-        does not meet at the load factor zero.
+        For what is no condition, one whose rows, gradient, curvature and cells do not fit each other, and one that the
+        undeformed state does not meet at the load factor zero.
     """
     found = [_condition(joint, shell, layout) for joint in joints]
     conditions = Conditions(found, layout.n_dofs)
@@ -49,7 +50,8 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
     name = f"the condition of {shown(joint)}"
     having(name, condition, NAMES, "one from on(), of a class that is derived from skancf.conditions.Condition, with name, "
            "n and scales")  # fmt: skip
-    n, q = condition.n, layout.undeformed.ravel().copy()
+    text(f"name of {name}", condition.name)
+    n, q = whole(f"n of {name}", condition.n, least=0), layout.undeformed.ravel().copy()
     q.flags.writeable = False  # a condition that writes into what it is given is stopped here
     with Noted("conditions: couples, value or gradient"):
         cells, value, gradient, between = (
@@ -64,14 +66,14 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
         raise InputError(f"scales of {name}: {shown(condition.scales)}; the size of a row is greater than zero")
     for what, matrix in (("gradient", gradient), ("between", between)):
         _check_gradient(f"{what} of {name}", matrix, cells, n, layout)
+    check_derivatives(name, condition, layout)
     return condition
 
 
 def _check_gradient(name: str, gradient: Any, cells: np.ndarray, n: int, layout: Layout) -> None:
-    shape = (n, layout.n_dofs)
-    if not sp.issparse(gradient) or gradient.shape != shape or not np.isfinite(gradient.data).all():
+    shape, rows = (n, layout.n_dofs), sp.csr_matrix(gradient) if sp.issparse(gradient) else None
+    if rows is None or rows.shape != shape or rows.dtype.kind not in "fiu" or not np.isfinite(rows.data).all():
         raise InputError(f"{name}: {shown(gradient)}; give a sparse matrix of finite numbers, of shape {shape}")
-    rows = sp.csr_matrix(gradient)
     for k in range(n):
         blocks = np.unique(rows.indices[rows.indptr[k] : rows.indptr[k + 1]] // BLOCK)
         if not any(np.isin(blocks, cell).all() for cell in cells):

@@ -110,7 +110,7 @@ class HeldMotions(Motions):
         return np.asarray(null_space(rows, rcond=DEPENDENT).T @ free)
 
     def correction(self, residual: np.ndarray, shape: np.ndarray) -> tuple[np.ndarray, float]:
-        moved, multipliers = self._held.solve_both(residual, self._zero, PASSES)
+        moved, multipliers = self._held.solve_both(residual, self._zero)
         return moved, 2 * float(np.abs(multipliers) @ np.abs(self._held.gradient @ shape))
 
 

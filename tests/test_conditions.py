@@ -197,6 +197,12 @@ def test_a_slit_that_a_hinge_names_is_meant():
         on()
 
 
+def test_a_gap_that_is_not_the_mesh_s_is_said():
+    nearly = sk.CylinderSector(radius=1.0, length=0.5, angle=6.28)
+    with pytest.warns(sk.OutOfDepth, match=r"'start' and 'end' of the surface miss each other by up to 0\.003185 m"):
+        on(HINGE, surface=nearly)
+
+
 def test_without_conditions_nothing_is_there():
     system = on(surface=sk.Rectangle(1.0, 1.0))
     assert not system.conditions and system.conditions.n == 0 and system.conditions.gradient(system.undeformed).shape[0] == 0

@@ -26,14 +26,25 @@ def check_derivatives(name: str, condition: Condition, layout: Layout) -> None:
     Raises
     ------
     InputError
-        For a gradient that is not the derivative of the value, and a curvature that is not that of the forces.
+        For a row without a gradient in the undeformed state, a gradient that is not the derivative of the value, and a
+        curvature that is not that of the forces.
     """
     random, sizes = np.random.default_rng(condition.n), layout.scales.ravel()
     change, way = (sizes * random.uniform(-1, 1, layout.n_dofs) for _ in range(2))
     q = layout.undeformed.ravel() + AMOUNT * change
     with Noted("conditions: value, gradient or add_curvature"), np.errstate(all="ignore"):
+        _check_rest(name, condition, layout)
         _check_gradient(name, condition, q, way)
         _check_curvature(name, condition, layout, q, way)
+
+
+def _check_rest(name: str, condition: Condition, layout: Layout) -> None:
+    sizes = abs(condition.gradient(layout.undeformed.ravel())) @ layout.scales.ravel()
+    nothing = np.flatnonzero(sizes <= SAME_VALUE * np.asarray(condition.scales))
+    if nothing.size:
+        raise InputError(f"gradient of {name}: that of {condition.rows()[nothing[0]]} is zero in the undeformed state, in "
+                         "which the condition holds nothing; write it as one that has a gradient, a distance and not its "
+                         "square")  # fmt: skip
 
 
 def _check_gradient(name: str, condition: Condition, q: np.ndarray, way: np.ndarray) -> None:

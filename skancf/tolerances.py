@@ -94,8 +94,6 @@ DIFFERENCED = 1.5e-6
 """Of positions over the extent, and of slopes: the noise of values that are differences themselves, or rounded."""
 CLOSE_JETS = 1e-6
 """Of the size of a jet: over a smaller change the energy changes by the work of the force in the middle, to rounding."""
-DERIVED = 1e-5
-"""Of the sizes of its terms: a derivative and a difference that stands for it. A wrong factor, sign or term is far more."""
 ONE_COUNT = 1e-7
 """Cells: counts that are closer are one. It is the rounding of an integral, not a difference of the problem."""
 CANCELLED = 1e-6

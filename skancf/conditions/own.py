@@ -7,7 +7,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.arguments import having, text, whole
-from skancf.conditions.check import check_derivatives
 from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.sums import Conditions
 from skancf.errors import InputError, shown
@@ -26,8 +25,8 @@ def conditions_of(joints: Sequence[Joint], shell: Any, layout: Layout) -> Condit
     Raises
     ------
     InputError
-        For what is no condition, one whose rows, gradient, curvature and cells do not fit each other, and one that the
-        undeformed state does not meet at the load factor zero.
+        For what is no condition, one whose rows, gradient and cells do not fit each other, and one that the undeformed state
+        does not meet at the load factor zero.
     """
     found = [_condition(joint, shell, layout) for joint in joints]
     conditions = Conditions(found, layout.n_dofs)
@@ -66,7 +65,6 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
         raise InputError(f"scales of {name}: {shown(condition.scales)}; the size of a row is greater than zero")
     for what, matrix in (("gradient", gradient), ("between", between)):
         _check_gradient(f"{what} of {name}", matrix, cells, n, layout)
-    check_derivatives(name, condition, layout)
     return condition
 
 

@@ -323,34 +323,6 @@ def test_a_condition_of_ones_own_may_hold_a_rigid_motion():
         sk.solve_linear(sk.Problem(ARCH, T, BEAM, loose.supports, loose.loads, conditions=list(TIES)).on(mesh, "kirchhoff"))
 
 
-REFUSING = {
-    "simulate": lambda system, state: sk.simulate(system, t_end=1e-3, dt=1e-3),
-    "theory_error": lambda system, state: sk.theory_error(state),
-}
-
-
-@pytest.mark.parametrize("what", REFUSING)
-def test_what_cannot_take_conditions_says_so(what):
-    system = arch(*TIES)
-    with pytest.raises(sk.InputError, match=f"{what} cannot take conditions yet, .* 'tie at 0'"):
-        REFUSING[what](system, sk.solve_linear(system))
-
-
-def test_adaptivity_says_that_it_cannot_take_conditions():
-    tree = sk.meshes.quadtree(sk.meshes.uniform(ARCH, 1, 12))
-    problem = sk.Problem(ARCH, T, BEAM, [sk.Pin("start"), sk.Roller("end")], [sk.EdgeLoad("left", (0.0, 0.0, -1.0))],
-                         conditions=TIES)  # fmt: skip
-    system = problem.on(tree, "kirchhoff")
-    state, finer = sk.solve_linear(system), problem.on(tree.refined(), "kirchhoff")
-    number = sk.Displacement((0.0, 1.0), (0, 0, 1))
-    asked = [lambda: sk.adapt(problem, number, 0.1, mesh=tree), lambda: sk.goal_estimate(state, number),
-             lambda: sk.transfer(state, finer), lambda: sk.remap(state, finer),
-             lambda: sk.residual_indicator(state)]  # fmt: skip
-    for ask in asked:
-        with pytest.raises(sk.InputError, match="cannot take conditions yet"):
-            ask()
-
-
 def test_results_know_their_conditions():
     system = arch(*TIES)
     with pytest.raises(sk.InputError, match="no multipliers"):

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.arguments import having, text, whole
+from skancf.conditions.check import require_curvature, require_derivative
 from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.sums import Conditions
 from skancf.errors import InputError, shown
@@ -15,6 +16,7 @@ from skancf.history import Case
 from skancf.kernels.constants import BLOCK
 from skancf.layout.layout import Layout
 from skancf.terms.own import check_cells
+from skancf.tolerances import SAME_VALUE
 
 NAMES = [name for name in (*vars(Condition), "name", "n", "scales") if not name.startswith("_")]
 
@@ -25,8 +27,9 @@ def conditions_of(joints: Sequence[Joint], shell: Any, layout: Layout) -> Condit
     Raises
     ------
     InputError
-        For what is no condition, one whose rows, gradient and cells do not fit each other, and one that the undeformed state
-        does not meet at the load factor zero.
+        For what is no condition, one whose rows, gradient and cells do not fit each other, one that the undeformed state
+        does not meet at the load factor zero, and one whose gradient is zero there or not the derivative of its value, or
+        whose curvature is not that of its forces.
     """
     found = [_condition(joint, shell, layout) for joint in joints]
     conditions = Conditions(found, layout.n_dofs)
@@ -38,6 +41,9 @@ def conditions_of(joints: Sequence[Joint], shell: Any, layout: Layout) -> Condit
             raise InputError(f"condition {name!r}: the undeformed state does not meet it, {each.rows()[worst]} is "
                              f"{values[worst]:.4g}. Begin with a state that does, and let its value depend "
                              "on the case to move there: it vanishes at case.factor = 0")  # fmt: skip
+        if not is_ours(each):
+            for require in (require_derivative, require_curvature):
+                require(f"condition {name!r}", each, layout)
     return conditions
 
 
@@ -49,6 +55,12 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
     name = f"the condition of {shown(joint)}"
     having(name, condition, NAMES, "one from on(), of a class that is derived from skancf.conditions.Condition, with name, "
            "n and scales")  # fmt: skip
+    check_condition_of(name, condition, layout)
+    return condition
+
+
+def check_condition_of(name: str, condition: Condition, layout: Layout) -> None:
+    """InputError where shapes and blocks of a condition do not fit the layout, or its numbers are none."""
     text(f"name of {name}", condition.name)
     n, q = whole(f"n of {name}", condition.n, least=0), layout.undeformed.ravel().copy()
     q.flags.writeable = False  # a condition that writes into what it is given is stopped here
@@ -65,7 +77,12 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
         raise InputError(f"scales of {name}: {shown(condition.scales)}; the size of a row is greater than zero")
     for what, matrix in (("gradient", gradient), ("between", between)):
         _check_gradient(f"{what} of {name}", matrix, cells, n, layout)
-    return condition
+    sizes = abs(sp.csr_matrix(gradient)) @ layout.scales.ravel()
+    nothing = np.flatnonzero(sizes <= SAME_VALUE * np.asarray(condition.scales))
+    if nothing.size:
+        raise InputError(f"gradient of {name}: that of {condition.rows()[nothing[0]]} is zero in the undeformed state, in "
+                         "which the condition holds nothing; write it as one that has a gradient, a distance and not its "
+                         "square")  # fmt: skip
 
 
 def _check_gradient(name: str, gradient: Any, cells: np.ndarray, n: int, layout: Layout) -> None:

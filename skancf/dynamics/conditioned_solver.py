@@ -59,6 +59,10 @@ class ConditionedStepSolver(StepSolver):
         a, multipliers = held.solve_both(force, -(self._turning(q, v) + second + held.gradient @ driven))
         return State(time, q, v, driven + a, multipliers=multipliers)
 
+    def taken(self, state: State, moment: float) -> State:
+        """With multipliers on this mesh, those that belong to its forces and velocities."""
+        return replace(state, multipliers=self.begin(state.time, state.q, state.v, moment).multipliers)
+
     def jump(self, start: State, impulse: np.ndarray, moment: float) -> np.ndarray:
         """Velocities keep the conditions, whose impulses do no work."""
         held, (rate, _) = self._inertia(start.q), self._driving(start.time, start.q, moment)

@@ -7,7 +7,7 @@ import numpy as np
 from skancf.conditions.solver import conditions_in, curved, solver_at
 from skancf.errors import InputError
 from skancf.history import FULL, Case
-from skancf.linear import ConditionedSolver, DirectSolver, SkewSolver, contradiction
+from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver, contradiction
 from skancf.solution import Solution
 from skancf.statics.corrections import NONE, StaticSystem, Tangents, along_load, factored, skew_part
 from skancf.statics.stopping import Pull, work
@@ -34,6 +34,25 @@ def tangent_at(
         matrix = matrix + pull.strength * pull.metric
     held: ConditionedSolver = solver_at(system, solver, q)
     return held.factor(matrix, skew_part(system, q, load_factor))
+
+
+def factored_about(system: Any, solver: DirectSolver, matrix: BlockMatrix, skew: Any, about: np.ndarray) -> Tangent:
+    """A matrix and its skew part, with the conditions to first order about unknowns of the system where it has some.
+
+    Raises
+    ------
+    SingularMatrix
+    """
+    if conditions_in(system):
+        held: ConditionedSolver = solver_at(system, solver, about)
+        return held.factor(matrix, skew)
+    solver.factor(matrix)
+    return SkewSolver(matrix, skew, solver)
+
+
+def rows_of(tangent: Tangent, change: np.ndarray) -> np.ndarray:
+    """What a change makes of the conditions of a tangent, (n,)."""
+    return np.asarray(tangent.gradient @ change) if isinstance(tangent, ConditionedSolver) else NONE
 
 
 def along_both(system: Any, q: np.ndarray, tangent: Tangent) -> tuple[np.ndarray, np.ndarray]:

@@ -72,6 +72,13 @@ def at_rest(system: Any) -> Solution:
     return Solution(system, system.undeformed.copy(), load_factor=0.0, multipliers=multipliers)
 
 
+def is_loaded(system: Any, q: np.ndarray) -> bool:
+    """Whether anything loads a system: a load in a state (n_dofs,), temperature, or a support or a condition that moves."""
+    conditions = conditions_in(system)
+    moves = conditions is not None and not conditions.met(conditions.value(system.undeformed))
+    return bool(moves or system.prescribed().any() or system.external_force(q).any())
+
+
 def require_no_contradiction(system: Any) -> None:
     """InputError where no small change meets all conditions of the undeformed state with supports where they go."""
     conditions = conditions_in(system)

@@ -370,7 +370,8 @@ class Solution(TrueStresses):
         link (N), the :class:`~skancf.conditions.hinge.HingeForce`, multipliers. InputError for a state without them."""
         conditions = self.system.conditions
         if self.multipliers is None and conditions:
-            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear and trace have them")
+            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear, trace and simulate "
+                             "have them")
         return {} if self.multipliers is None else conditions.named(self.multipliers)
 
     def reactions(self, where: Any = None) -> np.ndarray:

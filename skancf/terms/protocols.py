@@ -58,10 +58,6 @@ class Assembly(Protocol):
     def mass_shapes(self) -> np.ndarray:
         """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
 
-    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        """Strain in the local frame (n_elements, n, 6) that a temperature change T0 + z T1, each (n_elements, n), makes at
-        points (2, n) of every element and a depth if free."""
-
     def thermal_stresses(self, temperature: Heat) -> np.ndarray:
         """Stresses that hold back a temperature change T0 + z T1."""
 
@@ -91,8 +87,8 @@ class Assembly(Protocol):
     def stress_of(
         self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False
     ) -> np.ndarray:
-        """Second Piola-Kirchhoff stress of strains (m, n, 6) at a depth of a section, or at one for each place; to first order
-        in ``small`` ones. The temperature is as in :meth:`section_forces`."""
+        """Second Piola-Kirchhoff stress of strains (m, n, 6) at a depth of a section, or at one for each place; temperature
+        and ``small`` as in :meth:`section_forces`."""
 
     def small_stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
         """As :meth:`stresses` by the law of small strain, which is that of the undeformed state."""

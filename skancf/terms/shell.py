@@ -45,8 +45,10 @@ class Shell(Term):
         self.cells = self.geometry.nodes + layout.part(name).start
         self.nodal, self.flat = partial(layout.nodal, name=name), partial(layout.flat, name=name)
 
-    heated = False
-    """Whether heat is inside the law, so that forces are not linear in it."""
+    @property
+    def heated(self) -> bool:
+        """Whether heat is inside the law, so that forces are not linear in it."""
+        return False
 
     def at(self, case: Case) -> Assembly:
         """The assembly with the temperature of a case, where it is inside the law."""
@@ -176,7 +178,8 @@ class Shell(Term):
         return case.factor**2 * self.assembly.thermal_energy(lambda points: np.asarray(self.temperature(points, at_full)))
 
     def section_forces(self, q: np.ndarray, points: np.ndarray, case: Case = FULL, small: bool = False) -> np.ndarray:
-        """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n); ``small``: to first order."""
+        """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n), see
+        :meth:`skancf.terms.protocols.Assembly.section_forces`."""
         return self.assembly.section_forces(self.nodal(q), points, self.temperature(points, case), small=small)
 
     def largest_turn(self, change: np.ndarray) -> float:

@@ -98,5 +98,5 @@ class ShellAtPoints(Shell):
         if not self._warm:
             return None
         size = max(1.0, abs(load_factor))
-        more, less = (self.internal_force(q, Case(load_factor + sign * STEP * size)) for sign in (1, -1))
-        return (less - more) / (2 * STEP * size)
+        more, less = (self.stresses(q, None, Case(load_factor + sign * STEP * size)) for sign in (1, -1))
+        return self.force_of(q, (less - more) / (2 * STEP * size))

@@ -75,9 +75,6 @@ class FullAssembly(CompiledAssembly):
         stress = np.einsum(f"z{_of(laws)}pq,zevq,zev->zevp", laws, free, volume)
         return np.ascontiguousarray(np.einsum("zpkev,zevp->ekv", to_local, stress, optimize=True))
 
-    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        return self.section.at(points).thermal_strain_of_one_director(z, middle, gradient)
-
     def thermal_energy(self, temperature: Heat) -> float:
         free, laws, _, volume = self._heated(temperature)
         return float(0.5 * np.einsum(f"zevp,z{_of(laws)}pq,zevq,zev->", free, laws, free, volume, optimize=True))

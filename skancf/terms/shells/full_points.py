@@ -24,6 +24,7 @@ from skancf.materials.free_stretch import FreeStretch, free_stretch
 from skancf.materials.hyperelastic.law import require_solid
 from skancf.materials.law import THICKNESS, TRANSVERSE
 from skancf.materials.point_law import PointResponse
+from skancf.terms.protocols import Heat
 from skancf.terms.shells.full import FullAssembly
 from skancf.terms.shells.points import NOWHERE, Answer, AtPoints, of_places, square
 from skancf.theories.full import kernels, point_kernels
@@ -155,16 +156,49 @@ class FullPointAssembly(AtPoints, FullAssembly):
         strain: np.ndarray = middle @ answer.everything[e, :, p]
         return strain[[0, 1, 5]]
 
-    def section_forces(
-        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, small: bool = False
-    ) -> np.ndarray:
-        return super().section_forces(q, points, temperature, small and temperature is not None)
+    def thermal_stresses(self, temperature: Heat) -> np.ndarray:
+        """To first order; of those across, what is linear in z relaxes."""
+        _, stress, _ = self._held(self._matrices(self.theory.quadrature[0])[1], *temperature(self.theory.quadrature[0]))
+        shape = self.sections.shape
+        return np.ascontiguousarray(
+            np.einsum("ezvkp,vzep,ezp->ekp", self._matrix[shape], stress, self._volume[shape], optimize=True)
+        )
+
+    def thermal_energy(self, temperature: Heat) -> float:
+        volume = np.moveaxis(self._volume[self.sections.shape], 1, 0)
+        free, stress, _ = self._held(volume, *temperature(self.theory.quadrature[0]))
+        return 0.5 * float(np.einsum("vzep,vzep,zep->", free, stress, volume, optimize=True))
+
+    def _held(
+        self, volume: np.ndarray, middle: np.ndarray, gradient: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Free strains and what stresses hold them back to first order, (6, n_z, m, n) each, where volumes are (n_z, m, n);
+        and the factor of the strain across that is linear in z, (m, n)."""
+        z = self._arms[:, None, None]
+        change = middle + np.multiply.outer(self._heights[0], gradient)
+        free = np.multiply.outer(self.law.thermal_strain(), change)
+        free[TRANSVERSE] *= self._sheared
+        law = self._law_at_rest
+        alpha = (volume * z * np.tensordot(law[THICKNESS], free, 1)).sum(axis=0) / (
+            (volume * z * z).sum(axis=0) * law[THICKNESS, THICKNESS])  # fmt: skip
+        moved = free.copy()
+        moved[THICKNESS] -= alpha * z
+        return free, np.tensordot(law, moved, 1), alpha
+
+    @property
+    def _law_at_rest(self) -> np.ndarray:
+        """Stiffness (6, 6) of the undeformed state."""
+        found = self._respond(np.array([[1.0], [1.0], [1.0], [0.0], [0.0], [0.0]]), None)
+        return square(found.stiffness, PAIRS, (1,))[0]
 
     def strains(
         self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
     ) -> np.ndarray:
         if small and temperature is not None:
-            return super().strains(q, points, z, temperature)
+            out = self.strains(q, points, z, None)
+            if not np.iscomplexobj(out):  # in the undeformed state
+                out[..., THICKNESS] += (z - self._middle) * self._held(self._matrices(points)[1], *temperature)[2]
+            return out
         geometry, theory = self.geometry, self.theory
         change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
         jets = theory.jets(geometry.undeformed_local, points)
@@ -188,15 +222,16 @@ class FullPointAssembly(AtPoints, FullAssembly):
     def stress_of(
         self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False
     ) -> np.ndarray:
-        if small and temperature is not None:
-            return super().stress_of(strains, section, z, temperature)
         sheared = np.where(np.isin(np.arange(6), TRANSVERSE), self._sheared, 1.0)
         first_order = small or np.iscomplexobj(strains)
         C = np.moveaxis(np.zeros_like(strains.real) if first_order else strains * sheared, -1, 0).copy()
         C[:3] = 1 + 2 * C[:3]
-        found = self._respond(C.reshape(6, -1), self._free_stretch(np.array([z]), temperature))
+        heat = None if small else temperature
+        found = self._respond(C.reshape(6, -1), self._free_stretch(np.array([z]), heat))
         if first_order:
             law = square(found.stiffness, PAIRS, strains.shape[:-1])
+            if small and temperature is not None and not np.iscomplexobj(strains):
+                strains = strains - section.thermal_strain(z, *temperature)
             return np.asarray(sheared * (law @ (sheared * strains)[..., None])[..., 0])
         return np.asarray(sheared * of_places(found.stress, strains))
 

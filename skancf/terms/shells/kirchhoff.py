@@ -92,9 +92,6 @@ class ThinAssembly(CompiledAssembly):
     def thermal_stresses(self, temperature: Heat) -> np.ndarray:
         return self._initial_stresses(self._free_strains(temperature))
 
-    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        return self.section.at(points).thermal_strain(z, middle, gradient)
-
     def thermal_energy(self, temperature: Heat) -> float:
         strains, sections, points = self._free_strains(temperature), self.sections, self.geometry.integration.local
         left = self.curved_at(points).energy_left(sections.curvature[sections.shape], *temperature(points))
@@ -241,7 +238,7 @@ class ThinAssembly(CompiledAssembly):
         self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
     ) -> np.ndarray:
         parts, b = self.section_strains(q, points)
-        free = np.zeros(6) if temperature is None else self.free_strain(points, z, *temperature)
+        free = np.zeros(6) if temperature is None else self._free_in(self.section.at(points), z, temperature)
         out, curved = free + np.zeros((*b.shape[:-1], 6), parts.dtype), self.curved_at(points)
         elastic = curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]
         out[:, :, IN_PLANE] += elastic

@@ -80,6 +80,7 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
 
     def _warmed(self) -> None:
         """Membrane strains of the free expansion that assumed ones do not hold are no strain of the rest."""
+        assert self.temperature is not None
         free = self._free_strains(self.temperature, self._expanded)
         projection = self._tables.projections[self.sections.assumed[self.sections.shape]]
         kept = np.einsum("ecsp,ecs->ecp", projection, self._before_projection(free))

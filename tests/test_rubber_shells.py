@@ -1,6 +1,6 @@
 """Thin shells with laws at points through the thickness: equilibrium, paths and outputs against exact states of rubber."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np

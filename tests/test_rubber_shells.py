@@ -1,6 +1,6 @@
 """Thin shells with laws at points through the thickness: equilibrium, paths and outputs against exact states of rubber."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
@@ -180,10 +180,3 @@ def test_where_a_law_ends_the_load_stops_and_the_place_is_told():
     assert 0.9 < (1.0 + 0.6 * result.solution.load_factor - 1.0) / (last - 1.0) < 1.0
     for word in ("Gent has no stress in element", "(x, y) = (", "z = ", "membrane strain (", "below most = 0.3"):
         assert word in result.message, (word, result.message)
-
-
-def test_heat_is_refused():
-    surface = sk.Rectangle(1.0, 1.0)
-    problem = sk.Problem(surface, 0.01, replace(RUBBER, expansion=1e-4), [], [sk.Temperature(10.0)])
-    with pytest.raises(sk.InputError, match="law at points"):
-        problem.on(uniform(surface, 1, 1), "kirchhoff")

@@ -109,7 +109,8 @@ class Enriched(Refined):
 
     def residual_of(self, x: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """At unknowns of the model, (n_fine,)."""
-        residual = self.model.internal_force(x) - self.state.load_factor * self.model.external_force(x)
+        model, state = self.model, self.state
+        residual = model.internal_force(x, None, state.case) - state.load_factor * model.external_force(x)
         return residual + self._force(x, multipliers) if multipliers.size else residual
 
     def _force(self, x: np.ndarray, multipliers: np.ndarray) -> np.ndarray:

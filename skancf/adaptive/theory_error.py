@@ -11,7 +11,6 @@ from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
 from skancf.arguments import STATE, instance
 from skancf.conditions.solver import curved
 from skancf.errors import InputError
-from skancf.history import FULL
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.statics.conditioned import factored_about, rows_of, solved
@@ -148,7 +147,7 @@ def _is_loaded_alone(state: Solution) -> bool:
     with conditions that do not move."""
     system, start = state.system, state.system.undeformed
     moved = system.prescribed().any() or not system.conditions.met(system.conditions.value(start))
-    return state.linear and not moved and system.shell.initial_stresses(FULL) is None
+    return state.linear and not moved and not system.shell.heats
 
 
 def _weight(state: Solution, gradient: np.ndarray, lift: np.ndarray | None, backend: str) -> np.ndarray:

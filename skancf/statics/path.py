@@ -159,7 +159,7 @@ def traced(
     control = ArcLength() if control is None else control
     if not isinstance(control, ArcLength | DisplacementControl):
         raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")
-    if not is_loaded(system, at.q):
+    if not is_loaded(system, at.q, at.load_factor):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
         follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)

@@ -171,8 +171,7 @@ def of_components(psi, incompressible):
 
     @point_function
     def still(a, b, c, d, par):
-        """The energy; infinite where it is no real number."""
-        real = value(complex(a), complex(b), complex(c), complex(d), par)
+        real = value(complex(a), complex(b), complex(c), complex(d), par)  # infinite where it is no real number
         return real.real if real.imag == 0.0 else inf
 
     @point_function

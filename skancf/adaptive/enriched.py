@@ -19,7 +19,7 @@ from skancf.adaptive.interpolation import Interpolation, ancestors_in
 from skancf.adaptive.quantities import SectionForce
 from skancf.adaptive.rings import Halvings, Pair, halvings
 from skancf.adaptive.singular import images, singular_points, touching
-from skancf.errors import InputError, finite
+from skancf.errors import DidNotConverge, InputError, finite
 from skancf.history import Case
 from skancf.layout.singularities import nodes_at
 from skancf.linear import DirectSolver, SkewSolver
@@ -29,7 +29,7 @@ from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
 from skancf.statics.corrections import skew_part
 from skancf.statics.equilibrium import equilibrium
-from skancf.statics.newton import newton
+from skancf.statics.newton import newton, refusal
 from skancf.statics.stopping import work
 from skancf.system.system import System
 from skancf.theories import left_per_halving
@@ -176,7 +176,10 @@ class Enriched(Refined):
         self.state, self._backend = state, backend
         self.model = type(state.model)(self.system)
         self.start = self._up.unknowns(state)
-        self.residual, self.stiffness = self.residual_of(self.start), self.model.tangent(self.start, Case(state.load_factor))
+        self.residual = self.residual_of(self.start)
+        if beyond := refusal(self.system):
+            raise DidNotConverge(f"the error is estimated on a finer mesh, and there {beyond}; find the answer on a finer mesh")
+        self.stiffness = self.model.tangent(self.start, Case(state.load_factor))
         self._moved = self.system.constraints.fixed_part(self.model.held(state.load_factor) - self.start)
 
     @cached_property

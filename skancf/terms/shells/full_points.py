@@ -161,6 +161,7 @@ class FullPointAssembly(AtPoints, FullAssembly):
         C = np.moveaxis(np.zeros_like(elastic.real) if first_order else elastic * sheared, -1, 0).copy()
         C[:3] = 1 + 2 * C[:3]
         found: Any = self.law.respond3d(C.reshape(6, -1))  # type: ignore[attr-defined]
+        self.warn_of(found.code)
         if first_order:
             law = square(found.stiffness, PAIRS, elastic.shape[:-1])
             return np.asarray(sheared * (law @ (sheared * elastic)[..., None])[..., 0])

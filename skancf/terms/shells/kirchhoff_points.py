@@ -104,7 +104,9 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
     def _at_places(self, strains: np.ndarray, b: np.ndarray) -> SectionResponse:
         """What the section says of local strains (m, n, 6) where the undeformed curvatures are b."""
         curvature = np.ascontiguousarray(np.moveaxis(b, -1, 0)).reshape(3, -1)
-        return self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature)
+        found = self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature)
+        self.warn_of(found.code)
+        return found
 
     def _work_conjugate(self, curved: CurvedSection, strains: np.ndarray, b: np.ndarray) -> np.ndarray:
         found = self._at_places(strains, b)
@@ -142,5 +144,6 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
             return out
         plane = np.moveaxis(elastic[..., IN_PLANE], -1, 0).reshape(3, -1)
         found = self.law.respond(np.stack([1 + 2 * plane[0], 1 + 2 * plane[1], plane[2]]))
+        self.warn_of(found.code)
         out[..., IN_PLANE] = of_places(found.stress, elastic)
         return out

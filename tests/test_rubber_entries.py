@@ -55,7 +55,8 @@ def plate(load, n, law=COMPRESSIBLE, theory="kirchhoff"):
 
 DEFLECTION = sk.Displacement((0.0, 0.0), UP)
 LIMITS = {"deflection": (DEFLECTION, 0.56661710), "energy": (sk.StrainEnergy(), 1471.3747)}
-"""At 60 kPa, where the middle is strained by 0.24, and the edges by 1.9: of 8 x 8 and 16 x 16 elements, extrapolated by the order 4."""
+"""At 60 kPa, where the middle is strained by 0.24, and the edges by 1.9: of 8 x 8 and 16 x 16 elements, extrapolated by
+their order, 4."""
 
 
 @cache

@@ -178,7 +178,8 @@ class Enriched(Refined):
         self.start = self._up.unknowns(state)
         self.residual = self.residual_of(self.start)
         if beyond := refusal(self.system):
-            raise DidNotConverge(f"the error is estimated on a finer mesh, and there {beyond}; find the answer on a finer mesh")
+            raise DidNotConverge(f"the error is estimated on a finer mesh, and there {beyond}; find the answer on a "
+                                 "finer mesh")  # fmt: skip
         self.stiffness = self.model.tangent(self.start, Case(state.load_factor))
         self._moved = self.system.constraints.fixed_part(self.model.held(state.load_factor) - self.start)
 

@@ -42,11 +42,6 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     does on errors of the slopes is not seen: of sheets that are stretched by more than a half, the estimate is too small, by
     a factor of ten on coarse meshes. :func:`residual_indicator` and :func:`goal_estimate` take the tangent of the state.
 
-    C is that of the undeformed state, with laws at points too: the second Piola-Kirchhoff stress of a stretched sheet of
-    rubber hardly grows with the strain, and its own stiffness would call any error large. The error by what tension there
-    does on slopes is not seen: of sheets stretched by more than a half the estimate is too small, by a factor of ten and
-    more. :func:`residual_indicator` and :func:`goal_estimate` take the tangent of the state.
-
     Parameters
     ----------
     solution : Solution

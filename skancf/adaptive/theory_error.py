@@ -169,8 +169,8 @@ def _stretched(state: Solution) -> str:
     largest = float(np.abs(strains).max())
     if largest < LARGE:
         return ""
-    return (f"of an order of magnitude only, as the shear stiffness is that of the undeformed material, and membrane strains "
-            f"reach {largest:.2g}")  # fmt: skip
+    return (f"of an order of magnitude only, as the shear stiffness is that of the undeformed material, and membrane "
+            f"strains reach {largest:.2g}")  # fmt: skip
 
 
 def _coarse(quantity: Any, state: Solution) -> str:

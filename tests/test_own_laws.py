@@ -1,6 +1,7 @@
 """Laws of the user's own: an energy, differentiated by complex steps; what cannot be differentiated is refused."""
 
 import pickle
+from functools import partial
 
 import numba
 import numpy as np
@@ -102,6 +103,18 @@ def test_fibres_at_an_angle():
     assert section.points_law is law and section.abd()[0, 2] == pytest.approx(0.01 * k * more[4], rel=1e-8)
 
 
+TABLE = {"mu": 1.0}
+
+
+def linear(I1, I2, J, par):
+    return par[0] * (I1 - 3 - 2 * np.log(J))
+
+
+class Energy:
+    def __call__(self, I1, I2, J, par):
+        return linear(I1, I2, J, par)
+
+
 @pytest.mark.parametrize(
     ("energy", "message"),
     [
@@ -121,11 +134,48 @@ def test_fibres_at_an_angle():
         (lambda I1, I2, J, par: "much", "it must return one number"),
         (lambda I1, I2: I1, "a function of 2 arguments"),
         (3.0, "give a function of"),
+        (Energy(), "is a Energy; give a function"),
+        (partial(mooney), "is a partial; give a function"),
+        (lambda I1, I2, J, par: I1 * TABLE["mu"], "Untyped global name 'TABLE'"),
+        (lambda I1, I2, J, par: linear(I1, I2, J, par), "Untyped global name 'linear'.*other functions that are compiled"),
+        (lambda I1, I2, J, par: (I1 - 3) ** 2 + ((J - 1) ** 2) ** 2, "no stiffness, 0 Pa"),
+        (lambda I1, I2, J, par: (par[0] * (I1 - 3 - 2 * np.log(J))).real, "by a complex step"),
+        (lambda I1, I2, J, par: par[0] * (np.conj(I1) - 3 - 2 * np.log(J)), "by a complex step"),
+        (lambda I1, I2, J, par: par[0] * (I1 - 3 - 2 * np.log(J)) + (J - 1) ** 4, r"such as x\*\*3 of what may be negative"),
+        (lambda I1, I2, J, par: np.nan * (I1 - 3 - 2 * np.log(J)), "not finite"),
+        (lambda I1, I2, J, par: np.array([I1]), "must return one number"),
+        (lambda I1, I2, J, par: (I1, J), "must return one number"),
     ],
 )
 def test_what_is_no_energy_is_refused(energy, message):
     with pytest.raises(InputError, match=message):
         Hyperelastic(energy, (1.0,), RHO)
+
+
+@pytest.mark.parametrize("parameters", ["mu", ("a",), ("1e6",), {"mu": 1.0}, None, (np.nan,), (1j,), [[1.0]]])
+def test_parameters_that_are_no_row_of_numbers(parameters):
+    with pytest.raises(InputError, match="parameters.* = |parameters of shape"):
+        Hyperelastic(linear, parameters, RHO)
+
+
+@pytest.mark.parametrize("mu, k", [(-1.0, 2.0), (1.0, -2.0)])
+def test_negative_moduli(mu, k):
+    with pytest.raises(InputError, match="some strain releases energy"):
+        Hyperelastic(lambda I1, I2, J, par: par[0] * (J ** (-2 / 3) * I1 - 3) + par[1] * (J - 1) ** 2, (mu, k), RHO)
+
+
+def test_an_array_from_around_an_energy_is_that_of_the_time_it_was_compiled():
+    moduli = np.array([1.0, 2.0])
+
+    def energy(I1, I2, J, par):
+        return moduli[0] * (I1 - 3 - 2 * np.log(J)) + moduli[1] * np.log(J) ** 2
+
+    law = Hyperelastic(energy, (0.0,), RHO)
+    assert law.in_plane_stiffness()[2, 2] == pytest.approx(2.0, rel=1e-12)
+    moduli[0] = 5.0
+    assert law.in_plane_stiffness()[2, 2] == pytest.approx(2.0, rel=1e-12)
+    with pytest.raises(InputError, match="compiled it is .* has changed since it was compiled; hand such over as parameters"):
+        Hyperelastic(energy, (0.0,), RHO)
 
 
 def test_an_energy_that_ends_somewhere_names_the_point():

@@ -54,8 +54,8 @@ def _check_derivative(law: Any, arguments: np.ndarray, names: Sequence[str], k: 
                             f"step and {difference:.6g} by a difference"))  # fmt: skip
     if wrong[0] > NOT_EQUAL * largest + ROUNDED_SUM * noise / DIFFERENCE:
         raise InputError(f"energy: derivatives are taken by complex steps, and {wrong[1]}; write it without abs, max, min, "
-                         "real, conj and cases that depend on them, powers such as x**3 of what may be negative as x * x * x, "
-                         "and check that it is smooth")  # fmt: skip
+                         "real, conj and cases that depend on them, powers such as x**3 of what may be negative as "
+                         "x * x * x, and check that it is smooth")  # fmt: skip
     return largest
 
 

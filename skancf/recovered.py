@@ -42,10 +42,10 @@ def patches_of(system: System) -> Patches:
 
 
 def section_forces(
-    system: System, q: np.ndarray, points: np.ndarray, case: Case = FULL
+    system: System, q: np.ndarray, points: np.ndarray, case: Case = FULL, small: bool = False
 ) -> np.ndarray:
     """N and M (n_elements, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
-    raw = system.shell.section_forces(q, points, case)
+    raw = system.shell.section_forces(q, points, case, small)
     if system.assembly.recovers_bending:
         forces, moments = np.split(_excess(system, q, points), 2, axis=1)
         coupled = _coupled(system.assembly.section.at(points))[1]

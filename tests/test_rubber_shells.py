@@ -1,6 +1,6 @@
 """Thin shells with laws at points through the thickness: equilibrium, paths and outputs against exact states of rubber."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
@@ -208,10 +208,3 @@ def test_paths_and_motions_name_the_place_too(name):
         assert not stopped.ok
         for word in (f"{name} has no stress in element", "(x, y) = (", "membrane strain ("):
             assert word in stopped.message, (word, stopped.message)
-
-
-def test_heat_is_refused():
-    surface = sk.Rectangle(1.0, 1.0)
-    problem = sk.Problem(surface, 0.01, replace(RUBBER, expansion=1e-4), [], [sk.Temperature(10.0)])
-    with pytest.raises(sk.InputError, match="law at points"):
-        problem.on(uniform(surface, 1, 1), "kirchhoff")

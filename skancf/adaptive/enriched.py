@@ -209,7 +209,7 @@ class Enriched(Refined):
 
     def residual_of(self, x: np.ndarray) -> np.ndarray:
         """At unknowns of the model, (n_fine,)."""
-        return self.model.internal_force(x) - self.state.load_factor * self.model.external_force(x)
+        return self.model.internal_force(x, None, self.state.case) - self.state.load_factor * self.model.external_force(x)
 
     def _newton(self) -> np.ndarray:
         """Coordinates of the refined equilibrium by Newton's method, relaxed from the coarse one where that fails."""

@@ -10,7 +10,6 @@ from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
 from skancf.arguments import STATE, instance
 from skancf.conditions.sums import refuse
 from skancf.errors import InputError
-from skancf.history import FULL
 from skancf.linear import DirectSolver, SkewSolver, check_backend
 from skancf.solution import Solution
 from skancf.statics.corrections import skew_part
@@ -149,7 +148,7 @@ def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fiel
 def _is_loaded_alone(state: Solution) -> bool:
     """Is the dual weight of the energy the answer itself? In small deflections without moved supports and free strains."""
     system = state.system
-    return state.linear and not system.prescribed().any() and system.shell.initial_stresses(FULL) is None
+    return state.linear and not system.prescribed().any() and not system.shell.heats
 
 
 def _weight(state: Solution, gradient: np.ndarray, backend: str) -> np.ndarray:

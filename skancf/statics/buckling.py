@@ -173,7 +173,7 @@ def _require_load(system: System) -> None:
     """InputError where nothing loads a structure: no load, and nothing that is held moves."""
     conditions, start = conditions_in(system), system.undeformed
     moves = system.prescribed().any() or (conditions and not conditions.met(conditions.value(start)))
-    if not (moves or system.external_force(start).any()):
+    if not (moves or system.external_force(start).any() or system.shell.heated):
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
 
 

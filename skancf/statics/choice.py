@@ -86,4 +86,4 @@ def _chosen(share: float, what: str, tolerance: float) -> Choice:
 
 def _loaded(system: System) -> bool:
     """Does anything load the system, temperature and moved supports included?"""
-    return bool(system.external_force(system.undeformed).any() or system.prescribed().any())
+    return bool(system.external_force(system.undeformed).any() or system.prescribed().any() or system.shell.heated)

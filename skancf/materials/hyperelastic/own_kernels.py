@@ -7,8 +7,8 @@ opposite sign at 45 degrees in the complex plane,
     f'(x) = \operatorname{Im} f(x + i s) / s, \qquad
     f''(x) = \operatorname{Im} \bigl( f(x + \sqrt i h) + f(x - \sqrt i h) \bigr) / h^2 + O(h^4),
 
-in which no two numbers of equal size are subtracted, so that they have twelve digits. By components there are ten of them, and
-each is of one step h along the sixth root of one, :math:`\zeta = e^{i \pi / 3}`, whose third power is real,
+in which no two numbers of equal size are subtracted, so that they have twelve digits. By components there are ten of them,
+and each is of one step h along the sixth root of one, :math:`\zeta = e^{i \pi / 3}`, whose third power is real,
 
 .. math::
     f''(x) = \frac 2 {h^2} \Bigl( \frac{\operatorname{Im} f(x + \zeta h)}{\sin \pi / 3} - h f'(x) \Bigr) + O(h^2),
@@ -180,8 +180,7 @@ def by_components(psi, incompressible):
 
     @point_function
     def still(a, b, c, d, par):
-        """The energy; infinite where it is no real number."""
-        real = value(complex(a), complex(b), complex(c), complex(d), par)
+        real = value(complex(a), complex(b), complex(c), complex(d), par)  # infinite where it is no real number
         return real.real if real.imag == 0.0 else inf
 
     @point_function

@@ -65,8 +65,7 @@ class Follow:
     every : int
         Steps from one check of the mesh to the next.
     indicator : function of a Solution
-        Squared errors of the elements (J), (n_elements,): :func:`~skancf.recovery_indicator` or
-        :func:`~skancf.residual_indicator`.
+        Squared errors of the elements (J), (n_elements,), as :func:`~skancf.recovery_indicator`.
     max_dofs : int
         No element is quartered beyond so many unknowns; it is warned of.
     smallest : float

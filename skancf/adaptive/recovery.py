@@ -37,6 +37,11 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     surface, where moments have a kink or a jump, and borders of zones, where forces along them jump, are taken for errors of
     the elements beside them.
 
+    C is that of the undeformed state, with laws at points too: the second Piola-Kirchhoff stress of a stretched sheet of
+    rubber hardly grows with the strain, and by the stiffness that it has there any error would be a large one. What tension
+    does on errors of the slopes is not seen: of sheets that are stretched by more than a half, the estimate is too small, by
+    a factor of ten on coarse meshes. :func:`residual_indicator` and :func:`goal_estimate` take the tangent of the state.
+
     Parameters
     ----------
     solution : Solution

@@ -127,7 +127,7 @@ class Problem:
         ------
         InputError
             For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there;
-        for zones whose sides are no mesh lines, and a thickness that is not positive somewhere.
+            for zones whose sides are no mesh lines, and a thickness that is not positive somewhere.
         OutOfDepth
             Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one, and for two
             sides that lie on each other and are not joined, where no support or load names one of them.

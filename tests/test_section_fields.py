@@ -245,8 +245,8 @@ def test_fibres_that_turn():
 
 
 WRONG = {
-    "not positive": (lambda x, y: H - 2 * H * x, r"thickness = -0.000\d+ at \(x, y\) = \(0.50\d+, 0.0"),
-    "not finite": (lambda x, y: np.where(x > 0.5, np.nan, H), r"thickness = nan: not finite.*at \(x, y\) = \(0.5"),
+    "not positive": (lambda x, y: H - 2 * H * x, r"thickness = -0.02 at \(x, y\) = \(1, 0"),
+    "not finite": (lambda x, y: np.where(x > 0.5, np.nan, H), r"thickness = nan: not finite.*at \(x, y\) = \(0.6"),
     "nothing": (lambda x, y: None, "thickness = None: not a number"),
     "shape": (lambda x, y: np.ones((2, 2)), "thickness"),
 }

@@ -11,7 +11,7 @@ from skancf.materials.zones import Zone, check_zones, lines_of
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, rectangles_of
 from skancf.meshes.tensor import bounds_of, tensor
-from skancf.surfaces import BoundedSurface
+from skancf.surfaces import BoundedSurface, closed_bounds
 from skancf.tolerances import ONE_PLACE
 
 
@@ -44,11 +44,12 @@ def with_lines(
     --------
     >>> mesh = sk.meshes.with_lines(plate.surface, 16, 8, plate.zones)
     """
-    zones, counts, rectangles = check_zones(zones), (whole("nx", nx), whole("ny", ny)), rectangles_of(openings)
-    rows = []
+    zones, counts = check_zones(zones), (whole("nx", nx), whole("ny", ny))
+    sides = rectangles_of(openings).reshape(-1, 2, 2)
+    rows, closed = [], closed_bounds(surface)
     for axis, (name, more) in enumerate((("x", x), ("y", y))):
         low, high = bounds_of(surface)[axis]
-        held = [*lines_of(zones, axis), *row(name, more).tolist(), *rectangles.reshape(-1, 2, 2)[:, axis].ravel().tolist()]
+        held = [*lines_of(zones, axis, closed), *row(name, more).tolist(), *sides[:, axis].ravel().tolist()]
         require_mesh(counts[axis], MESH)
         rows.append(row_through(low, high, counts[axis], held))
     return tensor(surface, rows[0], rows[1], openings)

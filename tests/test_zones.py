@@ -10,6 +10,7 @@ from skancf.materials import Section
 
 L, B, H, E, RHO = 1.0, 0.1, 0.01, 2e11, 7800.0
 STRIP = sk.Rectangle(L, B)
+TUBE = sk.CylinderSector(1.0, 1.0, angle=2 * np.pi, closed=True)
 LAW = sk.Isotropic(E, 0.0, RHO)
 DOUBLER = sk.Zone("doubler", ((0.3, 0.5), (-1.0, 1.0)), thickness=2 * H)
 MIDDLE = np.array([[0.5], [0.5]])
@@ -156,6 +157,7 @@ def test_error_bars_hold_where_assumed_strains_begin_to_feel_the_line(offset):
     assert max(errors[1:3]) > 1.5 * errors[0] and seen.bar / seen.value < 2 * errors[-1]
 
 
+@pytest.mark.filterwarnings("ignore:theory 'full'")
 @pytest.mark.parametrize("theory", ["full", sk.theories.Kirchhoff(assumed=False)])
 def test_the_estimate_sees_what_an_offset_that_jumps_costs(theory):
     zone = sk.Zone("patch", ((0.5, L), (0.0, B)), thickness=2 * H, offset=H / 2)
@@ -205,6 +207,16 @@ WRONG = {
     "no list": (lambda: sk.Problem(STRIP, H, LAW, zones=zone()), "list of zones"),
     "thickness": (lambda: strip([zone(thickness=-H)]), "zone 'a': thickness = -0.01"),
     "place": (lambda: strip([zone(thickness=lambda x, y: 0.3 - x)]), r"zone 'a': thickness = -0.2 at \(x, y\) = \(0.5"),
+    "sliver": (lambda: strip([zone(material=LAW), zone("b", ((0.5 + 1e-6, L), (0, B)), material=LAW)], thickness=H,
+                             material=None), r"none holds \(x, y\) = \(0.5"),
+    "complex": (lambda: zone(where=((0, 1j), (0, 1))), "not a number, but complex"),
+    "not finite": (lambda: zone(where=((0, np.nan), (0, 1))), "nan: not finite"),
+    "a number": (lambda: strip([zone(where=lambda x, y: x)]), "where of zone 'a': .* must return True or False"),
+    "no material": (lambda: strip([zone()], thickness=None, material=None), "zone 'a': material = None"),
+    "over a seam": (lambda: sk.Problem(TUBE, H, LAW, zones=[zone(where=((0, 1), (-0.5, 0.5)))]).on(
+        sk.meshes.uniform(TUBE, 2, 8)), "'a' ends at y = 5.78319, which is no line"),
+    "a turn and more": (lambda: sk.Problem(TUBE, H, LAW, zones=[zone(where=((0, 0.3), (-9, 9)))]).on(
+        sk.meshes.uniform(TUBE, 2, 8)), "'a' ends at x = 0.3, which is no line"),
     "laminate": (lambda: strip([zone(material=sk.Laminate([sk.Layer(LAW, H)]), thickness=H)]), "zone 'a': thickness = 0.01"),
 }  # fmt: skip
 

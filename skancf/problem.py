@@ -145,8 +145,8 @@ class Problem:
 
     def _tell_of_sides(self, mesh: skfem.MeshQuad) -> None:
         if hasattr(self.surface, "sides"):
-            wheres = [getattr(item, "where", None) for item in (*self.supports, *self.loads)]
-            wheres += [where for joint in self.conditions for where in joint.wheres]
+            wheres = [("where", getattr(item, "where", None)) for item in (*self.supports, *self.loads)]
+            wheres += [where for joint in self.conditions for where in joint.wheres.items()]
             for hint in (misnamed(mesh, self.surface), unjoined(mesh, self.surface, wheres)):
                 if hint:
                     warn(hint)

@@ -324,7 +324,6 @@ def test_a_condition_of_ones_own_may_hold_a_rigid_motion():
 
 
 REFUSING = {
-    "simulate": lambda system, state: sk.simulate(system, t_end=1e-3, dt=1e-3),
     "theory_error": lambda system, state: sk.theory_error(state),
 }
 

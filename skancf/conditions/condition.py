@@ -82,9 +82,9 @@ class Joint:
     """
 
     @property
-    def wheres(self) -> tuple[Any, ...]:
-        """Places of the boundary that it names. Default: none."""
-        return ()
+    def wheres(self) -> dict[str, Any]:
+        """Places of the boundary, by the names of the arguments that mean them. Default: none."""
+        return {}
 
     def gap(self, geometry: Any) -> sp.csr_matrix | None:
         """Weights (m, 4 n_nodes) of nodal vectors that make a gap which is to vanish undeformed, for

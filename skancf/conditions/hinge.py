@@ -21,7 +21,7 @@ from skancf.conditions.edges import Chain, segments, side_by_side
 from skancf.conditions.rows import cells_of, extent_of, in_space
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, shown
-from skancf.functions import is_function
+from skancf.functions import Noted, is_function
 from skancf.history import Case
 from skancf.kernels.constants import AXES
 from skancf.layout.geometry import Geometry
@@ -71,9 +71,9 @@ class Hinge(Joint):
                                  "on it")  # fmt: skip
 
     @property
-    def wheres(self) -> tuple[Any, ...]:
-        """The places that it names."""
-        return self.first, self.second
+    def wheres(self) -> dict[str, Any]:
+        """The two edges."""
+        return {"first": self.first, "second": self.second}
 
     def on(self, shell: Any, layout: Layout) -> "Gap":
         seam = Seam.of(shell.geometry, self)
@@ -106,7 +106,7 @@ class Seam:
     @classmethod
     def of(cls, geometry: Geometry, hinge: Hinge) -> "Seam":
         names = (f"{hinge.name}: edges {shown(hinge.first)}", shown(hinge.second))
-        first, other = (Chain.of(geometry, where) for where in (hinge.first, hinge.second))
+        first, other = (_chain(geometry, name, where) for name, where in hinge.wheres.items())
         if np.isin(first.facets, other.facets).any():
             raise InputError(f"{hinge.name}: {shown(hinge.first)} and {shown(hinge.second)} have edges in common; name two "
                              "different edges")  # fmt: skip
@@ -122,6 +122,11 @@ class Seam:
         rows = sp.vstack([gap, _gap_rows(geometry, first, second, tips)], format="csr")
         rows.eliminate_zeros()
         return cls(ends, rows, np.concatenate([sizes, np.ones(len(tips))]))
+
+
+def _chain(geometry: Geometry, name: str, where: Any) -> Chain:
+    with Noted(name):
+        return Chain.of(geometry, where)
 
 
 def legendre(s: np.ndarray, ends: np.ndarray) -> sp.csr_matrix:

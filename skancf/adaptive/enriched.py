@@ -37,7 +37,7 @@ from skancf.tolerances import CANCELLED, ROUNDED_ROW
 
 AT_POLES = 1 / 4
 """Part of an error that is left on quartered elements at a pole, whose membrane strains are no assumed ones."""
-AT_JUMPS, AT_ASSUMED_JUMPS = 1 / 2, 5 / 8
+AT_JUMPS, AT_ASSUMED_JUMPS = 1 / 2, 2 / 3
 """The same at a line where the membrane stiffness jumps: strains jump there, and slopes at nodes do not. Assumed membrane
 strains feel it the more the finer they are, down to elements as long as the plate is thick."""
 EXTRA = 4

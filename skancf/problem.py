@@ -41,7 +41,7 @@ class Problem:
         Undeformed mid-surface, for example :class:`~skancf.Rectangle`.
     thickness : float or callable
         In metres, or any consistent unit of length; left out with a laminate, whose layers have their own. A function of the
-        parameters (x, y) is asked where the elements integrate, on each mesh anew.
+        parameters (x, y) is asked where the elements integrate, on each mesh anew; where it jumps, there should be a zone.
     material : Law, Laminate or callable
         For example :class:`~skancf.Isotropic` or :class:`~skancf.Laminate`; or a function of (x, y) that returns one, such
         as fibres that turn. It is called point by point.

@@ -276,6 +276,25 @@ def test_heat_bends_zones_by_their_own_laws(theory):
     assert found == pytest.approx(expected, rel=1e-9 if theory == "kirchhoff" else 2e-2)
 
 
+@pytest.mark.parametrize("theory", ["kirchhoff", "full"])
+def test_recovery_knows_borders(theory):
+    """Moments along a border jump with the stiffness. Polynomials across it would take that for an error of a hundredth of
+    the energy on any mesh; those of each side see errors that fall with the mesh, as the energy's does."""
+    plate, h = sk.Rectangle(1.0, 1.0), 0.01
+    zone = sk.Zone("patch", ((0.25, 0.75), (0.25, 0.75)), thickness=2 * h)
+    problem = sk.Problem(plate, h, sk.Isotropic(E, 0.3, RHO), [sk.Clamp("boundary")], [sk.SurfaceLoad((0, 0, 1e3))],
+                         zones=[zone])  # fmt: skip
+    seen, energies = [], []
+    for n in (8, 16, 32):
+        state = sk.solve_linear(problem.on(sk.meshes.quadtree(sk.meshes.uniform(plate, n, n), plate), theory))
+        energies.append(state.strain_energy)
+        seen.append(sk.recovery_indicator(state).sum() / state.strain_energy)
+    assert seen[1] < seen[0] / 3 and seen[2] < seen[1] / 3
+    if theory == "kirchhoff":
+        true = np.array([1 - energy / 5.77304e-3 for energy in energies[:2]])  # extrapolated from 64 x 64 elements
+        assert (seen[:2] > true).all() and (seen[:2] < 3 * true).all()
+
+
 # --- seams and poles -------------------------------------------------------------------------------------------------
 
 TUBE = sk.CylinderSector(1.0, 1.0, angle=2 * np.pi, closed=True)

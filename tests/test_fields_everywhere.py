@@ -215,6 +215,26 @@ def test_meshes_that_follow_keep_the_lines_and_runs_go_on_from_files(tmp_path):
 
 
 @quiet
+def test_elements_are_not_merged_over_a_border():
+    """The border is no line of the coarse mesh; the first elements may be merged in either zone, but not over it."""
+    plate = sk.Rectangle(1.0, 1.0)
+    zone = sk.Zone("rib", ((0.0, 0.25), (0.0, 1.0)), thickness=2 * H)
+    problem = sk.Problem(plate, H, sk.Isotropic(E, 0.3, RHO), [], [sk.Impulse((0.7, 0.7), (0, 0, 0.05))], zones=[zone],
+                         damping=sk.Damping(stiffness=3e-3))  # fmt: skip
+    mesh = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate).refined().refined()
+    motion = sk.simulate(problem.on(mesh, "kirchhoff"), 0.05, rtol=1e-2, progress=False, outputs=3,
+                         follow=sk.Follow(2.0, every=3))  # fmt: skip
+    assert motion.ok, motion.message
+    last = motion.segments[-1].system
+    assert last.geometry.n_elements < 40 and 0.25 in last.mesh.p[0] and set(last.mesh.p[0]) <= {0, 0.25, 0.5, 0.75, 1}
+    static = sk.Problem(plate, H, sk.Isotropic(E, 0.3, RHO), [sk.Clamp("left")], [sk.EdgeLoad("right", (0, 0, 1.0))],
+                        zones=[zone])  # fmt: skip
+    found = sk.adapt(static, sk.Displacement((1.0, 0.5), (0, 0, 1.0)), rtol=1e-4, mesh=mesh, coarsening=sk.AllElements(),
+                     marking=sk.FixedFraction(0.05), max_levels=4)  # fmt: skip
+    assert found.levels[1].coarsened > 0 and 0.25 in found.solution.system.mesh.p[0]
+
+
+@quiet
 @theories
 def test_states_go_to_other_meshes(theory):
     """The shape stays on a finer one, sections are asked for anew, and so the strain energy is nearly the same."""

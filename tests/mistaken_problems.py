@@ -63,6 +63,7 @@ def add_problems(add: Any, s: Any) -> None:
     add_surfaces(add, s)
     add_loads(add, s)
     add_supports(add, s)
+    add_joints(add, s)
     add_places(add, s)
 
 
@@ -80,8 +81,9 @@ def add_sections(add: Any, s: Any) -> None:
 
         add(f"Problem {theory}", used(sk.Problem, on), surface=s.surface, thickness=0.01, material=s.material,
             supports=[sk.Clamp("left")], loads=[sk.Gravity()], damping=sk.Damping(), terms=[], offset=0.001,
-            zones=[sk.Zone("a", where, thickness=0.02)], takes="damping:none",
-            kinds={"supports": "items", "loads": "items", "zones": "items", **kinds})  # fmt: skip
+            zones=[sk.Zone("a", where, thickness=0.02)], conditions=[sk.RigidLink((0.2, 0.3), (0.8, 0.7))],
+            takes="damping:none",
+            kinds={"supports": "items", "loads": "items", "zones": "items", "conditions": "items", **kinds})  # fmt: skip
         add(f"Zone {theory}", used(sk.Zone, zone), name="a", where=where, thickness=0.02, material=s.material, offset=0.001,
             takes="thickness:none,material:none,offset:none", kinds=kinds)  # fmt: skip
 
@@ -178,6 +180,20 @@ def add_supports(add: Any, s: Any) -> None:
             takes="angle:sin,angle:none,displacement:none")  # fmt: skip
     support(sk.DrivenClamp, name="in time", moves=True, angle=lambda t: t**2, displacement=lambda t: (t**2, 0.0, 0.0),
             fixed={"where": "left"}, takes="angle:sin,angle:none,displacement:none")  # fmt: skip
+
+
+def add_joints(add: Any, s: Any) -> None:
+    tube = sk.CylinderSector(radius=1.0, length=1.0, angle=6.283185307179586)
+    for theory in THEORIES:
+        def solved(joint: Any, surface: Any = s.surface, theory: str = theory) -> Any:
+            clamped = sk.Clamp(lambda x, y: abs(y - y.max() / 2) < 1e-6) if surface is tube else sk.Clamp("left")
+            problem = sk.Problem(surface, 0.01, s.material, [clamped], [sk.Gravity()], conditions=[joint])
+            solution = sk.solve_linear(problem.on(sk.meshes.uniform(surface, 2, 4), theory))
+            return solution.q, solution.multipliers
+
+        add(f"RigidLink {theory}", used(sk.RigidLink, solved), a=(0.2, 0.3), b=(0.8, 0.7), name="rod")
+        add(f"Hinge {theory}", used(sk.Hinge, functools.partial(solved, surface=tube)), first="start", second="end",
+            name="slit", aliases={"first": "where", "second": "where"})  # fmt: skip
 
 
 def add_places(add: Any, s: Any) -> None:

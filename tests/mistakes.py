@@ -433,8 +433,8 @@ def add_solvers(add: Any, s: Scene) -> None:
 def add_states(add: Any, s: Scene) -> None:
     state, place = s.solution, (0.5, 0.5)
     add("Solution", sk.Solution, system=s.system, q=state.q, velocity=0 * state.q, time=0.1, load_factor=1.0, linear=False,
-        small=state.q - s.system.undeformed, note="a mode", kinds={"time": "optional"},
-        takes="velocity:none,small:none,note:unwritable")  # fmt: skip
+        small=state.q - s.system.undeformed, note="a mode", multipliers=np.zeros(0), kinds={"time": "optional"},
+        takes="velocity:none,small:none,note:unwritable,multipliers:none")  # fmt: skip
     points = np.array([[0.2, 0.4], [0.3, 0.9]])
     for name in ("displacement", "position"):
         add(f"Solution.{name}", getattr(state, name), at=place, z=0.001, kinds={"at": "numbers"})

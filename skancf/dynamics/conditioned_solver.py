@@ -73,6 +73,10 @@ class ConditionedStepSolver(StepSolver):
             warn(f"velocity: {lost / whole:.2g} of it, in the norm of the mass, is against the conditions "
                  f"({', '.join(map(repr, system.conditions.names))}). The run begins with the nearest one that keeps them")
 
+    def taken(self, state: State, moment: float) -> State:
+        """With multipliers on this mesh, those that belong to its forces and velocities."""
+        return replace(state, multipliers=self.begin(state.time, state.q, state.v, moment).multipliers)
+
     def jump(self, start: State, impulse: np.ndarray, moment: float) -> np.ndarray:
         """Velocities keep the conditions, whose impulses do no work."""
         held, (rate, _) = self._inertia(start.q), self._driving(start.time, start.q, moment)

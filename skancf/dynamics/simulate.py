@@ -9,7 +9,6 @@ import numpy as np
 
 from skancf.arguments import choice, function, having, mapping, whole
 from skancf.atomic import AnyPath
-from skancf.conditions.sums import refuse
 from skancf.dynamics.checkpoint import Checkpoint, Writer
 from skancf.dynamics.energy_momentum import EnergyMomentum
 from skancf.dynamics.fingerprint import fingerprint_of
@@ -113,7 +112,7 @@ def simulate(
     ------
     InputError
         For times, tolerances or velocities that cannot be used, a start that does not meet the conditions of the system, and
-        with conditions for :class:`Trapezoidal` and ``follow``.
+        with conditions for :class:`Trapezoidal`.
     """
     check_arguments(system, backend, start=start, resume=resume, check=check, progress=progress)
     t_end = positive("t_end", t_end, "s")
@@ -210,11 +209,11 @@ def _balance(balance: float | str | None, rule: Rule) -> float | None:
 
 def _check(system: System, record: Any, follow: Any, rule: Any) -> None:
     _require_mass(system)
-    if isinstance(rule, Trapezoidal):
-        refuse(system, "rule = Trapezoidal()", "its multipliers would alternate from step to step and grow, and those of "
-               "the other rules do not")  # fmt: skip
+    if isinstance(rule, Trapezoidal) and system.conditions:
+        names = ", ".join(map(repr, system.conditions.names))
+        raise InputError(f"rule = Trapezoidal() cannot take conditions, and this system has {names}: its multipliers "
+                         "would alternate from step to step and grow; those of the other rules do not")  # fmt: skip
     if follow is not None:
-        refuse(system, "follow", "a run on one mesh can")
         having("follow", follow, ("change", "check"), "a policy of meshes, for example sk.Follow(rtol=0.2)")
         follow.check(system)
     if record is not None:

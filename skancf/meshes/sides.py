@@ -33,16 +33,16 @@ def misnamed(mesh: skfem.MeshQuad, surface: Any) -> str | None:
     return None
 
 
-def unjoined(mesh: skfem.MeshQuad, surface: Any, wheres: Iterable[Any]) -> str | None:
-    """What is said of two sides that lie on each other in space and are not joined, if no place among ``wheres`` is one of
-    them by its name or a function; None without such."""
+def unjoined(mesh: skfem.MeshQuad, surface: Any, wheres: Iterable[tuple[str, Any]]) -> str | None:
+    """What is said of two sides that lie on each other in space and are not joined, if no place among ``wheres``, each
+    with the name of its argument, is one of them by its name or a function; None without such."""
     closed, names = closed_directions(surface), surface.sides
     for axis in (0, 1):
         if closed[axis] or not _meet(surface, axis):
             continue
         pair, bounds = names[2 * axis : 2 * axis + 2], surface.bounds[axis]
         sides = [mesh.p[:, np.abs(mesh.p[axis] - end) <= ONE_PLACE * np.ptp(bounds)] for end in bounds]
-        if not any(_meant(where, name, side) for where in wheres for name, side in zip(pair, sides, strict=True)):
+        if not any(_meant(*where, name, side) for where in wheres for name, side in zip(pair, sides, strict=True)):
             return (f"the sides {pair[0]!r} and {pair[1]!r} of the surface lie on each other and are not joined: it is slit "
                     "there, with two free edges that are part of 'boundary'. Say closed=True for a surface that is whole; "
                     "name one of the sides in a support or load where the slit is meant")  # fmt: skip
@@ -59,9 +59,9 @@ def _meet(surface: Any, axis: int) -> bool:
     return bool(size > 0 and np.abs(second - first).max() <= ONE_PLACE * size)
 
 
-def _meant(where: Any, name: str, side: np.ndarray) -> bool:
+def _meant(argument: str, where: Any, name: str, side: np.ndarray) -> bool:
     if isinstance(where, str):
         return where == name
     if is_function(where):
-        return bool(side.size and true_at("where", where, side).all())
-    return isinstance(where, Sequence) and any(_meant(part, name, side) for part in where)
+        return bool(side.size and true_at(argument, where, side).all())
+    return isinstance(where, Sequence) and any(_meant(argument, part, name, side) for part in where)

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 
-from skancf.conditions.solver import solver_at
+from skancf.conditions.solver import conditions_in, solver_at
 from skancf.errors import DidNotConverge, OutOfDepth
 from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver
@@ -80,7 +80,7 @@ def answer_by(
     system: System, solver: DirectSolver, load_factor: float = 1.0
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """The same by a solver, which then has the factors of the stiffness, or of what is condensed from it."""
-    if system.conditions:
+    if conditions_in(system):
         return change_with_conditions(system, solver, load_factor)
     solver.factor(system.stiffness())
     return change_by(system, solver, load_factor), None

@@ -171,8 +171,8 @@ def largest_turn(system: Any, change: np.ndarray) -> float:
 
 def refusal(system: Any) -> str | None:
     """Where and why a law had no stress for the last state; None where it had, and for models without one."""
-    shell = getattr(system, "shell", None)
-    said: str | None = shell.assembly.refusal() if shell else None
+    assembly = getattr(getattr(system, "shell", None), "assembly", None)
+    said: str | None = assembly.refusal() if assembly else None
     return said
 
 

@@ -35,8 +35,13 @@ def _energy_too_large(patch: Patch) -> None:
 
 
 def _loads_that_grow_faster(patch: Patch) -> None:
-    keep = linear.small_change
-    patch.setattr(linear, "small_change", lambda *rest: keep(*rest) * (1 + abs(keep(*rest)).max()))
+    keep = linear.small_answer
+
+    def larger(*rest: Any) -> Any:
+        change, multipliers = keep(*rest)
+        return change * (1 + abs(change).max()), multipliers
+
+    patch.setattr(linear, "small_answer", larger)
     patch.setattr(linear, "unmet", lambda measured: [])  # which would have refused such an answer
 
 
@@ -103,8 +108,13 @@ def _a_restart_that_stops_short(patch: Patch) -> None:
 
 
 def _a_linear_answer_too_large(patch: Patch) -> None:
-    keep = linear.small_change
-    patch.setattr(linear, "small_change", lambda *rest: 1.01 * keep(*rest))
+    keep = linear.small_answer
+
+    def larger(*rest: Any) -> Any:
+        change, multipliers = keep(*rest)
+        return 1.01 * change, multipliers
+
+    patch.setattr(linear, "small_answer", larger)
     patch.setattr(linear, "unmet", lambda measured: [])
 
 

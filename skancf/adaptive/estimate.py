@@ -109,6 +109,7 @@ def goal_estimate(
     left there: a sixteenth in theory `kirchhoff` and a quarter in `full`, more in elements at singular points where energies
     in rings about them say so. The difference of the two values contains all of the step that the linear
     weight :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
+    Conditions, of hinges and links, are met by the refined answer and by z; R is with their forces.
 
     Parameters
     ----------

@@ -11,11 +11,16 @@ from skancf.errors import InputError
 from skancf.history import Case
 from skancf.kernels.constants import AXES, BLOCK
 from skancf.layout.layout import Layout
+from skancf.terms.blocks import Blocks, coupled
 from skancf.tolerances import ROUNDED_FORCE, SAME_DERIVATIVE, SAME_VALUE
 
 STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
 """Of differences, in the sizes of the unknowns; of several the best counts: large ones leave out what bends, small ones are
 rounding."""
+
+BESIDE = 0.01
+"""How far from the undeformed state curvatures are compared, in the sizes of the unknowns."""
+CURVED = "look at add_curvature(q, multipliers, blocks): the sum of multipliers times second derivatives, over each cell"
 
 
 class WrongCondition(InputError, AssertionError):
@@ -36,6 +41,33 @@ def require_derivative(name: str, condition: Condition, layout: Layout) -> None:
     rng = np.random.default_rng(0)
     way = layout.scales.ravel() * rng.uniform(-1, 1, layout.n_dofs)
     _against_value(name, condition, layout, layout.undeformed.ravel().copy(), way, Case(0.0), SAME_DERIVATIVE)
+
+
+def require_curvature(name: str, condition: Condition, layout: Layout) -> None:
+    """WrongCondition where the curvature beside the undeformed state is not the derivative of forces: frequencies about a
+    loaded state, buckling loads and stability would be wrong, and Newton's method slow."""
+    rng, sizes = np.random.default_rng(0), layout.scales.ravel()
+    change, way = (sizes * rng.uniform(-1, 1, layout.n_dofs) for _ in range(2))
+    pulls = rng.uniform(0.5, 1, condition.n) / condition.scales
+    blocks = Blocks(*coupled([condition.couples()], layout))
+    error, size = _against_gradient(condition, layout, layout.undeformed.ravel() + BESIDE * change, way, pulls, blocks)
+    if error > SAME_DERIVATIVE * size:
+        raise WrongCondition(f"{name}: curvature against gradient: they differ by {error / size:.1e} of their size; "
+                             f"{CURVED}")  # fmt: skip
+
+
+def _against_gradient(
+    condition: Condition, layout: Layout, q: np.ndarray, way: np.ndarray, pulls: np.ndarray, blocks: Any
+) -> tuple[float, float]:
+    """Largest difference of what add_curvature gives along a way from that of gradients, and their size."""
+    condition.add_curvature(q, pulls, blocks)
+    wanted = blocks.matrix() @ way
+    found = differenced(lambda x: condition.gradient(x).T @ pulls, q, way, wanted)
+    scales = layout.scales.ravel()
+    # What rounds in the difference, where there is no curvature.
+    noise = np.abs(condition.gradient(q).T @ pulls * scales).max(initial=0.0) * ROUNDED_FORCE / STEPS[0]
+    error, size = (float(np.abs(each * scales).max(initial=0.0)) for each in (found - wanted, found))
+    return error, max(size, noise)
 
 
 def _against_value(
@@ -104,15 +136,8 @@ class ConditionCheck:
         error = _against_value(self.name, self.condition, self.system.layout, q, way, case, self.tolerance)
         self.add("gradient against value", error)
         pulls, blocks = self.rng.uniform(-1, 1, self.condition.n) / self.condition.scales, self.system.blocks()
-        self.condition.add_curvature(q, pulls, blocks)
-        wanted = blocks.matrix() @ way
-        found = differenced(lambda x: self.condition.gradient(x).T @ pulls, q, way, wanted)
-        scales = self.system.layout.scales.ravel()
-        # What rounds in the difference, where there is no curvature.
-        noise = np.abs(self.condition.gradient(q).T @ pulls * scales).max(initial=0.0) * ROUNDED_FORCE / STEPS[0]
-        error, size = (float(np.abs(each * scales).max(initial=0.0)) for each in (found - wanted, found))
-        self._judge("curvature against gradient", error, max(size, noise), "look at add_curvature(q, multipliers, blocks): "
-                    "the sum of multipliers times second derivatives, over the blocks of each cell")  # fmt: skip
+        error, size = _against_gradient(self.condition, self.system.layout, q, way, pulls, blocks)
+        self._judge("curvature against gradient", error, size, CURVED)
 
     def between(self, q0: np.ndarray, q1: np.ndarray, case: Case) -> None:
         """The discrete gradient."""

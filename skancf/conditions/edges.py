@@ -135,8 +135,9 @@ def _in_order(places: np.ndarray) -> np.ndarray:
     return np.asarray(np.lexsort(steps[::-1]))
 
 
-def side_by_side(first: Chain, second: Chain, names: tuple[str, str]) -> Chain:
-    """The second chain in the direction of the first, and beginning where that one begins.
+def side_by_side(first: Chain, second: Chain, names: tuple[str, str]) -> tuple[Chain, float]:
+    """The second chain in the direction of the first, and beginning where that one begins; and by how much they miss each
+    other at most (m).
 
     Raises
     ------
@@ -160,7 +161,7 @@ def side_by_side(first: Chain, second: Chain, names: tuple[str, str]) -> Chain:
         raise InputError(f"{names[0]} and {names[1]} do not meet: undeformed they are up to {far:.4g} m apart, at edges "
                          f"{size:.4g} m long. Name two edges that lie on each other, or bend the surface so that they do; a "
                          "RigidLink keeps two points apart")  # fmt: skip
-    return nearest
+    return nearest, far
 
 
 def segments(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

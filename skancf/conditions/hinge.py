@@ -20,13 +20,13 @@ from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.edges import Chain, segments, side_by_side
 from skancf.conditions.rows import cells_of, extent_of, in_space
 from skancf.elements.quad_ancf import gauss
-from skancf.errors import InputError, shown
+from skancf.errors import InputError, shown, warn
 from skancf.functions import Noted, is_function
 from skancf.history import Case
 from skancf.kernels.constants import AXES
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
-from skancf.tolerances import ONE_PLACE
+from skancf.tolerances import ONE_PLACE, SEVEN_DIGITS
 
 POINTS = 4
 """Gauss points between two knots of either edge."""
@@ -50,6 +50,11 @@ class Hinge(Joint):
     ------
     InputError
         On a mesh: for places that are no single run of edges, and for edges that do not meet undeformed, with the distance.
+
+    Warns
+    -----
+    OutOfDepth
+        On a mesh, where the surface leaves a gap of up to a hundredth of the edge, which is closed.
 
     Examples
     --------
@@ -82,7 +87,12 @@ class Hinge(Joint):
 
     def gap(self, geometry: Geometry) -> sp.csr_matrix:
         """That of its edges: interpolated by two meshes, they miss each other a little."""
-        return Seam.of(geometry, self).weights
+        seam = Seam.of(geometry, self)
+        if seam.apart > SEVEN_DIGITS * seam.ends[-1]:
+            warn(f"{self.name}: edges {shown(self.first)} and {shown(self.second)} of the surface miss each other by up to "
+                 f"{seam.apart:.4g} m, and nodes there are moved to close the gap, without stress; let the surface close by "
+                 "itself, as by an angle of 2 pi")  # fmt: skip
+        return seam.weights
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +107,14 @@ class Seam:
         Of nodal vectors, for the gap: averages of degree 0 and 1 on each segment, and at both ends of the edge.
     sizes : (2 n + 2,) array
         The same of a gap of one: by what a row grows with the length of its segment.
+    apart : float
+        By how much the surface misses itself there at most (m).
     """
 
     ends: np.ndarray
     weights: sp.csr_matrix
     sizes: np.ndarray
+    apart: float
 
     @classmethod
     def of(cls, geometry: Geometry, hinge: Hinge) -> "Seam":
@@ -110,7 +123,7 @@ class Seam:
         if np.isin(first.facets, other.facets).any():
             raise InputError(f"{hinge.name}: {shown(hinge.first)} and {shown(hinge.second)} have edges in common; name two "
                              "different edges")  # fmt: skip
-        second = side_by_side(first, other, names)
+        second, apart = side_by_side(first, other, names)
         ends, knots = segments(first.knots, second.knots)
         points, weights = gauss(POINTS)
         s = (knots[:-1, None] + np.diff(knots)[:, None] * points).ravel()
@@ -121,7 +134,7 @@ class Seam:
         tips = np.empty(0) if first.closed else np.array([0.0, ends[-1]])
         rows = sp.vstack([gap, _gap_rows(geometry, first, second, tips)], format="csr")
         rows.eliminate_zeros()
-        return cls(ends, rows, np.concatenate([sizes, np.ones(len(tips))]))
+        return cls(ends, rows, np.concatenate([sizes, np.ones(len(tips))]), apart)
 
 
 def _chain(geometry: Geometry, name: str, where: Any) -> Chain:

@@ -1,7 +1,7 @@
 """All conditions of a system together."""
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import Any
 
 import numpy as np
@@ -117,4 +117,9 @@ class Conditions(Sequence[Condition]):
 
 def _different(names: list[str]) -> tuple[str, ...]:
     """Names with a number where several are equal."""
-    return tuple(f"{name} {names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names))
+    taken, out = set(names), []
+    for name in names:
+        numbered = (f"{name} {k}" for k in count(1))
+        out.append(name if names.count(name) == 1 else next(each for each in numbered if each not in taken))
+        taken.add(out[-1])
+    return tuple(out)

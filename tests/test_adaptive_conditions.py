@@ -105,7 +105,7 @@ def test_a_hinge_between_elements_that_do_not_match():
 def test_adapt_with_a_hinge(theory, linear):
     """To the answer of half a ring on a fine mesh, within the error bar; elements are quartered and merged at the hinge."""
     force = 1.0 if linear else 3.0 * D / R**2
-    rtol = {"kirchhoff": 1e-3, "full": 2e-2}[theory]
+    rtol = {"kirchhoff": 1e-3, "full": 3e-2}[theory]
     result = sk.adapt(ring(force), TIP, rtol=rtol, mesh=sk.meshes.uniform(RING, 1, 16), theory=theory, linear=linear)
     assert result.status.ok, result.message
     expected = TIP.value(solved(half(force), 48, "kirchhoff", linear))

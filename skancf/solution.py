@@ -180,7 +180,7 @@ class Solution(TrueStresses):
         assembly, inside = self.system.assembly, self._inside(points)
         depth = depth_of(self._section(points), self._chosen(z, points))
         heat = self._heat(inside)
-        return self._of_state(lambda q: assembly.strains(self.system.shell.nodal(q), inside, depth, heat))
+        return self._of_state(lambda q: assembly.strains(self.system.shell.nodal(q), inside, depth, heat, self.linear))
 
     def stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
@@ -193,8 +193,8 @@ class Solution(TrueStresses):
     def _stresses_of(self, strains: Callable[..., np.ndarray], points: np.ndarray, z: Depth | None) -> np.ndarray:
         section, z = self._section(points), self._chosen(z, points)
         depth = depth_of(section, z)
-        elastic = strains(points, z) - self._free_strains(self._inside(points), depth)
-        return self.system.assembly.stress_of(elastic, section, depth, small=self.linear)
+        heat = self._heat(self._inside(points))
+        return self.system.assembly.stress_of(strains(points, z), section, depth, heat, small=self.linear)
 
     def _chosen(self, z: Depth | None, points: np.ndarray) -> Depth:
         """The depth that was asked for; if none was, the reference surface where all depths have the same."""
@@ -220,11 +220,6 @@ class Solution(TrueStresses):
                              "from 0 to 1; at places of the parameter plane there are displacement and position")
         return self.system.geometry.inside(local)
 
-    def _free_strains(self, points: np.ndarray, z: float) -> np.ndarray:
-        """Strain that a temperature change makes without stress, (n_elements, n, 6) or zeros (6,)."""
-        heat = self._heat(points)
-        return np.zeros(6) if heat is None else self.system.assembly.free_strain(points, z, *heat)
-
     def _heat(self, points: np.ndarray) -> np.ndarray | None:
         """Temperature change T0 and T1, (2, n_elements, n), or None."""
         return self.system.shell.temperature(points, self.case)
@@ -243,7 +238,7 @@ class Solution(TrueStresses):
             In the reference square. Default: the four corners.
         """
         inside = self._inside(CORNERS.T if points is None else points)
-        return self._of_state(lambda q: self.system.shell.section_forces(q, inside, self.case))
+        return self._of_state(lambda q: self.system.shell.section_forces(q, inside, self.case, self.linear))
 
     def recovered_section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
         """Section forces as :meth:`section_forces`, in theory `full` with better moments: (n_elements, 6, n).
@@ -252,7 +247,7 @@ class Solution(TrueStresses):
         from polynomials through the middles; of one row of elements they tell no more across it than the row does.
         """
         inside = self._inside(CORNERS.T if points is None else points)
-        return self._of_state(lambda q: section_forces(self.system, q, inside, self.case))
+        return self._of_state(lambda q: section_forces(self.system, q, inside, self.case, self.linear))
 
     def recovered_strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
         """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
@@ -281,7 +276,7 @@ class Solution(TrueStresses):
         system, case = self.system, self.case
         if system.geometry.theory.shear:
             raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
-        moments = self._of_state(lambda q: system.shell.section_forces(q, BILINEAR[0], case)[:, 3:])
+        moments = self._of_state(lambda q: system.shell.section_forces(q, BILINEAR[0], case, self.linear)[:, 3:])
         return shear_forces(system, self.q, moments, inside, case)
 
     @property
@@ -326,8 +321,8 @@ class Solution(TrueStresses):
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).
 
-        In theory `full` they are those of :meth:`recovered_section_forces`. At a pole each node of the mesh has the frame of
-        its own direction.
+        In theory `full` they are those of :meth:`recovered_section_forces`, which has those of each side where sections
+        jump, at borders of zones. At a pole each node of the mesh has the frame of its own direction.
         """
         return self._at_nodes(self.recovered_section_forces().swapaxes(1, 2))
 
@@ -370,7 +365,8 @@ class Solution(TrueStresses):
         link (N), the :class:`~skancf.conditions.hinge.HingeForce`, multipliers. InputError for a state without them."""
         conditions = self.system.conditions
         if self.multipliers is None and conditions:
-            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear and trace have them")
+            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear, trace and simulate "
+                             "have them")
         return {} if self.multipliers is None else conditions.named(self.multipliers)
 
     def reactions(self, where: Any = None) -> np.ndarray:

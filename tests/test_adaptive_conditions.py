@@ -117,6 +117,23 @@ def test_adapt_with_a_hinge(theory, linear):
     assert state.conditions["hinge"].total[1] / force == pytest.approx(0.5, abs=2e-3)
 
 
+def test_links_that_pull_at_points_are_told():
+    """They sink as point supports do: across the surface in theory `full`, along it in both."""
+    plate = sk.Rectangle(1.0, 1.0)
+    flat = sk.Problem(plate, T, BEAM, [sk.Clamp("boundary")], conditions=[sk.RigidLink((0.3, 0.5), (0.7, 0.5))])
+    for problem, found in ((flat, {"kirchhoff": "mean of a region", "full": "mean of a region"}),
+                           (arch(1.0), {"kirchhoff": None, "full": "take theory 'kirchhoff'"}),
+                           (ring(1.0), {"kirchhoff": None, "full": None})):  # fmt: skip
+        for theory, words in found.items():
+            system = problem.on(tree(problem, 4), theory)
+            said = sk.adaptive.drift(system)
+            assert said is None if words is None else ("a RigidLink pulls at single points" in said and words in said)
+            assert sk.adaptive.no_limit(sk.StrainEnergy(), system) is None
+    moment = sk.SectionForce("N11", at=(0.3, 0.5))
+    assert "a RigidLink acts there" in sk.adaptive.no_limit(moment, flat.on(tree(flat, 10, 10), "kirchhoff"))
+
+
+@pytest.mark.filterwarnings("ignore:a RigidLink pulls at single points")
 @theories
 def test_adapt_with_links(theory):
     force, rtol = 4.0 * D / R**2, {"kirchhoff": 1e-3, "full": 1e-2}[theory]

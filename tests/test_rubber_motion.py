@@ -63,7 +63,8 @@ def test_the_dissipative_rule_takes_energy_out_in_every_step():
 
 @pytest.mark.parametrize("rule", [sk.EnergyMomentum(rho_inf=1.0), sk.dynamics.ImplicitMidpoint(), sk.GeneralizedAlpha()])
 def test_the_damping_of_the_material_is_booked(rule):
-    """Viscous stress D(q) beta times the rate of the strain; what the balance leaves is the error of the rules in time."""
+    """Viscous stress of the law at rest, C beta times the rate of the strain; what the balance leaves is the error of the
+    rules in time."""
     motion = run(sheet(LAWS["compressible"], sk.Damping(stiffness=1e-3)), rule)
     ledger = motion.ledger
     lost = ledger.dissipation[-1]
@@ -71,3 +72,39 @@ def test_the_damping_of_the_material_is_booked(rule):
     assert (np.diff(ledger.dissipation) >= 0).all()
     exact = isinstance(rule, sk.EnergyMomentum)
     assert np.abs(ledger.balance).max() < (1e-10 if exact else 2e-2) * ledger.turnover[-1]
+
+
+OGDEN = sk.Ogden([(6.3e5, 1.3), (0.012e5, 5.0), (-0.1e5, -2.0)], 1000.0)
+
+
+def blown_up(system, stretch):
+    """In both directions, in the plane: its coordinates."""
+    return stretch * system.undeformed
+
+
+def test_damping_of_stretched_rubber_takes_energy_out():
+    """By the stiffness of the stretched state it would put it in: shear of Ogden's law has a negative one there."""
+    system = sheet(OGDEN, sk.Damping(stiffness=1e-3))
+    q, rng, shell = blown_up(system, 1.6), np.random.default_rng(0), system.shell
+    rates = [system.layout.scales.ravel() * rng.uniform(-1, 1, system.n_dofs) for _ in range(20)]
+    powers = np.array([[shell.retarding_force(q, v) @ v, shell.force_of(q, shell.stresses(q, v) - shell.stresses(q)) @ v]
+                       for v in rates]).T  # fmt: skip
+    assert (powers[0] > 0).all() and powers[1].min() < -0.1 * np.abs(powers[1]).max()
+
+
+@pytest.mark.parametrize("rule", [sk.EnergyMomentum(rho_inf=1.0), sk.EnergyMomentum(), sk.GeneralizedAlpha()])
+def test_a_stretched_sheet_comes_to_rest(rule):
+    """Its edges held where it is 1.6 times as large; energies of vibrations in its plane that die."""
+    edges = [sk.Prescribed("boundary", (lambda x, y: 0.6 * x, lambda x, y: 0.6 * y, 0.0))]
+    problem = sk.Problem(sk.Rectangle(1.0, 0.6), 0.01, OGDEN, edges, damping=sk.Damping(stiffness=5e-3))
+    system = problem.on(uniform(problem.surface, 3, 2), "kirchhoff")
+    start = sk.solve(system, rtol=1e-10).unwrap()
+
+    def pushed(x, y):
+        return 3 * np.sin(np.pi * x) * np.sin(np.pi * y / 0.6) * np.stack([1 + 0 * x, -1 + 0 * x, 0 * x])
+
+    motion = sk.simulate(system, 0.2, dt=2e-3, rule=rule, start=start, velocity=pushed, progress=False,
+                         balance=None).unwrap()  # fmt: skip
+    ledger = motion.ledger
+    assert (np.diff(ledger.dissipation) >= 0).all() and ledger.dissipation[-1] > 0.5 * ledger.kinetic[0]
+    assert ledger.kinetic[-1] < 0.2 * ledger.kinetic[0]

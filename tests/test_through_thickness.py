@@ -5,7 +5,7 @@ import pytest
 
 import skancf as sk
 from skancf.materials import BeyondLaw, Isotropic, MooneyRivlin, NeoHooke, section_of
-from skancf.materials.through_thickness import heights, require_one_side, through_thickness
+from skancf.materials.through_thickness import heated_through_thickness, heights, require_one_side, through_thickness
 
 MU, RHO, H = 1.0, 1000.0, 0.1
 RUBBER = NeoHooke(MU, RHO)
@@ -134,20 +134,43 @@ def test_a_rolled_tube_has_no_stress_where_it_was_made():
     assert flat.energy[0] == pytest.approx(energy, rel=1e-12)
 
 
+HOT = NeoHooke(shear=1.5e6, density=1000.0, poisson=0.45, expansion=2e-4)
+
+
+def heated(eps, kappa, curvature, middle, gradient=0.0):
+    z, w = heights(section_of(HOT, H), 3)
+    heat = np.array([middle]), np.array([gradient])
+    return heated_through_thickness(HOT, z, w, eps, kappa, curvature, *heat)
+
+
 def test_free_stretch_is_no_stress():
-    """Heat: a stretch that nothing holds has no energy, and one that is held has that of its inverse."""
-    z, w = heights(section_of(COMPRESSIBLE, H), 3)
+    """Heat: a stretch that nothing holds has no energy, and one that is held has that of its inverse, of a larger body."""
     grown = 1.02
-    free = np.full((3, 1), grown)
     eps = column((grown**2 - 1) / 2, (grown**2 - 1) / 2, 0)
-    moved = through_thickness(COMPRESSIBLE, z, w, eps, ZERO, ZERO, free_stretch=free)
-    assert np.abs(moved.forces).max() < 1e-15 and moved.stretch33[:, 0] == pytest.approx(np.full(3, grown**2), rel=1e-14)
-    held = through_thickness(COMPRESSIBLE, z, w, ZERO, ZERO, ZERO, free_stretch=free)
-    pressed = COMPRESSIBLE.plane_stress(column(grown**-2.0, grown**-2.0, 0))
-    assert held.energy[0] == pytest.approx(H * pressed.energy[0], rel=1e-13)
-    assert held.forces[0, 0] == pytest.approx(H * pressed.stress[0, 0] / grown**2, rel=1e-13)
+    moved = heated(eps, ZERO, ZERO, 100.0)
+    assert np.abs(moved.forces).max() < 1e-9 and moved.stretch33[:, 0] == pytest.approx(np.full(3, grown**2), rel=1e-14)
+    held = heated(ZERO, ZERO, ZERO, 100.0)
+    pressed = HOT.plane_stress(column(grown**-2.0, grown**-2.0, 0))
+    assert held.energy[0] == pytest.approx(grown**3 * H * pressed.energy[0], rel=1e-12)
+    assert held.forces[0, 0] == pytest.approx(grown * H * pressed.stress[0, 0], rel=1e-13)
     full = square(held.stiffness)[:, :, 0]
-    assert full[0, 0] == pytest.approx(H * pressed.stiffness[0, 0] / grown**4, rel=1e-13)
+    assert full[0, 0] == pytest.approx(H * pressed.stiffness[0, 0] / grown, rel=1e-13)
+
+
+def test_a_shell_that_grows_in_the_heat_has_no_stress():
+    """Of a sphere the curvature R_,ab . N grows by the stretch: (1 / R) (1.02 R / R) of the undeformed frame."""
+    grown, b = 1.02, column(2.0, 2.0, 0)
+    eps = column((grown**2 - 1) / 2, (grown**2 - 1) / 2, 0)
+    assert np.abs(heated(eps, (1 - grown) * b, b, 100.0).forces).max() < 1e-9
+    assert np.abs(heated(eps, ZERO, b, 100.0).forces).max() > 1.0
+
+
+def test_a_gradient_bends_a_flat_plate_without_stress():
+    """The stretch 1 + alpha (T0 + z T1) at each height, of normals that grow with T0."""
+    middle, gradient = 100.0, 4000.0
+    grown, slope = 1.02, 2e-4 * gradient
+    eps = column((grown**2 - 1) / 2, (grown**2 - 1) / 2, 0)
+    assert np.abs(heated(eps, column(slope, slope, 0), ZERO, middle, gradient).forces).max() < 1e-9
 
 
 def test_the_first_place_that_fails_is_named():

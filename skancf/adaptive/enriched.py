@@ -17,7 +17,7 @@ from skancf.adaptive.energies import Strained, energies, virtual_work
 from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE
 from skancf.adaptive.interpolation import multipliers_on
 from skancf.adaptive.refined import Refined
-from skancf.errors import InputError
+from skancf.errors import DidNotConverge, InputError
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.meshes import MeshQuadTree
@@ -26,7 +26,7 @@ from skancf.solving import End, Status, iterate
 from skancf.statics.conditioned import Tangent, curved, factored_about, rows_of, solved
 from skancf.statics.corrections import NONE, skew_part
 from skancf.statics.equilibrium import equilibrium
-from skancf.statics.newton import newton
+from skancf.statics.newton import newton, refusal
 from skancf.statics.stopping import work
 from skancf.tolerances import CANCELLED, ROUNDED_ROW
 
@@ -63,7 +63,11 @@ class Enriched(Refined):
         self.state, self._backend = state, backend
         self.model = type(state.model)(self.system)
         self.start, self.multipliers = self._up.unknowns(state), multipliers_on(state, self.system)
-        self.residual, self.stiffness = self.residual_of(self.start, self.multipliers), self._tangent_at(self.start)
+        self.residual = self.residual_of(self.start, self.multipliers)
+        if beyond := refusal(self.system):
+            raise DidNotConverge(f"the error is estimated on a finer mesh, and there {beyond}; find the answer on a "
+                                 "finer mesh")  # fmt: skip
+        self.stiffness = self._tangent_at(self.start)
         self._moved = self.system.constraints.fixed_part(self.model.held(state.load_factor) - self.start)
 
     @cached_property
@@ -109,7 +113,8 @@ class Enriched(Refined):
 
     def residual_of(self, x: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """At unknowns of the model, (n_fine,)."""
-        residual = self.model.internal_force(x) - self.state.load_factor * self.model.external_force(x)
+        model, state = self.model, self.state
+        residual = model.internal_force(x, None, state.case) - state.load_factor * model.external_force(x)
         return residual + self._force(x, multipliers) if multipliers.size else residual
 
     def _force(self, x: np.ndarray, multipliers: np.ndarray) -> np.ndarray:

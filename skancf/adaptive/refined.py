@@ -19,8 +19,9 @@ from skancf.theories import left_per_halving
 
 AT_POLES = 1 / 4
 """Part of an error that is left on quartered elements at a pole, whose membrane strains are no assumed ones."""
-AT_JUMPS = 1 / 2
-"""The same at a line where the membrane stiffness jumps: strains jump there, and slopes at nodes do not."""
+AT_JUMPS, AT_ASSUMED_JUMPS = 1 / 2, 2 / 3
+"""The same at a line where the membrane stiffness jumps: strains jump there, and slopes at nodes do not. Assumed membrane
+strains feel it the more the finer they are, down to elements as long as the plate is thick."""
 EXTRA = 4
 """Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
 MOST = 12
@@ -78,8 +79,9 @@ class Refined:
         halved_by = deepest - coarse.cells.level
         section = self.coarse.assembly.section
         if not isinstance(section, Section):
-            lines = section.beside_jumps
-            left[lines] = np.maximum(left[lines], AT_JUMPS ** halved_by[lines])
+            lines, theory = section.beside_jumps, geometry.theory
+            at_lines = AT_ASSUMED_JUMPS if theory.assumed and not theory.directors else AT_JUMPS
+            left[lines] = np.maximum(left[lines], at_lines ** halved_by[lines])
         there, once = halved.of(coarse, self.points)
         left[there] = np.maximum(left[there], once ** halved_by[there])
         return left

@@ -244,7 +244,7 @@ class _Passage:
         return lost_nothing or abs(excess) <= ROUNDED_PRODUCT * self.energy
 
     def net_force(self, system: System, q: np.ndarray) -> np.ndarray:
-        return system.external_force(q, self.state.case) - system.internal_force(q)
+        return system.external_force(q, self.state.case) - system.internal_force(q, None, self.state.case)
 
     def excess(self, q: np.ndarray) -> float:
         """Strain energy on the new mesh beyond that of the state (J)."""

@@ -11,7 +11,6 @@ from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
 from skancf.arguments import STATE, instance
 from skancf.conditions.solver import curved
 from skancf.errors import InputError
-from skancf.history import FULL
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.statics.conditioned import factored_about, rows_of, solved
@@ -20,6 +19,8 @@ from skancf.thinness import Fields, ShearForm, moment_rates
 
 SOUND = 0.2
 """Part of a number up to which the estimate is good; beyond it terms of second order count, and only its size is meant."""
+LARGE = 0.1
+"""Membrane strain from which on a law at points has another shear stiffness than that of the undeformed state."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,8 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     change = form.product(fields, _dual(form, solution, quantity, backend))
     if isinstance(quantity, StrainEnergy):
         change -= 0.5 * form.product(fields, fields)
-    return assessed(change, value_of(quantity, solution), _coarse(quantity, solution))
+    notes = (_coarse(quantity, solution), _stretched(solution))
+    return assessed(change, value_of(quantity, solution), "; ".join(note for note in notes if note))
 
 
 def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
@@ -118,6 +120,8 @@ def of_eigenvalue(value: float, share: float) -> TheoryError:
 
 def assessed(change: float, value: float, note: str = "") -> TheoryError:
     """A change of a number as its error, said to be of an order of magnitude only where it is large."""
+    if np.isnan(change):
+        return unknown("its fields are no numbers somewhere; take a finer mesh")
     if change == 0:
         return replace(NOTHING, sound=not note, note=note)
     share = change / value if value else float("nan")
@@ -148,7 +152,7 @@ def _is_loaded_alone(state: Solution) -> bool:
     with conditions that do not move."""
     system, start = state.system, state.system.undeformed
     moved = system.prescribed().any() or not system.conditions.met(system.conditions.value(start))
-    return state.linear and not moved and system.shell.initial_stresses(FULL) is None
+    return state.linear and not moved and not system.shell.heats
 
 
 def _weight(state: Solution, gradient: np.ndarray, lift: np.ndarray | None, backend: str) -> np.ndarray:
@@ -161,6 +165,19 @@ def _weight(state: Solution, gradient: np.ndarray, lift: np.ndarray | None, back
         factors = factored_about(system, solver, tangent, None if skew is None else -skew, state.about)
         values = np.zeros(system.conditions.n) if lift is None else rows_of(factors, lift)
         return solved(factors, gradient, values)[0]
+
+
+def _stretched(state: Solution) -> str:
+    """That a law at points is far from its small strain."""
+    assembly: Any = state.system.assembly
+    if assembly.linear or state.linear:
+        return ""
+    strains = assembly.section_strains(state.system.shell.nodal(state.q), np.array([[0.5], [0.5]]))[0][..., :3]
+    largest = float(np.abs(strains).max())
+    if largest < LARGE:
+        return ""
+    return (f"of an order of magnitude only, as the shear stiffness is that of the undeformed material, and membrane "
+            f"strains reach {largest:.2g}")  # fmt: skip
 
 
 def _coarse(quantity: Any, state: Solution) -> str:

@@ -95,6 +95,12 @@ class Joint:
         """Places of the boundary, by the names of the arguments that mean them. Default: none."""
         return {}
 
+    @property
+    def points(self) -> tuple[Any, ...]:
+        """Single points (2,) of the parameter plane that it pulls at: a mesh that refines itself begins with nodes there.
+        Default: none."""
+        return ()
+
     def gap(self, geometry: Any) -> sp.csr_matrix | None:
         """Weights (m, 4 n_nodes) of nodal vectors that make a gap which is to vanish undeformed, for
         :func:`~skancf.conditions.closing.close_gaps`. Default: none."""

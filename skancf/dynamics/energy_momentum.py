@@ -106,7 +106,7 @@ class EnergyMomentum(ImplicitMidpoint):
     ) -> np.ndarray:
         r"""S with those of the material's damping, :math:`\beta\,(S_{n+1} - S_n) / \Delta t`."""
         before = _at_start(system, start)
-        after = _at_end(system, u, start) if change is None else system.stresses(start.q + u, change)
+        after = _at_end(system, u, start, dt) if change is None else system.stresses(start.q + u, change, _end(start, dt))
         if not system.assembly.linear:
             return self._of_points(system, u, start, dt, before, after)
         more = system.shell.retardation / dt + self.chi
@@ -118,23 +118,28 @@ class EnergyMomentum(ImplicitMidpoint):
         self, system: System, u: np.ndarray, start: State, dt: float, before: np.ndarray, after: np.ndarray
     ) -> np.ndarray:
         """S of laws at points."""
-        more = system.shell.retardation / dt
-        parts = [(0.5 - more) * before + (0.5 + more) * after, system.shell.exact_work(start.q, start.q + u),
+        case, end = Case(time=start.time), _end(start, dt)
+        parts = [0.5 * (before + after), system.shell.exact_work(start.q, start.q + u, case, end),
                  self.numerical_stresses(system, u, start, dt)]  # fmt: skip
+        if system.shell.retardation:
+            parts.append(self.viscous_stresses(system, u, start, dt))
         return np.asarray(total(parts))
 
     def viscous_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
-        return system.shell.retardation / dt * (_at_end(system, u, start) - _at_start(system, start))
+        return np.asarray(system.shell.retardation / dt * self._change(system, u, start, dt))
 
     def numerical_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray | None:
         if not self.chi:
             return None
-        if system.assembly.linear:
-            change = _at_end(system, u, start) - _at_start(system, start)
-        else:
-            change = system.shell.small_stresses(start.q + u) - system.shell.small_stresses(start.q)
+        change = self._change(system, u, start, dt)
         last = self._last_change(system, start, dt)
         return self.chi * (change if last is None else change - last)
+
+    def _change(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
+        """Of the stresses over the step by the law of small strain, which damp."""
+        if system.assembly.linear:
+            return _at_end(system, u, start, dt) - _at_start(system, start)
+        return system.shell.small_stresses(start.q + u) - system.shell.small_stresses(start.q)
 
     def _last_change(self, system: System, start: State, dt: float) -> np.ndarray | None:
         """r times the change of the stresses in the step that led here; None after a jump or a change of the mesh."""
@@ -180,12 +185,17 @@ def _at_start(system: System, start: State) -> np.ndarray:
         u, earlier = cache.pop("step", (None, {}))
         known, stresses = earlier.get("end", (None, None))
         cache["stresses before"] = earlier.get("stresses")
-        cache["stresses"] = system.stresses(start.q) if known is None or known is not u else stresses
+        case = Case(time=start.time)
+        cache["stresses"] = system.stresses(start.q, None, case) if known is None or known is not u else stresses
     return np.asarray(cache["stresses"])
 
 
-def _at_end(system: System, u: np.ndarray, start: State) -> np.ndarray:
+def _end(start: State, dt: float) -> Case:
+    return Case(time=start.time + dt)
+
+
+def _at_end(system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
     """Stresses after an increment, computed once for it."""
     if start.cache.get("end", (None,))[0] is not u:
-        start.cache["end"] = u, system.stresses(start.q + u)
+        start.cache["end"] = u, system.stresses(start.q + u, None, _end(start, dt))
     return np.asarray(start.cache["end"][1])

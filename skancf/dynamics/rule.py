@@ -83,14 +83,16 @@ class Rule(ABC):
         Extrapolated linearly along a ``change`` of u if one is given.
         """
         along = None if change is None else self.stage * change
-        if system.shell.retardation:
-            rate = self.rate(u if change is None else u + change, start, dt)
-            along = system.shell.retardation * rate if along is None else along + system.shell.retardation * rate
-        return system.stresses(self.at_stage(u, start, dt)[0], along)
+        at, time = self.at_stage(u, start, dt)
+        if not system.shell.retardation:
+            return system.stresses(at, along, Case(time=time))
+        rate = self.rate(u if change is None else u + change, start, dt)
+        return system.shell.stresses_with_rate(at, along, rate, Case(time=time))
 
     def viscous_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray:
         """The part of them that the material's damping makes."""
-        return self.stresses(system, u, start, dt) - system.stresses(self.at_stage(u, start, dt)[0])
+        at, time = self.at_stage(u, start, dt)
+        return self.stresses(system, u, start, dt) - system.stresses(at, None, Case(time=time))
 
     def numerical_stresses(self, system: System, u: np.ndarray, start: State, dt: float) -> np.ndarray | None:
         """The part of them that takes energy out of what the steps do not resolve, if the rule has one."""
@@ -111,7 +113,7 @@ class Rule(ABC):
         if system.shell.retardation:
             force = self.force_of(system.shell, u, start, dt, self.stresses(system, u, start, dt))
         else:
-            force = system.shell.internal_force(at)
+            force = system.shell.internal_force(at, Case(time=time))
         initial = system.shell.initial_stress_force(at, Case(time=time))
         force = force if initial is None else force - initial
         return force + self.others_force(system, u, start, dt) if system.others else force

@@ -49,8 +49,8 @@ class ConditionedSolver:
         Gets the factors of A.
     gradient : (n, n_dofs) sparse array
         G.
-    times : float
-        P over the stiffness that the matrix has against a row.
+    times : float, optional
+        P over the stiffness that the matrix has against a row. Default: :data:`STIFFNESS`.
 
     Attributes
     ----------
@@ -72,8 +72,8 @@ class ConditionedSolver:
     stiffness: np.ndarray
     _condensed: SkewSolver
 
-    def __init__(self, direct: DirectSolver, gradient: sp.csr_matrix, times: float = STIFFNESS) -> None:
-        self.direct, self.gradient, self.times = direct, gradient, times
+    def __init__(self, direct: DirectSolver, gradient: sp.csr_matrix, times: float | None = None) -> None:
+        self.direct, self.gradient, self.times = direct, gradient, STIFFNESS if times is None else times
         self.free = sp.csr_matrix(gradient @ direct.constraints.free_projection)
         self.held = _squares(self.free) <= CONDITION_HELD**2 * _squares(gradient)
         self.skew: Any = None

@@ -16,6 +16,11 @@ class Damping:
     :math:`\zeta = \alpha / (2 \omega) + \beta \omega / 2`. The second kind (Kelvin and Voigt) is of the strains: a motion
     as a rigid body has none, however far it turns. The first brakes every motion, as a medium at rest would.
 
+    C is the stiffness of small strain, of a law at points too, and :math:`\varepsilon` Green's strain: the power
+    :math:`\beta\, \dot\varepsilon \cdot C \dot\varepsilon` that it takes is never negative. The stiffness of stretched
+    rubber would not do: where :math:`\psi` is not convex in C, as that of Mooney-Rivlin's and Ogden's laws is not from
+    stretches of 1.5 on, it would put energy in.
+
     Parameters
     ----------
     mass : float

@@ -24,12 +24,13 @@ and the part of the stiffness that the stress has is :math:`\int z^2 \hat S dz :
 :math:`Y = \delta \kappa + 2 \, \delta \varepsilon \, m`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from skancf.errors import InputError
+from skancf.materials.free_stretch import FreeStretch, free_stretch
 from skancf.materials.point_law import PointLaw
 from skancf.materials.section import Section
 from skancf.materials.thickness_kernels import deformations, resultants
@@ -83,7 +84,7 @@ def heights(section: Section, points: int = POINTS) -> tuple[np.ndarray, np.ndar
 
 def through_thickness(
     law: PointLaw, z: np.ndarray, weights: np.ndarray, eps: np.ndarray, kappa: np.ndarray, curvature: np.ndarray,
-    guess: np.ndarray | None = None, history: np.ndarray | None = None, free_stretch: Any = None,
+    guess: np.ndarray | None = None, history: np.ndarray | None = None, free: FreeStretch | None = None,
 ) -> SectionResponse:  # fmt: skip
     """Energy, forces and stiffness per area of the undeformed surface.
 
@@ -101,8 +102,8 @@ def through_thickness(
     guess : (n_heights, n) array, optional
         Of C33.
     history : (n_history, n_heights, n) array, optional
-    free_stretch : (n_heights, n) array, optional
-        Stretch without stress, equal in all directions, such as :math:`1 + \\alpha T`; energy stays per undeformed volume.
+    free : FreeStretch, optional
+        Stretch without stress of all points, the heights one after the other.
 
     Returns
     -------
@@ -112,20 +113,63 @@ def through_thickness(
     eps, kappa, curvature = (np.ascontiguousarray(each) for each in (eps, kappa, curvature))
     C = np.empty((3, z.size * n))
     deformations(z, eps, kappa, curvature, C)
-    free = None if free_stretch is None else np.square(np.broadcast_to(free_stretch, (z.size, n)).reshape(-1))
     start = None if guess is None else np.ascontiguousarray(guess).reshape(-1)
     past = None if history is None else np.ascontiguousarray(history).reshape(len(history), -1)
-    if free is None:
-        found = law.respond(C, start, past)
-        stress, stiffness, c33 = found.stress, found.stiffness, found.stretch33
-    else:
-        found = law.respond(C / free, None if start is None else start / free, past)
-        stress, stiffness, c33 = found.stress / free, found.stiffness / free**2, found.stretch33 * free
+    if free is not None:
+        start = None if start is None else start / free.across
+    found = law.respond(C, start, past) if free is None else free.respond(law.respond, C, start, past)
     energy, forces, full = np.empty(n), np.empty((6, n)), np.empty((21, n))
-    resultants(z, weights, eps, kappa, curvature, found.energy, stress, stiffness, energy, forces, full)
+    resultants(z, weights, eps, kappa, curvature, found.energy, found.stress, found.stiffness, energy, forces, full)
     shape = (z.size, n)
-    return SectionResponse(energy, forces, full, c33.reshape(shape), found.code.reshape(shape),
+    return SectionResponse(energy, forces, full, found.stretch33.reshape(shape), found.code.reshape(shape),
                            found.history.reshape(-1, *shape))  # fmt: skip
+
+
+def heated_through_thickness(
+    law: PointLaw, z: np.ndarray, weights: np.ndarray, eps: np.ndarray, kappa: np.ndarray, curvature: np.ndarray,
+    middle: np.ndarray, gradient: np.ndarray,
+) -> SectionResponse:  # fmt: skip
+    r"""The same under a temperature change T0 + z T1, (n,) each (K, K/m), with which the law expands freely.
+
+    Normals grow with T0, by the stretch :math:`\beta = 1 + \alpha_{33} T_0`, and lengths are measured in it:
+
+    .. math::
+        W = \beta^3 \, \hat W \Bigl( \frac{\varepsilon - (\beta^2 - 1) / 2}{\beta^2},
+        \frac{\kappa + (\beta - 1) B}{\beta} \Bigr)
+
+    with a section :math:`\hat W` whose points have the free stretch :math:`(1 + \alpha T) / \beta`. So a shell that expands
+    by the same everywhere has no stress, whatever its curvature, and a flat one none where it bends freely with T1.
+    """
+    grown, eps, kappa = _in_grown_lengths(law, eps, kappa, curvature, middle)
+    change = (middle + np.multiply.outer(z, gradient)).reshape(-1)
+    free = free_stretch(law.thermal_strain(), change, plane=True, over=np.tile(grown, z.size))
+    found = through_thickness(law, z, weights, eps, kappa, curvature, free=free)
+    powers = np.array([1, 1, 1, 2, 2, 2])
+    of_pairs = np.array([powers[k] + powers[l] - 3 for k in range(6) for l in range(k, 6)])
+    return replace(
+        found, energy=grown**3 * found.energy, forces=grown ** powers[:, None] * found.forces,
+        stiffness=grown ** of_pairs[:, None] * found.stiffness, stretch33=grown**2 * found.stretch33,
+    )  # fmt: skip
+
+
+def _in_grown_lengths(
+    law: PointLaw, eps: np.ndarray, kappa: np.ndarray, curvature: np.ndarray, middle: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    r"""The free stretch :math:`\beta` of normals, and strain and curvature change with lengths measured in it."""
+    grown = 1 + law.thermal_strain()[2] * middle
+    eps = (eps - 0.5 * (grown - 1) * (grown + 1) * np.array([[1.0], [1.0], [0.0]])) / grown**2
+    return grown, eps, (kappa + (grown - 1) * curvature * [[1.0], [1.0], [2.0]]) / grown
+
+
+def deformation_at(
+    law: PointLaw, z: Any, eps: np.ndarray, kappa: np.ndarray, curvature: np.ndarray, middle: np.ndarray | None
+) -> np.ndarray:
+    """C11, C22, C12 (3, n) at a height, of strains as those of :func:`through_thickness`, with T0 (n,) or without heat."""
+    C, grown = np.empty((3, eps.shape[1])), np.ones(1)
+    if middle is not None:
+        grown, eps, kappa = _in_grown_lengths(law, eps, kappa, curvature, middle)
+    deformations(np.array([z], dtype=float), *(np.ascontiguousarray(part) for part in (eps, kappa, curvature)), C)
+    return C if middle is None else C * grown**2
 
 
 def require_one_side(z: np.ndarray, curvature: np.ndarray) -> None:

@@ -9,7 +9,16 @@ from skancf.errors import InputError
 from skancf.history import FULL, Case
 from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver, contradiction
 from skancf.solution import Solution
-from skancf.statics.corrections import NONE, StaticSystem, Tangents, along_load, factored, skew_part
+from skancf.statics.corrections import (
+    NONE,
+    StaticSystem,
+    Tangents,
+    along_load,
+    factored,
+    load_rate,
+    skew_part,
+    stresses_along,
+)
 from skancf.statics.stopping import Pull, work
 
 PASSES = 1
@@ -55,11 +64,11 @@ def rows_of(tangent: Tangent, change: np.ndarray) -> np.ndarray:
     return np.asarray(tangent.gradient @ change) if isinstance(tangent, ConditionedSolver) else NONE
 
 
-def along_both(system: Any, q: np.ndarray, tangent: Tangent) -> tuple[np.ndarray, np.ndarray]:
+def along_both(system: Any, q: np.ndarray, load_factor: float, tangent: Tangent) -> tuple[np.ndarray, np.ndarray]:
     """Derivatives of q and of the multipliers with respect to the load factor."""
     if not isinstance(tangent, ConditionedSolver):
-        return along_load(system, q, tangent), NONE
-    force, moved, conditions = system.external_force(q), system.prescribed(), system.conditions
+        return along_load(system, q, load_factor, tangent), NONE
+    force, moved, conditions = load_rate(system, q, load_factor), system.prescribed(), system.conditions
     rate = conditions.value(q, FULL) - conditions.value(q, Case(0.0))
     change, more = tangent.solve_both(force - tangent.multiply(moved), -(rate + tangent.gradient @ moved))
     return change + moved, more
@@ -72,11 +81,11 @@ def at_rest(system: Any) -> Solution:
     return Solution(system, system.undeformed.copy(), load_factor=0.0, multipliers=multipliers)
 
 
-def is_loaded(system: Any, q: np.ndarray) -> bool:
+def is_loaded(system: Any, q: np.ndarray, load_factor: float = 0.0) -> bool:
     """Whether anything loads a system: a load in a state (n_dofs,), temperature, or a support or a condition that moves."""
     conditions = conditions_in(system)
     moves = conditions is not None and not conditions.met(conditions.value(system.undeformed))
-    return bool(moves or system.prescribed().any() or system.external_force(q).any())
+    return bool(moves or system.prescribed().any() or load_rate(system, q, load_factor).any())
 
 
 def require_no_contradiction(system: Any) -> None:
@@ -141,7 +150,7 @@ class ConditionedTangents(Tangents):
         change, more = tangent.solve_both(rhs, values, PASSES)
         change, step = change + moved, 0.0
         if self.constraint is not None:
-            self.along, self.pulled = along_both(system, q, tangent)
+            self.along, self.pulled = along_both(system, q, load_factor, tangent)
             step = self.constraint.correction(q + change, load_factor, self.along)
             if not np.isfinite(step):
                 return np.full_like(x, np.inf), np.inf
@@ -149,5 +158,6 @@ class ConditionedTangents(Tangents):
         return np.concatenate([change, more, [step]]), work(change, tangent.multiply(change))
 
     def step(self, x: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
-        self.stresses = self.system.stresses(x[: self.n], change[: self.n]) if self.mixed else None
+        along = x[: self.n], change[: self.n], float(x[-1])
+        self.stresses = stresses_along(self.system, *along) if self.mixed else None
         return x + change

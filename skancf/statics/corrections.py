@@ -65,9 +65,32 @@ def factored(
     return SkewSolver(matrix, skew_part(system, q, load_factor), solver)
 
 
-def along_load(system: StaticSystem, q: np.ndarray, tangent: SkewSolver) -> np.ndarray:
+def internal_force(system: Any, q: np.ndarray, load_factor: float) -> np.ndarray:
+    """That of the structure; heat inside a law is in it, at a load factor."""
+    force: np.ndarray = system.internal_force(q, None, Case(load_factor)) if is_heated(system) else system.internal_force(q)
+    return force
+
+
+def stresses_along(system: Any, q: np.ndarray, change: np.ndarray, load_factor: float) -> np.ndarray:
+    """Stresses extrapolated along a change, at a load factor."""
+    case = [Case(load_factor)] if is_heated(system) else []
+    return np.asarray(system.stresses(q, change, *case))
+
+
+def load_rate(system: Any, q: np.ndarray, load_factor: float) -> np.ndarray:
+    """Derivative of the loads with respect to the load factor, with the forces of heat inside a law: (n_dofs,)."""
+    force: np.ndarray = system.external_force(q)
+    return force + system.shell.load_rate(q, load_factor) if is_heated(system) else force
+
+
+def is_heated(system: Any) -> bool:
+    """Whether heat is inside a law, so that forces are not linear in the load factor."""
+    return bool(getattr(getattr(system, "shell", None), "heated", False))
+
+
+def along_load(system: StaticSystem, q: np.ndarray, load_factor: float, tangent: SkewSolver) -> np.ndarray:
     """Derivative of q with respect to the load factor."""
-    force, moved = system.external_force(q), system.prescribed()
+    force, moved = load_rate(system, q, load_factor), system.prescribed()
     return tangent.solve(force - tangent.multiply(moved) if moved.any() else force) + moved
 
 
@@ -104,7 +127,7 @@ class Tangents:
     def residual(self, x: np.ndarray) -> np.ndarray:
         q, load_factor = x[:-1], float(x[-1])
         self.force = load_factor * self.system.external_force(q)
-        residual = self.system.internal_force(q) - self.force
+        residual = internal_force(self.system, q, load_factor) - self.force
         return residual + self.pull.force(q) if self.pull else residual
 
     def correction(self, x: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
@@ -116,12 +139,12 @@ class Tangents:
         free = tangent.solve(rhs)
         if self.constraint is None:
             return np.append(free + moved, 0.0), work(free, rhs)
-        self.along = along = along_load(system, q, tangent)
+        self.along = along = along_load(system, q, load_factor, tangent)
         change = free + moved
         more = self.constraint.correction(q + change, load_factor, along)
         change = change + more * along if np.isfinite(more) else np.full_like(q, np.inf)
         return np.append(change, more), work(change, tangent.multiply(change))
 
     def step(self, x: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
-        self.stresses = self.system.stresses(x[:-1], change[:-1]) if self.mixed else None
+        self.stresses = stresses_along(self.system, x[:-1], change[:-1], float(x[-1])) if self.mixed else None
         return x + change

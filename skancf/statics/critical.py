@@ -7,7 +7,7 @@ import numpy as np
 from skancf.conditions.solver import curved, solver_at
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
-from skancf.statics.corrections import StaticSystem
+from skancf.statics.corrections import StaticSystem, load_rate
 
 INVERSE_ITERATIONS = 12
 
@@ -35,7 +35,7 @@ def critical_mode(system: StaticSystem, solver: DirectSolver, state: Any, withou
     matrix = curved(system, system.tangent(q, Case(state.load_factor)), q, state.multipliers)
     factor_shifted(held, matrix, system.mass)
     with np.errstate(over="ignore", invalid="ignore"):
-        return _critical(system, held, q, matrix, without_work)
+        return _critical(system, held, state, matrix, without_work)
 
 
 def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) -> float:
@@ -50,9 +50,9 @@ def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) ->
 
 
 def _critical(
-    system: StaticSystem, solver: Any, q: np.ndarray, matrix: BlockMatrix, without_work: bool
+    system: StaticSystem, solver: Any, state: Any, matrix: BlockMatrix, without_work: bool
 ) -> CriticalMode:
-    load = system.external_force(q) - matrix @ system.prescribed()
+    load = load_rate(system, state.q, state.load_factor) - matrix @ system.prescribed()
     soft = solver.solve(load)
 
     def workless(x: np.ndarray) -> np.ndarray:

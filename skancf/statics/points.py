@@ -7,7 +7,7 @@ import numpy as np
 from skancf.linear import DirectSolver
 from skancf.statics.conditioned import along_both, tangent_at
 from skancf.statics.controls import Measure
-from skancf.statics.corrections import none
+from skancf.statics.corrections import none, stresses_along
 from skancf.statics.newton import NewtonResult, newton
 from skancf.statics.stopping import Constraint
 from skancf.system.system import System
@@ -50,7 +50,7 @@ class Follower:
         SingularMatrix
         """
         tangent = tangent_at(self.system, q, load_factor, self.solver, multipliers=multipliers)
-        along, pulled = along_both(self.system, q, tangent)
+        along, pulled = along_both(self.system, q, load_factor, tangent)
         scale = self.measure.unit(along, None)
         return Point(q, load_factor, self.solver.negative_pivots, scale * along, scale, multipliers, scale * pulled)
 
@@ -108,9 +108,10 @@ class Follower:
         return Constraint(row, 0.0, float(row @ a.q) + length, a.q)
 
     def _solve(self, a: Point, q: np.ndarray, load_factor: float, constraint: Constraint) -> NewtonResult:
+        stresses = stresses_along(self.system, a.q, q - a.q, a.load_factor) if self.mixed else None
         return newton(
             self.system, q, self.solver, load_factor=load_factor, rtol=self.rtol, max_steps=self.max_iterations,
-            mixed=self.mixed, constraint=constraint, stresses=self.system.stresses(a.q, q - a.q) if self.mixed else None,
+            mixed=self.mixed, constraint=constraint, stresses=stresses,
             multipliers=a.multipliers,
         )  # fmt: skip
 

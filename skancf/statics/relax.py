@@ -20,7 +20,7 @@ from skancf.conditions.solver import curved, solver_at
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
 from skancf.statics.conditioned import tangent_at
-from skancf.statics.corrections import StaticSystem
+from skancf.statics.corrections import StaticSystem, internal_force
 from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.stopping import Pull, work
 from skancf.statics.tangents import is_skew
@@ -158,7 +158,7 @@ class Relaxation:
         unstressed = np.zeros_like(system.stresses(q))
         tangent = tangent_at(system, q, factor, self.solver, unstressed)
         moved = system.constraints.fixed_part(system.undeformed + factor * system.prescribed() - q)
-        residual = factor * system.external_force(q) - system.internal_force(q)
+        residual = factor * system.external_force(q) - internal_force(system, q, factor)
         way = tangent.solve(residual - tangent.multiply(moved)) + moved
         stiff, dilated = work(way, tangent.multiply(way)), work(way, self.metric @ way)
         reference = stiff / dilated if dilated else 1.0

@@ -9,7 +9,7 @@ import numpy as np
 from skancf.checks import Check
 from skancf.conditions.solver import conditions_in
 from skancf.errors import SingularMatrix
-from skancf.history import FULL, Case
+from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.statics.conditioned import solved, tangent_at
 from skancf.statics.corrections import none
@@ -140,7 +140,7 @@ class Balance:
     ) -> "Balance":
         energy = stored(system, q, Case(load_factor))
         # At rest and cold there is none.
-        if (origin != system.undeformed).any() or system.shell.initial_stresses(FULL) is not None:
+        if (origin != system.undeformed).any() or system.shell.heats:
             energy += stored(system, origin, Case(load_factor))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())
         case = Case(load_factor)

@@ -20,6 +20,7 @@ from skancf.terms.load import LoadTerm
 from skancf.terms.own import part_of, term_of
 from skancf.terms.protocols import Assembly
 from skancf.terms.shell import Shell
+from skancf.terms.shell_at_points import ShellAtPoints
 from skancf.terms.shells.assemble import assemble
 from skancf.terms.springs import Dashpots, Springs
 from skancf.terms.term import Term
@@ -36,7 +37,8 @@ def build(problem: Any, geometry: Geometry) -> System:
     layout = Layout([Part(PLATE, geometry.undeformed, geometry.scales, geometry.undeformed[:, 0]), *own])
     acting = [_acting(load, assembly) for load in problem.loads]
     heats = [load for load in acting if load.initial_stresses(FULL) is not None]
-    shell = Shell(assembly, layout, PLATE, heats, 0.0 if problem.damping is None else float(problem.damping.stiffness))
+    retardation = 0.0 if problem.damping is None else float(problem.damping.stiffness)
+    shell = (Shell if assembly.linear else ShellAtPoints)(assembly, layout, PLATE, heats, retardation)
     springs, dashpots = (_matrices(name, problem.supports, assembly) for name in ("springs", "dashpots"))
     terms: list[Term] = [Springs(springs, shell)] if springs else []
     terms += [Dashpots(dashpots, shell)] if dashpots else []

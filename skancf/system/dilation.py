@@ -14,5 +14,6 @@ def pretension(system: Any) -> BlockMatrix:
     stiffness, whatever the unit, density and law.
     """
     start = system.undeformed
-    dilated = system.stresses(start, start) - system.stresses(start)
-    return BlockMatrix(system.pattern, system.tangent(start, Case(0.0), dilated).values - system.stiffness().values)
+    cold = Case(0.0)
+    dilated = system.stresses(start, start, cold) - system.stresses(start, None, cold)
+    return BlockMatrix(system.pattern, system.tangent(start, cold, dilated).values - system.stiffness().values)

@@ -216,7 +216,9 @@ class Linearised(Model):
         return force if self._skew is None else force + self._skew @ x
 
     def external_force(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:
-        return case.factor * self.system.external_force(self.system.undeformed)
+        start = self.system.undeformed
+        applied, initial = self.system.applied_force(start), self.system.shell.initial_stress_force(start, FULL, small=True)
+        return case.factor * (applied if initial is None else applied + initial)
 
     def others_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         force, springs = self.system.others.force(self.system.undeformed, None, case), self.system.foundation
@@ -249,7 +251,7 @@ class Linearised(Model):
 
     def strain_energy(self, x: np.ndarray, case: Case = FULL) -> float:
         start, shell, others = self.system.undeformed, self.system.shell, self.system.others
-        force, energy = shell.initial_stress_force(start, case), self.system.stiffness().energy(x)
+        force, energy = shell.initial_stress_force(start, case, small=True), self.system.stiffness().energy(x)
         energy += others.energy(start, case)
         energy += float(others.force(start, None, case) @ x)
         return energy if force is None else energy + shell.thermal_energy(case) - float(force @ x)
@@ -282,9 +284,15 @@ def geometric_stiffness(system: System, change: np.ndarray, load_factor: float =
     """
     start, size = system.undeformed, float(np.abs(change).max(initial=0.0))
     power = int(np.frexp(np.abs(start).max())[1] - np.frexp(size)[1]) if size else 0
-    stresses = system.stresses(start, np.ldexp(change, power)) - system.stresses(start)
-    scaled = system.tangent(start, Case(float(np.ldexp(load_factor, power))), stresses)
-    values = scaled.values - system.stiffness().values
+    cold, case = Case(0.0), Case(float(np.ldexp(load_factor, power)))
+    stresses = system.stresses(start, np.ldexp(change, power), cold) - system.stresses(start, None, cold)
+    if system.shell.heated:  # to first order
+        initial = system.shell.initial_stresses(case, small=True)
+        scaled, loads = system.tangent(start, cold, stresses - initial), system.loads.tangent(start, case)
+        values = scaled.values - system.stiffness().values + (0.0 if loads is None else loads.values)
+    else:
+        scaled = system.tangent(start, case, stresses)
+        values = scaled.values - system.stiffness().values
     if others := _change_of_others(system, np.ldexp(change, power)):
         values += others.values
     return BlockMatrix(scaled.pattern, np.ldexp(values, -power))

@@ -91,12 +91,12 @@ class System:
 
     def internal_force(self, q: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """Force of the structure, (n_dofs,): the derivative of its energy without that of free strains."""
-        force = self.shell.internal_force(q)
+        force = self.shell.internal_force(q, case)
         return force + self.others.force(q, v, case) if self.others else force
 
-    def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
+    def stresses(self, q: np.ndarray, change: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """Those of the shell, see :meth:`~skancf.terms.shell.Shell.stresses`."""
-        return self.shell.stresses(q, change)
+        return self.shell.stresses(q, change, case)
 
     def tangent(
         self, q: np.ndarray, case: Case = FULL, stresses: np.ndarray | None = None, stiffer: float = 1.0,
@@ -106,8 +106,6 @@ class System:
         ``stiffer`` times, as that of a material with damping does over a step."""
         blocks = self.blocks()
         self.shell.add_tangent(q, v, case, blocks, stresses, stiffer)
-        if stiffer != 1:
-            blocks.values *= stiffer
         self.terms.add_tangents(q, v, case, blocks, first=1)
         return blocks.matrix()
 

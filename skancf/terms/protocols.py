@@ -58,20 +58,19 @@ class Assembly(Protocol):
     def mass_shapes(self) -> np.ndarray:
         """Mass matrix of each class of elements, (n_shapes, 16, 16)."""
 
-    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        """Strain in the local frame (n_elements, n, 6) that a temperature change T0 + z T1, each (n_elements, n), makes at
-        points (2, n) of every element and a depth if free."""
-
     def thermal_stresses(self, temperature: Heat) -> np.ndarray:
         """Stresses that hold back a temperature change T0 + z T1."""
 
     def thermal_energy(self, temperature: Heat) -> float:
         """Energy of those stresses on the free strain of the temperature change, the largest it can have."""
 
-    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
+    def section_forces(
+        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, *, small: bool = False
+    ) -> np.ndarray:
         """N and M in the local frame at points (2, n) of every element, (n_elements, 6, n).
 
-        The temperature change is T0 and T1 there, (2, n_elements, n), or None.
+        The temperature change is T0 and T1 there, (2, n_elements, n), or None; ``small``: to first order in it and in the
+        change of the undeformed state.
         """
 
     def section_force_gradient(
@@ -79,16 +78,20 @@ class Assembly(Protocol):
     ) -> np.ndarray:
         """Derivative (n_nodes, 4, 3) of the sum of weights (m, 6, n) times N and M at points (2, n) of elements (m,)."""
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
-        """Strain in the local frame at a depth, or one for each place, (n_elements, n, 6), temperature as in
+    def strains(
+        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+    ) -> np.ndarray:
+        """Strain in the local frame at a depth, or one for each place, (n_elements, n, 6), temperature and ``small`` as in
         :meth:`section_forces`."""
 
-    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
-        """Second Piola-Kirchhoff stress of strains without the free ones, (..., 6), at a depth of a section, or at one for
-        each place; to first order in ``small`` ones."""
+    def stress_of(
+        self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False
+    ) -> np.ndarray:
+        """Second Piola-Kirchhoff stress of strains (m, n, 6) at a depth of a section, or at one for each place; temperature
+        and ``small`` as in :meth:`section_forces`."""
 
-    def small_stresses(self, q: np.ndarray) -> np.ndarray:
-        """Stresses by the law of small strain, which is that of the undeformed state."""
+    def small_stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
+        """As :meth:`stresses` by the law of small strain, which is that of the undeformed state."""
 
     def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
         """What the mean of the stresses of two states needs besides to do the work of the energy on the change of the

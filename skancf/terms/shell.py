@@ -45,6 +45,15 @@ class Shell(Term):
         self.cells = self.geometry.nodes + layout.part(name).start
         self.nodal, self.flat = partial(layout.nodal, name=name), partial(layout.flat, name=name)
 
+    @property
+    def heated(self) -> bool:
+        """Whether heat is inside the law, so that forces are not linear in it."""
+        return False
+
+    def at(self, case: Case) -> Assembly:
+        """The assembly with the temperature of a case, where it is inside the law."""
+        return self.assembly
+
     def on_elements(self, blocks: Any) -> OnElements:
         """Where matrices of its elements are added."""
         return OnElements(blocks, self.cells, self.geometry, self.assembly.schedule)
@@ -63,26 +72,37 @@ class Shell(Term):
         return self.cells
 
     def force(self, q: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
-        force, initial = self.internal_force(q), self.initial_stress_force(q, case)
+        force, initial = self.internal_force(q, case), self.initial_stress_force(q, case)
         return force if initial is None else force - initial
 
-    def internal_force(self, q: np.ndarray) -> np.ndarray:
-        """Derivative of the strain energy without free strains, (n_dofs,)."""
-        return self.flat(self.assembly.internal_force(self.nodal(q)))
+    def internal_force(self, q: np.ndarray, case: Case = FULL) -> np.ndarray:
+        """Derivative of the strain energy without free strains, (n_dofs,); with those that are inside a law."""
+        return self.flat(self.at(case).internal_force(self.nodal(q)))
 
-    def stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
+    def stresses(self, q: np.ndarray, change: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         """Stresses (n_elements, n_strains, n_points) with the weights, extrapolated linearly along ``change``.
 
-        Those of free strains are not subtracted.
+        Those of free strains are not subtracted, but for those inside a law.
         """
         change = None if change is None else self.nodal(change)
-        return self.assembly.stresses(self.nodal(q), change, keep_strains=False)[1]
+        return self.at(case).stresses(self.nodal(q), change, keep_strains=False)[1]
+
+    def stresses_with_rate(self, q: np.ndarray, change: np.ndarray | None, rate: np.ndarray, case: Case) -> np.ndarray:
+        r"""The same with those of damping, :math:`C \beta \dot\varepsilon`, of rates (n_dofs,)."""
+        viscous = self.retardation * rate
+        return self.stresses(q, viscous if change is None else change + viscous, case)
+
+    def load_rate(self, q: np.ndarray, load_factor: float) -> np.ndarray | None:
+        """Derivative by the load factor of forces that are not linear in it, (n_dofs,); None without any."""
+        return None
 
     def small_stresses(self, q: np.ndarray) -> np.ndarray:
         """Those by the law of small strain."""
         return self.assembly.small_stresses(self.nodal(q))
 
-    def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
+    def exact_work(
+        self, q0: np.ndarray, q1: np.ndarray, start: Case = FULL, end: Case = FULL
+    ) -> np.ndarray | None:
         """Stresses beside the mean of those of two states, that make it do the work of the energy; None where it does."""
         return self.assembly.exact_work(self.nodal(q0), self.nodal(q1))
 
@@ -98,14 +118,16 @@ class Shell(Term):
         self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Any, stresses: np.ndarray | None = None,
         stiffer: float = 1.0,
     ) -> None:  # fmt: skip
-        """The tangent with given stresses, or those of q; over ``stiffer``, as often as the law counts."""
+        """The tangent with given stresses, or those of q; the law counts ``stiffer`` times."""
         if blocks.skew:
             return
-        stresses = self.stresses(q) if stresses is None else stresses
+        stresses = self.stresses(q, None, case) if stresses is None else stresses
         initial = self.initial_stresses(case)
         stresses = stresses if initial is None else stresses - initial
         stresses = stresses if stiffer == 1 else stresses / stiffer
         self.assembly.tangent(self.nodal(q), stresses, blocks.slots_of(self.cells), blocks.values)
+        if stiffer != 1:
+            blocks.values *= stiffer
 
     def add_stiffness(self, blocks: Blocks, plain: bool = False) -> None:
         """The tangent of the undeformed state without stresses; ``plain``: with membrane strains as they are."""
@@ -132,13 +154,16 @@ class Shell(Term):
         """The mass matrix of elements whose local vectors have the matrices ``shapes[shape]``, (n_elements, 16, 16)."""
         self.on_elements(blocks).run(gather.mass, shape, shapes, self.geometry.maps)
 
-    def initial_stresses(self, case: Case) -> np.ndarray | None:
-        """Initial stresses, those that would hold free strains back, as :meth:`stresses` has them; None without any."""
+    def initial_stresses(self, case: Case, small: bool = False) -> np.ndarray | None:
+        """Initial stresses, those that would hold free strains back, as :meth:`stresses` has them; None without any.
+
+        Of free strains inside a law only in answers to first order, ``small``.
+        """
         return total(heat.initial_stresses(case) for heat in self.heats)
 
-    def initial_stress_force(self, q: np.ndarray, case: Case) -> np.ndarray | None:
+    def initial_stress_force(self, q: np.ndarray, case: Case, small: bool = False) -> np.ndarray | None:
         """Forces of the initial stresses, (n_dofs,); None without any."""
-        initial = self.initial_stresses(case)
+        initial = self.initial_stresses(case, small)
         return None if initial is None else self.force_of(q, initial)
 
     def temperature(self, points: np.ndarray, case: Case) -> np.ndarray | None:
@@ -152,9 +177,10 @@ class Shell(Term):
         at_full = Case(time=case.time)
         return case.factor**2 * self.assembly.thermal_energy(lambda points: np.asarray(self.temperature(points, at_full)))
 
-    def section_forces(self, q: np.ndarray, points: np.ndarray, case: Case = FULL) -> np.ndarray:
-        """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n)."""
-        return self.assembly.section_forces(self.nodal(q), points, self.temperature(points, case))
+    def section_forces(self, q: np.ndarray, points: np.ndarray, case: Case = FULL, small: bool = False) -> np.ndarray:
+        """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n), see
+        :meth:`skancf.terms.protocols.Assembly.section_forces`."""
+        return self.assembly.section_forces(self.nodal(q), points, self.temperature(points, case), small=small)
 
     def largest_turn(self, change: np.ndarray) -> float:
         """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""

@@ -15,22 +15,22 @@ Moments = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
 """Moments (m, 3, n) at local points (2, n) of elements (m,), None for all of them."""
 
 
-def moments_of(system: System, q: np.ndarray, case: Case = FULL) -> Moments:
-    """Those of nodal coordinates q."""
+def moments_of(system: System, q: np.ndarray, case: Case = FULL, small: bool = False) -> Moments:
+    """Those of nodal coordinates q; ``small``: to first order about the undeformed ones."""
     assembly: Any = system.assembly
 
     def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
         heat = system.shell.temperature(points, case)
         if heat is not None and elements is not None:
             heat = heat[:, elements]
-        return np.asarray(assembly.section_forces(system.shell.nodal(q), points, heat, elements)[:, 3:])
+        return np.asarray(assembly.section_forces(system.shell.nodal(q), points, heat, elements, small)[:, 3:])
 
     return moments
 
 
 def moments_of_small(system: System, change: np.ndarray, case: Case = FULL) -> Moments:
     """Those of a small-deflection answer that is a change from the undeformed coordinates."""
-    rates, held = moment_rates(system, system.undeformed, change), moments_of(system, system.undeformed, case)
+    rates, held = moment_rates(system, system.undeformed, change), moments_of(system, system.undeformed, case, small=True)
     cold = not system.shell.heats
 
     def moments(points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:

@@ -35,6 +35,6 @@ class StrainEnergy:
     def gradient(self, state: Solution) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
         instance("state", state, Solution, STATE)
-        force = state.model.internal_force(state.unknowns)
-        initial = state.system.shell.initial_stress_force(state.about, state.case)
+        force = state.model.internal_force(state.unknowns, None, state.case)
+        initial = state.system.shell.initial_stress_force(state.about, state.case, state.linear)
         return np.asarray(force if initial is None else force - initial)

@@ -75,9 +75,6 @@ class FullAssembly(CompiledAssembly):
         stress = np.einsum(f"z{_of(laws)}pq,zevq,zev->zevp", laws, free, volume)
         return np.ascontiguousarray(np.einsum("zpkev,zevp->ekv", to_local, stress, optimize=True))
 
-    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        return self.section.at(points).thermal_strain_of_one_director(z, middle, gradient)
-
     def thermal_energy(self, temperature: Heat) -> float:
         free, laws, _, volume = self._heated(temperature)
         return float(0.5 * np.einsum(f"zevp,z{_of(laws)}pq,zevq,zev->", free, laws, free, volume, optimize=True))
@@ -93,22 +90,23 @@ class FullAssembly(CompiledAssembly):
         to_local, volume = covariant_to_local(jets, geometry.tangents(points), z)
         return free, laws, to_local, volume * weights * _over_points(thicknesses)
 
-    def section_forces(self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
-        def elastic(depth: Any) -> np.ndarray:
-            free = np.zeros(6) if temperature is None else self.free_strain(points, depth, *temperature)
-            return self.strains(q, points, depth, temperature) - free
-
-        return self._resultants(elastic, points)
+    def section_forces(
+        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, small: bool = False
+    ) -> np.ndarray:
+        return self._resultants(lambda depth: self.strains(q, points, depth, temperature, small), points, temperature, small)
 
     def bending_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
         """The part of the section forces (n_elements, 6, n) that slopes of the director make."""
         return self._resultants(lambda depth: self.bending_strains(q, points, depth), points)
 
-    def _resultants(self, elastic: Callable[[Any], np.ndarray], points: np.ndarray) -> np.ndarray:
-        """N and M (n_elements, 6, n) at points of elastic strains (n_elements, n, 6) at a depth."""
+    def _resultants(
+        self, strains: Callable[[Any], np.ndarray], points: np.ndarray, temperature: np.ndarray | None = None,
+        small: bool = False,
+    ) -> np.ndarray:  # fmt: skip
+        """N and M (n_elements, 6, n) at points of strains (n_elements, n, 6) at a depth."""
         section = self.section.at(points)
         z, w, _ = section.through(self.resultant_points)
-        stress = [self.stress_of(elastic(depth), section, depth) for depth in z]
+        stress = [self.stress_of(strains(depth), section, depth, temperature, small) for depth in z]
         plane = np.stack(stress)[..., IN_PLANE]
         plane = plane - _over_points(z)[..., None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
         return np.concatenate([np.einsum("zep,zepi->eip", _over_points(w * z**k), plane) for k in (0, 1)], axis=1)
@@ -142,7 +140,13 @@ class FullAssembly(CompiledAssembly):
         )
         return geometry.nodal(theory.strain_forces(geometry.local(q, elements), points, stresses), elements)
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
+    @staticmethod
+    def _free_in(section: Section, z: Any, temperature: np.ndarray) -> np.ndarray:
+        return section.thermal_strain_of_one_director(z, *temperature)
+
+    def strains(
+        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+    ) -> np.ndarray:
         return self._strains(q, points, z, ALL)
 
     def bending_strains(self, q: np.ndarray, points: np.ndarray, z: Any) -> np.ndarray:

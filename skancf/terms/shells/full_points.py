@@ -15,14 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError
 from skancf.kernels.constants import POINTS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
+from skancf.materials.free_stretch import FreeStretch, free_stretch
 from skancf.materials.hyperelastic.law import require_solid
-from skancf.materials.law import THICKNESS, TRANSVERSE
+from skancf.materials.law import IN_PLANE, THICKNESS, TRANSVERSE
 from skancf.materials.point_law import PointResponse
+from skancf.terms.protocols import Heat
 from skancf.terms.shells.full import FullAssembly
 from skancf.terms.shells.points import NOWHERE, Answer, AtPoints, of_places, square
 from skancf.theories.full import kernels, point_kernels
@@ -78,19 +79,39 @@ class FullPointAssembly(AtPoints, FullAssembly):
         local = np.empty((6, z.size, n, POINTS))
         self.schedule.run(point_kernels.to_local, everything, shape, self._matrix, local)
         volume = np.moveaxis(self._volume[shape], 1, 0)
-        _, found = self._balanced(local, volume)
+        _, found = self._balanced(local, volume, self._free)
         stress, law = np.empty_like(everything), np.empty((n, len(EVERY_PAIR), POINTS))
         parts = (part.reshape(-1, *local.shape[1:]) for part in (found.stress, found.stiffness))
         self.schedule.run(point_kernels.integrate, *parts, self._arms, shape, self._matrix, self._volume, stress, law)
         energy = (found.energy.reshape(local.shape[1:]) * volume).sum(axis=0)
-        return Answer(q.copy(), everything, everything, energy, stress, law, found.code.reshape(local.shape[1:]))
+        return Answer(q.copy(), self.heat, everything, everything, energy, stress, law, found.code.reshape(local.shape[1:]))
+
+    _free: FreeStretch | None = None
+
+    def _warmed(self) -> None:
+        assert self.heat is not None
+        self._free = self._free_stretch(self._heights[0], self.heat)
+
+    def _free_stretch(self, z: Any, heat: np.ndarray | None) -> FreeStretch | None:
+        """At heights (n_z,) of places with T0 and T1, (2, ...): of n_z times as many points; None without heat."""
+        if heat is None:
+            return None
+        change = np.reshape(heat[0] + np.multiply.outer(z, heat[1]), -1)
+        return free_stretch(self.law.thermal_strain(), change, plane=False)
+
+    def _respond(self, C: np.ndarray, free: FreeStretch | None) -> PointResponse:
+        law: Any = self.law
+        found: PointResponse = law.respond3d(C) if free is None else free.respond(law.respond3d, C)
+        return found
 
     @property
     def _arms(self) -> np.ndarray:
         """Heights above the middle of the layer."""
         return self._heights[0] - self._middle
 
-    def _balanced(self, local: np.ndarray, volume: np.ndarray) -> tuple[np.ndarray, PointResponse]:
+    def _balanced(
+        self, local: np.ndarray, volume: np.ndarray, free: FreeStretch | None
+    ) -> tuple[np.ndarray, PointResponse]:
         r"""The factor of the strain across that is linear in z, (...), and what the law then says of all points.
 
         Newton's method for :math:`\int z \sigma_{33} dV = 0` at strains (6, n_z, ...), with volumes (n_z, ...).
@@ -101,7 +122,7 @@ class FullPointAssembly(AtPoints, FullAssembly):
             C = 1.0 * local
             C[THICKNESS] += alpha * z
             C[:3] = 1 + 2 * C[:3]
-            found: Any = self.law.respond3d(C.reshape(6, -1))  # type: ignore[attr-defined]
+            found = self._respond(C.reshape(6, -1), free)
             stress = found.stress[THICKNESS].reshape(volume.shape)
             slope = (volume * z * z * found.stiffness[ACROSS].reshape(volume.shape)).sum(axis=0)
             step = np.nan_to_num(-(volume * z * stress).sum(axis=0) / slope)  # zero where the law has no stress
@@ -134,40 +155,119 @@ class FullPointAssembly(AtPoints, FullAssembly):
         strain: np.ndarray = middle @ answer.everything[e, :, p]
         return strain[[0, 1, 5]]
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
+    def thermal_stresses(self, temperature: Heat) -> np.ndarray:
+        """To first order; of those across, what is linear in z relaxes."""
+        _, stress, _ = self._held(self._matrices(self.theory.quadrature[0])[1], *temperature(self.theory.quadrature[0]))
+        shape = self.sections.shape
+        return np.ascontiguousarray(
+            np.einsum("ezvkp,vzep,ezp->ekp", self._matrix[shape], stress, self._volume[shape], optimize=True)
+        )
+
+    def thermal_energy(self, temperature: Heat) -> float:
+        volume = np.moveaxis(self._volume[self.sections.shape], 1, 0)
+        free, stress, _ = self._held(volume, *temperature(self.theory.quadrature[0]))
+        return 0.5 * float(np.einsum("vzep,vzep,zep->", free, stress, volume, optimize=True))
+
+    def _held(
+        self, volume: np.ndarray, middle: np.ndarray, gradient: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Free strains and what stresses hold them back to first order, (6, n_z, m, n) each, where volumes are (n_z, m, n);
+        and the factor of the strain across that is linear in z, (m, n)."""
+        z = self._arms[:, None, None]
+        change = middle + np.multiply.outer(self._heights[0], gradient)
+        free = np.multiply.outer(self.law.thermal_strain(), change)
+        free[TRANSVERSE] *= self._sheared
+        law = self._law_at_rest
+        alpha = (volume * z * np.tensordot(law[THICKNESS], free, 1)).sum(axis=0) / (
+            (volume * z * z).sum(axis=0) * law[THICKNESS, THICKNESS])  # fmt: skip
+        moved = free.copy()
+        moved[THICKNESS] -= alpha * z
+        return free, np.tensordot(law, moved, 1), alpha
+
+    @property
+    def _law_at_rest(self) -> np.ndarray:
+        """Stiffness (6, 6) of the undeformed state."""
+        found = self._respond(np.array([[1.0], [1.0], [1.0], [0.0], [0.0], [0.0]]), None)
+        return square(found.stiffness, PAIRS, (1,))[0]
+
+    def strains(
+        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+    ) -> np.ndarray:
+        if small and temperature is not None:
+            out = self.strains(q, points, z, None)
+            if not np.iscomplexobj(out):  # in the undeformed state
+                out[..., THICKNESS] += (z - self._middle) * self._held(self._matrices(points)[1], *temperature)[2]
+            return out
         geometry, theory = self.geometry, self.theory
         change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
         jets = theory.jets(geometry.undeformed_local, points)
         to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.array([z]))
         out = np.einsum("vken,ekn->env", to_local[0], change, optimize=True)
-        out[..., THICKNESS] += (z - self._middle) * self._across(change, points)
+        out[..., THICKNESS] += (z - self._middle) * self._across(change, points, temperature)
         return out
 
-    def _across(self, change: np.ndarray, points: np.ndarray) -> np.ndarray:
+    def _across(self, change: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
         """Factor of the strain across that is linear in z, (m, n), of strains (m, 14, n), complex ones too, at points."""
-        P, volume = self._matrices(points)
-        local = np.einsum("zvken,ekn->vzen", P, change, optimize=True)
-        alpha, found = self._balanced(local.real, volume)
-        if not np.iscomplexobj(local):
+        alpha, rates = self._across_with_rates(change.real, points, temperature)
+        if not np.iscomplexobj(change):
             return alpha
-        arm = self._arms[:, None, None]
-        rows = square(found.stiffness, PAIRS, volume.shape)[..., THICKNESS, :]
-        moved = (volume * arm * np.einsum("zenv,vzen->zen", rows, local.imag)).sum(axis=0)
-        return alpha - 1j * moved / (volume * arm**2 * rows[..., THICKNESS]).sum(axis=0)
+        return np.asarray(alpha + 1j * np.einsum("ken,ekn->en", rates, change.imag))
 
-    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
+    def stress_of(
+        self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False
+    ) -> np.ndarray:
         sheared = np.where(np.isin(np.arange(6), TRANSVERSE), self._sheared, 1.0)
-        first_order = small or np.iscomplexobj(elastic)
-        C = np.moveaxis(np.zeros_like(elastic.real) if first_order else elastic * sheared, -1, 0).copy()
+        first_order = small or np.iscomplexobj(strains)
+        C = np.moveaxis(np.zeros_like(strains.real) if first_order else strains * sheared, -1, 0).copy()
         C[:3] = 1 + 2 * C[:3]
-        found: Any = self.law.respond3d(C.reshape(6, -1))  # type: ignore[attr-defined]
+        heat = None if small else temperature
+        found = self._respond(C.reshape(6, -1), self._free_stretch(np.array([z]), heat))
+        self.warn_of(found.code)
         if first_order:
-            law = square(found.stiffness, PAIRS, elastic.shape[:-1])
-            return np.asarray(sheared * (law @ (sheared * elastic)[..., None])[..., 0])
-        return np.asarray(sheared * of_places(found.stress, elastic))
+            law = square(found.stiffness, PAIRS, strains.shape[:-1])
+            if small and temperature is not None and not np.iscomplexobj(strains):
+                strains = strains - section.thermal_strain(z, *temperature)
+            return np.asarray(sheared * (law @ (sheared * strains)[..., None])[..., 0])
+        return np.asarray(sheared * of_places(found.stress, strains))
 
     def section_force_gradient(
         self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray, part: Any = None
     ) -> np.ndarray:
-        raise InputError("SectionForce: section forces of laws at points have no derivative in theory 'full' yet; take "
-                         "theory 'kirchhoff', or another quantity")
+        geometry, theory, section = self.geometry, self.theory, self.section.at(points, elements)
+        now, before = geometry.local(q, elements), geometry.undeformed_local[elements]
+        change = theory.strains(now, points) - theory.strains(before, points)
+        heat = None if self.temperature is None else np.asarray(self.temperature(points))[:, elements]
+        alpha, rates = self._across_with_rates(change, points, heat, elements)
+        z, w, _ = section.through(self.resultant_points)
+        to_local, _ = covariant_to_local(theory.jets(before, points), geometry.tangents(points, elements), z)
+        to_local[:, THICKNESS] += np.multiply.outer(z - self._middle, rates)
+        stresses = np.zeros_like(change)
+        for depth, share, rows in zip(z, w, to_local, strict=True):
+            plane = share * (weights[:, :3] + depth * weights[:, 3:])
+            plane = plane - depth * np.einsum("enij,ein->ejn", self._shorter(points, elements), plane)
+            strains = np.einsum("vken,ekn->env", rows, change)
+            strains[..., THICKNESS] += (depth - self._middle) * (alpha - np.einsum("ken,ekn->en", rates, change))
+            law = self._law_of(strains, depth, heat)[..., IN_PLANE, :]
+            stresses += np.einsum("ecn,encv,vken->ekn", plane, law, rows, optimize=True)
+        return geometry.nodal(theory.strain_forces(now, points, stresses), elements)
+
+    def _law_of(self, strains: np.ndarray, z: float, heat: np.ndarray | None) -> np.ndarray:
+        """Derivative of :meth:`stress_of` by the strains, (m, n, 6, 6)."""
+        sheared = np.where(np.isin(np.arange(6), TRANSVERSE), self._sheared, 1.0)
+        C = np.moveaxis(strains * sheared, -1, 0).copy()
+        C[:3] = 1 + 2 * C[:3]
+        found = self._respond(C.reshape(6, -1), self._free_stretch(np.array([z]), heat))
+        return np.asarray(square(found.stiffness, PAIRS, strains.shape[:-1]) * np.multiply.outer(sheared, sheared))
+
+    def _across_with_rates(
+        self, change: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Factor of the strain across that is linear in z, (m, n), and its derivative by the 14 strains (m, 14, n) at points
+        of elements: (14, m, n)."""
+        P, volume = self._matrices(points, elements)
+        local = np.einsum("zvken,ekn->vzen", P, change, optimize=True)
+        alpha, found = self._balanced(local, volume, self._free_stretch(self._heights[0], temperature))
+        arm = self._arms[:, None, None]
+        rows = square(found.stiffness, PAIRS, volume.shape)[..., THICKNESS, :]
+        moved = np.einsum("zen,zenv,zvken->ken", volume * arm, rows, P, optimize=True)
+        return alpha, -moved / (volume * arm**2 * rows[..., THICKNESS]).sum(axis=0)

@@ -1,5 +1,6 @@
 """Theory `kirchhoff` on a mesh: forces, stresses, tangents, and strains at any point."""
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any, cast
 
@@ -91,22 +92,20 @@ class ThinAssembly(CompiledAssembly):
     def thermal_stresses(self, temperature: Heat) -> np.ndarray:
         return self._initial_stresses(self._free_strains(temperature))
 
-    def free_strain(self, points: np.ndarray, z: Any, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
-        return self.section.at(points).thermal_strain(z, middle, gradient)
-
     def thermal_energy(self, temperature: Heat) -> float:
         strains, sections, points = self._free_strains(temperature), self.sections, self.geometry.integration.local
         left = self.curved_at(points).energy_left(sections.curvature[sections.shape], *temperature(points))
         return float(0.5 * np.vdot(strains, self._initial_stresses(strains)) + np.vdot(self.areas, left))
 
-    def _free_strains(self, temperature: Heat) -> np.ndarray:
-        """Covariant strains (n_elements, 6 or 9, n_points) that a temperature change makes without section forces."""
+    def _free_strains(self, temperature: Heat, of: Callable[..., np.ndarray] = CurvedSection.free_strains) -> np.ndarray:
+        """Covariant strains (n_elements, 6 or 9, n_points) that a temperature change makes without section forces; ``of`` a
+        curved section, its curvatures, T0 and T1 in the local frame."""
         sections, geometry = self.sections, self.geometry
 
         def covariant(
             curved: CurvedSection, curvature: np.ndarray, turn: np.ndarray, middle: np.ndarray, gradient: np.ndarray
         ) -> np.ndarray:
-            free = curved.free_strains(curvature, middle, gradient)
+            free = of(curved, curvature, middle, gradient)
             return np.moveaxis(np.linalg.solve(turn, free[..., None])[..., 0], 1, 2)
 
         turn, local = np.moveaxis(sections.turn[sections.shape], 3, 1), geometry.integration.local
@@ -203,22 +202,19 @@ class ThinAssembly(CompiledAssembly):
         return turn, local_curvature(jets, turn)
 
     def section_forces(
-        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None
-    ) -> np.ndarray:
+        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None,
+        small: bool = False,
+    ) -> np.ndarray:  # fmt: skip
         """As the protocol has it, of all elements or of some, (m,)."""
         (strains, b), curved = self.section_strains(q, points, elements), self.curved_at(points, elements)
         if temperature is not None:
             strains = strains - curved.free_strains(b, *temperature)
-        return np.asarray(curved.forces(b, self._work_conjugate(curved, strains, b)).swapaxes(1, 2))
-
-    def _work_conjugate(self, curved: CurvedSection, strains: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Forces and moments that do work on local strains, both (m, n, 6), where the undeformed curvatures are b."""
-        return np.asarray((curved.law(b) @ strains[..., None])[..., 0])
+        return np.asarray(curved.forces(b, (curved.law(b) @ strains[..., None])[..., 0]).swapaxes(1, 2))
 
     def _law_at(
         self, curved: CurvedSection, q: np.ndarray, points: np.ndarray, elements: np.ndarray, b: np.ndarray
     ) -> np.ndarray:
-        """Derivative of them by the strains, (m, n, 6, 6)."""
+        """Derivative of forces and moments by the strains on which they do work, (m, n, 6, 6)."""
         return curved.law(b)
 
     def section_force_gradient(
@@ -238,9 +234,11 @@ class ThinAssembly(CompiledAssembly):
         """Which of some elements take their membrane strains as they are, as positions among them."""
         return np.flatnonzero(self.sections.assumed[self.sections.shape[elements]] == 0)
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
+    def strains(
+        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+    ) -> np.ndarray:
         parts, b = self.section_strains(q, points)
-        free = np.zeros(6) if temperature is None else self.free_strain(points, z, *temperature)
+        free = np.zeros(6) if temperature is None else self._free_in(self.section.at(points), z, temperature)
         out, curved = free + np.zeros((*b.shape[:-1], 6), parts.dtype), self.curved_at(points)
         elastic = curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]
         out[:, :, IN_PLANE] += elastic

@@ -9,10 +9,17 @@ from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
 from skancf.materials import Section
 from skancf.materials.curved import CurvedSection
+from skancf.materials.free_stretch import free_stretch
 from skancf.materials.law import IN_PLANE, THICKNESS
 from skancf.materials.parallel import strains_at
-from skancf.materials.thickness_kernels import deformations
-from skancf.materials.through_thickness import SectionResponse, heights, through_thickness
+from skancf.materials.point_law import PointResponse
+from skancf.materials.through_thickness import (
+    SectionResponse,
+    deformation_at,
+    heated_through_thickness,
+    heights,
+    through_thickness,
+)
 from skancf.terms.shells.kirchhoff import ThinAssembly
 from skancf.terms.shells.points import NOWHERE, Answer, AtPoints, of_places, square
 from skancf.theories.kirchhoff import kernels, point_kernels
@@ -55,18 +62,35 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
     def _ask(self, q: np.ndarray) -> Answer:
         everything, hat, local = self._all_strains(q, NOWHERE)
         n = len(hat)
-        found = self._through_thickness(local.reshape(N_STRAINS, -1), self._curvature)
+        found = self._through_thickness(local.reshape(N_STRAINS, -1), self._curvature, self.heat)
         stress, law = np.empty((n, N_STRAINS, POINTS)), np.empty((n, len(EVERY_PAIR), POINTS))
         forces, stiffness = found.forces.reshape(-1, n, POINTS), found.stiffness.reshape(-1, n, POINTS)
         self.schedule.run(
             point_kernels.to_covariant, forces, stiffness, EVERY_PAIR, self._elements, self._places, stress, law
         )
         energy, code = self.areas * found.energy.reshape(n, POINTS), found.code.reshape(-1, n, POINTS)
-        return Answer(q.copy(), everything, hat, energy, stress, law, code)
+        return Answer(q.copy(), self.heat, everything, hat, energy, stress, law, code)
 
-    def _through_thickness(self, strains: np.ndarray, curvature: np.ndarray) -> SectionResponse:
-        """Of strains (6, n) in the local frame."""
-        return through_thickness(self.law, *self._heights, strains[:3], strains[3:], curvature)
+    def _through_thickness(
+        self, strains: np.ndarray, curvature: np.ndarray, heat: np.ndarray | None
+    ) -> SectionResponse:
+        """Of strains (6, n) in the local frame, with a temperature change (2, ...) of the n places."""
+        place = (self.law, *self._heights, strains[:3], strains[3:], curvature)
+        return through_thickness(*place) if heat is None else heated_through_thickness(*place, *heat.reshape(2, -1))
+
+    def _warmed(self) -> None:
+        """Membrane strains of the free expansion that assumed ones do not hold are no strain of the rest."""
+        assert self.temperature is not None
+        free = self._free_strains(self.temperature, self._expanded)
+        projection = self._tables.projections[self.sections.assumed[self.sections.shape]]
+        kept = np.einsum("ecsp,ecs->ecp", projection, self._before_projection(free))
+        self._unheld = free[:, :N_MEMBRANE] - kept
+        self._unheld_local = np.einsum("eklp,elp->kep", self._places.turn[self.sections.shape], self._unheld)
+
+    def _expanded(self, curved: CurvedSection, b: np.ndarray, middle: np.ndarray, gradient: np.ndarray) -> np.ndarray:
+        """Strains (m, n, 6) of the surface where it expands freely; that they are bent does not count."""
+        free = free_stretch(self.law.thermal_strain(), middle.reshape(-1), plane=True).free
+        return np.concatenate([of_places(free, np.empty((*middle.shape, 1))), np.zeros((*middle.shape, 3))], axis=-1)
 
     def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return self._all_strains(q, change)[:2]
@@ -80,6 +104,10 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
             point_kernels.strains, q, change, self._tables, self.geometry.maps, self._elements, self._places, everything,
             hat, local,
         )  # fmt: skip
+        if self.heat is not None:
+            everything[:, :N_MEMBRANE] -= self._unheld
+            if not len(change):
+                local[:N_MEMBRANE] += self._unheld_local
         return everything, hat, local
 
     def _on_all(self, stress: np.ndarray, everything: np.ndarray, seen: np.ndarray) -> np.ndarray:
@@ -101,13 +129,25 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         turn: np.ndarray = self._places.turn[self.sections.shape[e], :, :, p]
         return turn @ answer.seen[e, :N_MEMBRANE, p]
 
-    def _at_places(self, strains: np.ndarray, b: np.ndarray) -> SectionResponse:
+    def section_forces(
+        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None,
+        small: bool = False,
+    ) -> np.ndarray:  # fmt: skip
+        if small and temperature is not None:
+            return super().section_forces(q, points, temperature, elements)
+        (strains, b), curved = self.section_strains(q, points, elements), self.curved_at(points, elements)
+        return np.asarray(curved.forces(b, self._of_law(strains, b, temperature)).swapaxes(1, 2))
+
+    def _at_places(self, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None) -> SectionResponse:
         """What the section says of local strains (m, n, 6) where the undeformed curvatures are b."""
         curvature = np.ascontiguousarray(np.moveaxis(b, -1, 0)).reshape(3, -1)
-        return self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature)
+        found = self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature, heat)
+        self.warn_of(found.code)
+        return found
 
-    def _work_conjugate(self, curved: CurvedSection, strains: np.ndarray, b: np.ndarray) -> np.ndarray:
-        found = self._at_places(strains, b)
+    def _of_law(self, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None) -> np.ndarray:
+        """Forces and moments that do work on local strains, both (m, n, 6)."""
+        found = self._at_places(strains, b, heat)
         forces = np.moveaxis(found.forces.reshape(N_STRAINS, *b.shape[:-1]), 0, -1)
         if not np.iscomplexobj(strains):
             return forces
@@ -116,10 +156,15 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
     def _law_at(
         self, curved: CurvedSection, q: np.ndarray, points: np.ndarray, elements: np.ndarray, b: np.ndarray
     ) -> np.ndarray:
-        found = self._at_places(self.section_strains(q, points, elements)[0], b)
+        heat = None if self.temperature is None else np.asarray(self.temperature(points))[:, elements]
+        found = self._at_places(self.section_strains(q, points, elements)[0], b, heat)
         return square(found.stiffness, EVERY_PAIR, b.shape[:-1])
 
-    def strains(self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None) -> np.ndarray:
+    def strains(
+        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+    ) -> np.ndarray:
+        if small and temperature is not None:
+            return super().strains(q, points, z, temperature)
         parts, b = self.section_strains(q, points)
         out = np.zeros((*b.shape[:-1], 6), parts.dtype)
         if np.iscomplexobj(parts):  # a small change of the undeformed state
@@ -128,19 +173,30 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
             out[..., THICKNESS] = out[..., IN_PLANE] @ section.thinning[section.layer_at(z)]
             return out
         flat = np.ascontiguousarray(np.moveaxis(np.concatenate([parts, b], axis=-1), -1, 0)).reshape(9, -1)
-        C = np.empty((3, flat.shape[1]))
-        deformations(np.array([z]), flat[:3], flat[3:6], flat[6:], C)
-        across = self.law.respond(C).stretch33
+        middle = None if temperature is None else temperature[0].reshape(-1)
+        C = deformation_at(self.law, z, flat[:3], flat[3:6], flat[6:], middle)
+        across = self._respond(C, z, temperature).stretch33
         out[..., IN_PLANE] = of_places(np.stack([C[0] - 1, C[1] - 1, 2 * C[2]]) / 2, b)
         out[..., THICKNESS] = of_places(across[None] - 1, b)[..., 0] / 2
         return out
 
-    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
-        out = np.zeros_like(elastic)
+    def _respond(self, C: np.ndarray, z: Any, temperature: np.ndarray | None) -> PointResponse:
+        """What the law says of C (3, n) at a height, where the temperature change is (2, ...)."""
+        if temperature is None:
+            return self.law.respond(C)
+        change = (temperature[0] + z * temperature[1]).reshape(-1)
+        return free_stretch(self.law.thermal_strain(), change, plane=True).respond(self.law.respond, C)
+
+    def stress_of(
+        self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False
+    ) -> np.ndarray:
+        out = np.zeros_like(strains)
         if small:
-            out[..., IN_PLANE] = elastic[..., IN_PLANE] @ section.in_plane()[section.layer_at(z)]
+            free = 0.0 if temperature is None else section.thermal_strain(z, *temperature)
+            out[..., IN_PLANE] = (strains - free)[..., IN_PLANE] @ section.in_plane()[section.layer_at(z)]
             return out
-        plane = np.moveaxis(elastic[..., IN_PLANE], -1, 0).reshape(3, -1)
-        found = self.law.respond(np.stack([1 + 2 * plane[0], 1 + 2 * plane[1], plane[2]]))
-        out[..., IN_PLANE] = of_places(found.stress, elastic)
+        plane = np.moveaxis(strains[..., IN_PLANE], -1, 0).reshape(3, -1)
+        found = self._respond(np.stack([1 + 2 * plane[0], 1 + 2 * plane[1], plane[2]]), z, temperature)
+        self.warn_of(found.code)
+        out[..., IN_PLANE] = of_places(found.stress, strains)
         return out

@@ -1,22 +1,26 @@
 """What assemblies with a law at points share: it is asked once for a state, and its stress is not linear in the strain."""
 
 from abc import abstractmethod
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError
+from skancf.errors import warn
 from skancf.kernels.constants import AXES, VECTORS
 from skancf.kernels.laws import add_law
 from skancf.materials import Section
-from skancf.materials.point_law import PointLaw, why
+from skancf.materials.point_law import FINE, PointLaw, why
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.tolerances import NO_CHANGE
 
 REMEMBERED = 3
 """States whose answers are kept: start, middle and end of a step."""
+WARM = 2
+"""More of them with a temperature that changes: both ends with that of the other."""
 NOWHERE = np.empty((0, VECTORS, AXES))
 """No change of the nodal vectors."""
 
@@ -29,6 +33,8 @@ class Answer:
     ----------
     q : (n_nodes, 4, 3) array
         The state.
+    heat : (2, n_elements, 16) array or None
+        The temperature change T0 and T1.
     everything : (n_elements, n_all, 16) array
         All covariant strains.
     seen : (n_elements, n_strains, 16) array
@@ -43,6 +49,7 @@ class Answer:
     """
 
     q: np.ndarray
+    heat: np.ndarray | None
     everything: np.ndarray
     seen: np.ndarray
     energy: np.ndarray
@@ -59,6 +66,10 @@ class AtPoints(CompiledAssembly):
 
     linear = False
     section: Section
+    heat: np.ndarray | None = None
+    """Temperature change T0 and T1 at the integration points, (2, n_elements, 16), with which the law expands."""
+    temperature: Heat | None = None
+    """The same at any points."""
     every_pair: Any
     """Entries (n_pairs, 2) of a law that is full."""
     _heights: tuple[np.ndarray, np.ndarray]
@@ -69,14 +80,30 @@ class AtPoints(CompiledAssembly):
         assert law is not None
         return law
 
+    def __init__(self, *place: Any) -> None:
+        super().__init__(*place)
+        self._answers: list[Answer] = []
+
+    def heated(self, temperature: Heat) -> "AtPoints":
+        """The same under a temperature change T0 + z T1; they remember together."""
+        other = copy(self)
+        other.temperature = temperature
+        other.heat = np.asarray(temperature(self.geometry.integration.local), dtype=float)
+        other._warmed()
+        return other
+
+    @abstractmethod
+    def _warmed(self) -> None:
+        """Called on one that was given a temperature."""
+
     def answer(self, q: np.ndarray) -> Answer:
         """What the law says of a state, asked once for it."""
-        answers: list[Answer] = self.__dict__.setdefault("_answers", [])
+        answers = self._answers
         for k, known in enumerate(answers):
-            if np.array_equal(known.q, q):
+            if known.heat is self.heat and np.array_equal(known.q, q):
                 answers.insert(0, answers.pop(k))
                 return known
-        del answers[REMEMBERED - 1 :]
+        del answers[REMEMBERED - 1 + (0 if self.heat is None else WARM) :]
         answers.insert(0, self._ask(q))
         return answers[0]
 
@@ -108,8 +135,8 @@ class AtPoints(CompiledAssembly):
             self.schedule.run(add_law, answer.law, own, self.every_pair, seen - answer.seen, stress)
         return everything, self._on_all(stress, everything, seen)
 
-    def small_stresses(self, q: np.ndarray) -> np.ndarray:
-        return super().stresses(q, None, keep_strains=False)[1]
+    def small_stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
+        return super().stresses(q, change, keep_strains=False)[1]
 
     def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray:
         r"""Along the change of the strains in the metric C of small strain,
@@ -136,11 +163,22 @@ class AtPoints(CompiledAssembly):
         return self._on_all(along, nothing, nothing)
 
     def tangent(
-        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
-    ) -> None:
-        tables, elements = self._elements_with(self.answer(q).law, plain)
+        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False,
+        viscous: float = 0.0,
+    ) -> None:  # fmt: skip
+        """With ``viscous`` times the law of small strain besides."""
+        law = self.answer(q).law
+        tables, elements = self._elements_with(law + viscous * self._small_law if viscous else law, plain)
         kernel = type(self).tangent_kernel
         self.schedule.run(kernel, q, stresses, tables, self.geometry.maps, elements, slots, out)
+
+    @cached_property
+    def _small_law(self) -> np.ndarray:
+        """Entries of the law of small strain, as :attr:`Answer.law` has them."""
+        known = np.flatnonzero((self.every_pair[:, None] == self.sections.pairs).all(axis=2).any(axis=1))  # in one order
+        out = np.zeros((len(self.sections.law), len(self.every_pair), self.sections.law.shape[2]))
+        out[:, known] = self.sections.law
+        return np.asarray(out[self.sections.shape])
 
     def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
         answer = self.answer(q)
@@ -151,21 +189,28 @@ class AtPoints(CompiledAssembly):
         """Of the strains that the law does not see."""
         return 0.0
 
-    def thermal_stresses(self, temperature: Heat) -> np.ndarray:
-        raise InputError("a temperature change with a law at points: the free strain would have to go into the law, which "
-                         "sections do not do yet; take a linear law, whose thermal stress is that of small strain")
-
     def refusal(self) -> str | None:
-        answers: list[Answer] = self.__dict__.get("_answers", [])
+        answers = self._answers
         if not answers or not answers[0].code.any():
             return None
         height, e, p = (int(at[0]) for at in np.nonzero(answers[0].code))
         code, points = int(answers[0].code[height, e, p]), self.geometry.integration.local
         x, y = self.geometry.parameters(points if points.ndim == 2 else points[e], np.array([e]))[:, 0, p]
         strain = ", ".join(f"{value:.4g}" for value in self._membrane(answers[0], e, p))
-        name = type(getattr(self.law, "material", self.law)).__name__
-        return (f"{name} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {self._heights[0][height]:.4g}, "
-                f"membrane strain ({strain}): {why(self.law, code)}")  # fmt: skip
+        z = self._heights[0][height]
+        return (f"{self._name} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {z:.4g}, membrane strain "
+                f"({strain}): {why(self.law, code)}")  # fmt: skip
+
+    def warn_of(self, code: np.ndarray) -> None:
+        """Say that numbers that were asked for are none, where a law's codes are not 0."""
+        if code.any():
+            first = int(code[code != FINE][0])
+            warn(f"{self._name} has no stress at {np.count_nonzero(code)} of {code.size} places that were asked for, and "
+                 f"what depends on it is not a number there: {why(self.law, first)}")  # fmt: skip
+
+    @property
+    def _name(self) -> str:
+        return type(getattr(self.law, "material", self.law)).__name__
 
     @abstractmethod
     def _membrane(self, answer: Answer, e: int, p: int) -> np.ndarray:

@@ -64,11 +64,19 @@ class CompiledAssembly:
             type(self).tangent_kernel, q, stresses, self._tables, self.geometry.maps, elements, slots, out
         )
 
-    def stress_of(self, elastic: np.ndarray, section: Section, z: Any, small: bool = False) -> np.ndarray:
-        return stress_of(section.of_layer(section.stiffness, z), elastic)
+    def stress_of(
+        self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False
+    ) -> np.ndarray:
+        free = np.zeros(6) if temperature is None else self._free_in(section, z, temperature)
+        return stress_of(section.of_layer(section.stiffness, z), strains - free)
 
-    def small_stresses(self, q: np.ndarray) -> np.ndarray:
-        return self.stresses(q, None, keep_strains=False)[1]
+    @staticmethod
+    def _free_in(section: Section, z: Any, temperature: np.ndarray) -> np.ndarray:
+        """Free strain of a temperature change T0 + z T1 (2, m, n) in a section, (m, n, 6)."""
+        return section.thermal_strain(z, *temperature)
+
+    def small_stresses(self, q: np.ndarray, change: np.ndarray | None = None) -> np.ndarray:
+        return self.stresses(q, change, keep_strains=False)[1]
 
     def exact_work(self, q0: np.ndarray, q1: np.ndarray) -> np.ndarray | None:
         return None

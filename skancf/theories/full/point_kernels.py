@@ -6,7 +6,7 @@ The local strain at a height is a matrix P(z) times the 14 strains, so that thei
     g = \int z\, P^T C_{\cdot 33}\, dV, \quad k = \int z^2 C_{33\,33} \, dV,
 
 where the second part of D is that of a strain across which is linear in z and has no stress in the mean,
-:math:`\int z\, \sigma_{33}\, dV = 0`.
+:math:`\int z\, \sigma_{33}\, dV = 0`; what is left of this is taken off S to first order.
 """
 
 import numpy as np
@@ -46,9 +46,10 @@ def integrate(start, stop, order, stress, stiffness, heights, shape, P, volume, 
         own, weights = P[shape[e]], volume[shape[e]]
         for p in range(POINTS):
             S[:], D[:], g[:] = 0.0, 0.0, 0.0
-            across = 0.0
+            across = left = 0.0
             for z in range(heights.size):
                 w, h, m = weights[z, p], heights[z], 0
+                left += h * w * stress[ACROSS, z, e, p]
                 for k in range(LOCAL_STRAINS):
                     for l in range(k, LOCAL_STRAINS):
                         C[k, l] = C[l, k] = w * stiffness[m, z, e, p]
@@ -69,7 +70,7 @@ def integrate(start, stop, order, stress, stiffness, heights, shape, P, volume, 
                             D[k, l] += factor * CP[v, l]
             m = 0
             for k in range(N_STRAINS):
-                stress_out[e, k, p] = S[k]
+                stress_out[e, k, p] = S[k] - g[k] * left / across
                 for l in range(k, N_STRAINS):
                     law_out[e, m, p] = D[k, l] - g[k] * g[l] / across
                     m += 1

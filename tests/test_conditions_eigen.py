@@ -17,6 +17,7 @@ from skancf.errors import InputError
 from skancf.linear import DirectSolver
 from skancf.statics import motions as motions_module
 from skancf.statics.conditioned import curved
+from skancf.statics.eigen_checks import rigid_check
 from skancf.statics.motions import HeldMotions, Motions, motions_of
 from skancf.system.linearised import geometric_stiffness
 
@@ -81,8 +82,19 @@ def test_a_free_tube_has_its_six_rigid_motions(theory):
     system = tube((HINGE, ROD), theory, supports=())
     expected = reference(system, system.stiffness(), system.mass)
     found = sk.modes(system, 10)
-    assert found.ok and found.n_rigid == 6
+    assert found.ok and found.n_rigid == 6 and found.checks[-1].name.endswith("6 found, 6 rigid ones are free")
     assert worst(found.eigenvalues[6:], expected[6:10]) < 1e-7  # rounding of the full matrices, of which six are zero
+
+
+def test_a_rigid_motion_that_rounding_hides_is_missed():
+    """So thin that rounding of the stiffness of conditions is as large as bending: checks say so, one way or another."""
+    problem = sk.Problem(TUBE, 1e-5, STEEL, conditions=[HINGE, ROD])
+    with pytest.warns(sk.OutOfDepth, match="Check failed"):
+        found = sk.modes(problem.on(sk.meshes.uniform(TUBE, 2, 8), "kirchhoff"), 8)
+    assert not found.ok
+    check = rigid_check(5, 6)
+    assert not check.passed and "5 found, 6 rigid ones are free" in check.name
+    assert rigid_check(7, 6).passed, "one mechanism more"
 
 
 @pytest.mark.parametrize(("passes", "stiffness"), [(1, 1e4), (2, 1e4), (3, 1e4), (1, 1e7), (2, 1e7)])
@@ -128,6 +140,21 @@ def test_what_theory_kirchhoff_leaves_out_of_frequencies(monkeypatch):
     errors = [sk.modes(tube(joints), 1).theory_errors[0] for joints in ((HINGE, ROD), ())]
     assert worst(shares, 1 / (1 + np.array(errors)) ** 2 - 1) < 1e-3
     assert abs(shares[0] / shares[1] - 1) > 0.1, "conditions take part"
+
+
+def test_passes_are_enough_on_fine_meshes():
+    """Of a thin tube, on which rows are many and bending is weak: against more passes, and the bound holds."""
+    problem = sk.Problem(TUBE, 1e-3, STEEL, CLAMPED, conditions=[HINGE, ROD])
+    system = problem.on(sk.meshes.uniform(TUBE, 3, 32), "kirchhoff")
+    found = sk.modes(system, 4)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(motions_module, "PASSES", 6)
+        expected = sk.modes(system, 4).eigenvalues
+    assert found.ok and worst(found.eigenvalues, expected) < 1e-9
+    with pytest.MonkeyPatch.context() as patch, pytest.warns(sk.OutOfDepth, match="relative error"):
+        patch.setattr(motions_module, "STIFFNESS", 1e6)
+        patch.setattr(motions_module, "PASSES", 2)
+        assert not sk.modes(system, 4).ok
 
 
 def test_numbers_of_eigenvalues_are_right_near_each():

@@ -75,6 +75,14 @@ def count_check(found: int, counted: int, where: str) -> Check:
     )  # fmt: skip
 
 
+def rigid_check(found: int, free: int) -> Check:
+    """How many of the rigid motions that nothing holds are missing among motions without stiffness."""
+    return Check(
+        f"motions without stiffness: {found} found, {free} rigid ones are free", float(max(free - found, 0)), 0.0,
+        "So thin a structure bends by less than the stiffness of conditions rounds; take theory 'full', or hold it.",
+    )  # fmt: skip
+
+
 def warn_of_failures(checks: Sequence[Check]) -> None:
     """A warning of the checks that fail, where the caller's caller sees it."""
     said = failures(checks)

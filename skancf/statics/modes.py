@@ -15,6 +15,7 @@ from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments, require_same_mesh
+from skancf.statics.conditioned import conditions_in
 from skancf.statics.eigen_checks import (
     SAFETY,
     TRIES,
@@ -24,12 +25,14 @@ from skancf.statics.eigen_checks import (
     group_note,
     orthogonality_check,
     pair_check,
+    rigid_check,
     warn_of_failures,
 )
 from skancf.statics.left_out import frequency_changes, warn_of_changes
 from skancf.statics.motions import Motions, motions_of
 from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.statics.validity import warn_without_time
+from skancf.system.rigid import free_rigid_motions
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
 from skancf.tolerances import TINY, ZERO_EIGENVALUE
@@ -56,7 +59,8 @@ class Modes:
         That n cuts a group of equal or nearly equal eigenvalues, and how many to ask for to have all of it.
     checks : tuple of Check
         A bound on the relative error of each eigenvalue from its residual, the worst of them; products of the shapes; and
-        whether any of the lowest is missing, by the signs of the pivots of :math:`K - s M`, s in the gap behind the last.
+        whether any of the lowest is missing, by the signs of the pivots of :math:`K - s M`, s in the gap behind the last;
+        with conditions, at rest, also whether all free rigid motions are there.
     """
 
     eigenvalues: np.ndarray
@@ -138,7 +142,7 @@ def modes(
     if state is None:
         warn_without_time(system)
     n = checked_count(n, system.constraints)
-    stiffness = state_tangent(system, state)
+    stiffness, at_rest = state_tangent(system, state), state is None
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
     warn_if_skew(system, stiffness, state.about, state.load_factor)
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
@@ -150,6 +154,8 @@ def modes(
     products = first.shapes @ np.array([spectrum.with_mass(v) for v in first.shapes]).T
     checks = (pair_check(first.errors, first.allowed), orthogonality_check(products, "mass"), count)
     n_rigid, n_unstable = int((values == 0).sum()), int((values < 0).sum())
+    if at_rest and conditions_in(system):
+        checks = (*checks, rigid_check(n_rigid, len(free_rigid_motions(system))))
     warn_of_failures(checks)
     note = group_note("mode", values, n, gap_after(values, n) or cut)
     found = Modes(first.values, first.shapes, n_rigid, n_unstable, state, note, checks)

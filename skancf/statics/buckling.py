@@ -41,6 +41,7 @@ from skancf.statics.validity import warn_without_time
 from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
+from skancf.terms.shell import is_heated
 from skancf.tolerances import AT_REST, ZERO_EIGENVALUE
 
 # A load factor that is so many times the smallest one of either sign counts as infinite.
@@ -173,7 +174,7 @@ def _require_load(system: System) -> None:
     """InputError where nothing loads a structure: no load, and nothing that is held moves."""
     conditions, start = conditions_in(system), system.undeformed
     moves = system.prescribed().any() or (conditions and not conditions.met(conditions.value(start)))
-    if not (moves or system.external_force(start).any() or system.shell.heated):
+    if not (moves or system.external_force(start).any() or is_heated(system)):
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
 
 

@@ -45,7 +45,7 @@ class TrueStresses:
         if self.linear:
             return np.asarray(stress)
         squares, axes = np.linalg.eigh(np.eye(3) + 2 * tensors(strain, 2.0))
-        stretches = np.sqrt(squares)
+        stretches = np.sqrt(np.where(squares > 0, squares, np.nan))
         U = np.einsum("...ik,...k,...jk->...ij", axes, stretches, axes)
         true = U @ tensors(stress) @ U / stretches.prod(axis=-1)[..., None, None]
         return np.asarray(true[..., ROWS, COLUMNS])

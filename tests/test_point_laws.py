@@ -356,6 +356,18 @@ class Square:
             stress = stress + 10.0
         elif self.mistake == "constant":
             energy = energy + 5.0
+        elif self.mistake == "softer at rest":
+            entries = 0.99 * entries
+        elif self.mistake == "complex":
+            stress = stress + 0j
+        elif self.mistake == "text":
+            energy = energy.astype(str)
+        elif self.mistake == "list":
+            return [energy, stress, entries, energy]
+        elif self.mistake == "ends early":
+            energy = np.where(E[0] > 0.005, np.nan, energy)
+        elif self.mistake == "turned over":
+            return energy, stress, np.repeat(entries[:, None], C.shape[1], axis=1), 1 - 60 * (E[0] + E[1])
         elif self.mistake == "shape":
             stress = stress[:2]
         elif self.mistake == "nan":
@@ -391,6 +403,12 @@ def test_a_law_of_ones_own():
         ("shape", r"give a PointResponse, or energy \(n,\)"),
         ("nan", "it has no stress or no stiffness"),
         ("thickness", "C33 of the undeformed state is 2"),
+        ("softer at rest", "stiffness against stress: at C = .* D1111 is .* and the difference of S11"),
+        ("complex", "its stress is .* give real numbers"),
+        ("text", "its energy is .* give real numbers"),
+        ("list", r"returned \[.* \(a list\); give a PointResponse"),
+        ("ends early", r"at C = \(1.02, 0.98, 0.02\) it has no finite energy"),
+        ("turned over", r"at C = \(1.05, 1, 0.01\) C33 is -"),
     ],
 )
 def test_a_law_that_contradicts_itself_is_refused_before_any_work(mistake, message):
@@ -407,6 +425,28 @@ def test_what_remembers_and_what_has_no_density_is_refused():
     law.density = None
     with pytest.raises(sk.errors.InputError, match="density"):
         section_of(law, 0.1)
+
+
+def test_a_law_without_a_guess_and_one_of_another_small_strain():
+    class Plain(Square):
+        def plane_stress(self, C):
+            return Square.plane_stress(self, C)
+
+    assert section_of(Plain(), 0.1).abd() == pytest.approx(section_of(Square(), 0.1).abd(), rel=1e-12)
+
+    class Told(Square):
+        def stiffness(self):
+            return self.matrix
+
+    told = Told()
+    told.matrix = section_of(Square(), 0.1).stiffness[0]
+    assert section_of(told, 0.1).abd() == pytest.approx(section_of(Square(), 0.1).abd(), rel=1e-12)
+    told.matrix = 1.01 * told.matrix
+    with pytest.raises(sk.InputError, match="its entry 11, 11 is .* and that of plane_stress at the undeformed state"):
+        section_of(told, 0.1)
+    told.matrix = np.eye(3)
+    with pytest.raises(sk.InputError, match=r"stiffness\(\) of shape \(3, 3\): a law is a 6 x 6 matrix"):
+        section_of(told, 0.1)
 
 
 def test_laminates_of_rubber_are_refused():

@@ -195,3 +195,31 @@ def test_the_mixed_iteration_bends_rubber_as_quickly_as_the_linear_law(thickness
         count[name], ends[name] = result.iterations, result.unwrap().displacement((1.0, 0.05))
     near(ends["rubber"], ends["plain"], 1e-7)
     assert count["rubber"] <= 1.2 * count["linear"] and count["plain"] > 1.5 * count["rubber"], count
+
+
+class EndsAt(StVenantKirchhoff):
+    """Its energy, and nothing else, is no number beyond a strain of 0.2."""
+
+    def plane_stress(self, C, guess=None, history=None):
+        found = self.respond(C)
+        return np.where(C[0] > 1.4, np.nan, found.energy), found.stress, found.stiffness, found.stretch33
+
+
+ENDS = {"Gent": Gent(1e6, 0.3, 1000.0), "EndsAt": EndsAt(sk.Isotropic(2e6, 0.3, 1000.0))}
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_paths_and_motions_name_the_place_too(name):
+    surface = sk.Rectangle(2.0, 1.0)
+    supports = [sk.Symmetry(["left", "bottom"]), sk.Roller("left"), sk.Prescribed("right", (1.2, None, None))]
+    held = sk.Problem(surface, 0.05, ENDS[name], supports).on(uniform(surface, 2, 1), "kirchhoff")
+    free = sk.Problem(surface, 0.05, ENDS[name]).on(uniform(surface, 2, 1), "kirchhoff")
+
+    def thrown(x, y):
+        return np.stack([60 * (x - 1), 0 * x, 0 * x])
+
+    for stopped in (sk.solve(held, relax=False), sk.trace(held, sk.ArcLength(first=0.1)),
+                    sk.simulate(free, 0.1, dt=2e-3, velocity=thrown, progress=False)):  # fmt: skip
+        assert not stopped.ok
+        for word in (f"{name} has no stress in element", "(x, y) = (", "membrane strain ("):
+            assert word in stopped.message, (word, stopped.message)

@@ -26,5 +26,8 @@ def virtual_work(one: Strained, other: Strained) -> np.ndarray:
 
 
 def energies(strained: Strained) -> np.ndarray:
-    """Strain energies, (n_elements,) (J)."""
-    return 0.5 * virtual_work(strained, strained)
+    """Sizes of strain energies, (n_elements,) (J).
+
+    Of a small change about a state that is stretched so far that its law grows softer, they may be negative without the work
+    of the stress that is there."""
+    return np.abs(0.5 * virtual_work(strained, strained))

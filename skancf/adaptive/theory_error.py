@@ -6,17 +6,21 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.estimate import check_quantity, gradient_of, value_of
+from skancf.adaptive.interpolation import multipliers_on
 from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
 from skancf.arguments import STATE, instance
-from skancf.conditions.sums import refuse
+from skancf.conditions.solver import curved
 from skancf.errors import InputError
-from skancf.linear import DirectSolver, SkewSolver, check_backend
+from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
+from skancf.statics.conditioned import factored_about, rows_of, solved
 from skancf.statics.corrections import skew_part
 from skancf.thinness import Fields, ShearForm, moment_rates
 
 SOUND = 0.2
 """Part of a number up to which the estimate is good; beyond it terms of second order count, and only its size is meant."""
+LARGE = 0.1
+"""Membrane strain from which on a law at points has another shear stiffness than that of the undeformed state."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +88,6 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     check_backend(backend)
     quantity = StrainEnergy() if quantity is None else quantity
     check_quantity(quantity)
-    refuse(solution.system, "theory_error")
     if solution.system.geometry.theory.shear:
         return NOTHING
     if solution.velocity is not None or solution.time is not None:
@@ -98,7 +101,8 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     change = form.product(fields, _dual(form, solution, quantity, backend))
     if isinstance(quantity, StrainEnergy):
         change -= 0.5 * form.product(fields, fields)
-    return assessed(change, value_of(quantity, solution), _coarse(quantity, solution))
+    notes = (_coarse(quantity, solution), _stretched(solution))
+    return assessed(change, value_of(quantity, solution), "; ".join(note for note in notes if note))
 
 
 def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
@@ -116,6 +120,8 @@ def of_eigenvalue(value: float, share: float) -> TheoryError:
 
 def assessed(change: float, value: float, note: str = "") -> TheoryError:
     """A change of a number as its error, said to be of an order of magnitude only where it is large."""
+    if np.isnan(change):
+        return unknown("its fields are no numbers somewhere; take a finer mesh")
     if change == 0:
         return replace(NOTHING, sound=not note, note=note)
     share = change / value if value else float("nan")
@@ -132,26 +138,46 @@ def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fiel
     if isinstance(quantity, StrainEnergy) and _is_loaded_alone(state):
         weight = state.change
     else:
-        weight = _weight(state, gradient_of(quantity, state), backend)
-        if hasattr(quantity, "lift"):
-            weight = weight - quantity.lift(state)
+        lift = quantity.lift(state) if hasattr(quantity, "lift") else None
+        weight = _weight(state, gradient_of(quantity, state), lift, backend)
+        if lift is not None:
+            weight = weight - lift
     fields = form.fields(moment_rates(system, at, weight))
     # The weight of the energy is the answer to the loads themselves, eccentric weight and moments on edges among them.
     return form.loaded(fields, state.q) if isinstance(quantity, StrainEnergy) else fields
 
 
 def _is_loaded_alone(state: Solution) -> bool:
-    """Is the dual weight of the energy the answer itself? In small deflections without moved supports and free strains."""
-    system = state.system
-    return state.linear and not system.prescribed().any() and not system.shell.heats
+    """Is the dual weight of the energy the answer itself? In small deflections without moved supports and free strains, and
+    with conditions that do not move."""
+    system, start = state.system, state.system.undeformed
+    moved = system.prescribed().any() or not system.conditions.met(system.conditions.value(start))
+    return state.linear and not moved and not system.shell.heats
 
 
-def _weight(state: Solution, gradient: np.ndarray, backend: str) -> np.ndarray:
+def _weight(state: Solution, gradient: np.ndarray, lift: np.ndarray | None, backend: str) -> np.ndarray:
+    """With conditions a motion that keeps them, or that changes them as a motion ``lift`` of supports does."""
     system, model, x = state.system, state.model, state.unknowns
     tangent, skew = model.tangent(x, state.case), skew_part(model, x, state.load_factor)
+    if not state.linear:
+        tangent = curved(system, tangent, x, multipliers_on(state, system))
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        solver.factor(tangent)
-        return SkewSolver(tangent, None if skew is None else -skew, solver).solve(gradient)
+        factors = factored_about(system, solver, tangent, None if skew is None else -skew, state.about)
+        values = np.zeros(system.conditions.n) if lift is None else rows_of(factors, lift)
+        return solved(factors, gradient, values)[0]
+
+
+def _stretched(state: Solution) -> str:
+    """That a law at points is far from its small strain."""
+    assembly: Any = state.system.assembly
+    if assembly.linear or state.linear:
+        return ""
+    strains = assembly.section_strains(state.system.shell.nodal(state.q), np.array([[0.5], [0.5]]))[0][..., :3]
+    largest = float(np.abs(strains).max())
+    if largest < LARGE:
+        return ""
+    return (f"of an order of magnitude only, as the shear stiffness is that of the undeformed material, and membrane "
+            f"strains reach {largest:.2g}")  # fmt: skip
 
 
 def _coarse(quantity: Any, state: Solution) -> str:

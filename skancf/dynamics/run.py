@@ -114,6 +114,8 @@ class Run:
         self.strikes = [time for time in times if time > settings.begin or not struck]
         self.knots = knots_of(system.histories())
         self.since_check = 0
+        self.refused = ""
+        """The last step that a law had no stress for, in words."""
         self.set_rollback()
 
     def _on(self, system: System) -> None:
@@ -216,6 +218,8 @@ class Run:
         """One step; whether it was accepted. Sets the length of the next."""
         settings, start, control, measure = self.settings, self.now, self.settings.control, self.measure
         outcome = self.solver.step(start, step)
+        if not outcome.ok and (said := self.system.assembly.refusal()):
+            self.refused = f"; a step to t = {start.time + step:.6g} s failed because {said}"
         error = imbalance = np.inf
         farthest, over, accepted = self.farthest, 0.0, False
         missed: tuple[Missed, ...] = ()
@@ -306,7 +310,8 @@ class Run:
             undeformed = np.array_equal(self.origin, self.system.undeformed)
             self.solver.close()
             self._on(new.system)
-            self.solver.energy, self.now = energy, new.state
+            self.solver.energy = energy
+            self.now = self.solver.taken(new.state, self._moment(new.state.time))
             # Displacements since the start are not known on another mesh, unless it began undeformed.
             self.origin = new.system.undeformed if undeformed else new.state.q
             self.ledger.remeshed(new.event, new.system, self.now)
@@ -333,7 +338,7 @@ class Run:
     def _too_small(self, outcome: StepOutcome) -> str:
         last = self.steps[-1]
         found = f"local error {last.error:.1e}, energy without a source {last.imbalance:.1e} of the largest"
-        reason = outcome.message if not outcome.ok else found
+        reason = outcome.message if not outcome.ok else found + self.refused
         return (
             f"the run stopped at t = {self.now.time:.6g} s: its step fell to {self.dt:.1e} s ({reason}); "
             "what was computed is kept. Look for a mechanism, an element that folds, or a load that jumps."

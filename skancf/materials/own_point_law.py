@@ -2,14 +2,15 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from inspect import signature
 from typing import Any
 
 import numpy as np
 
 from skancf.errors import InputError, finite, positive, shown, vector
 from skancf.functions import Noted, is_ours
-from skancf.materials.law import SHEAR_CORRECTION, check_definite, corrected
-from skancf.materials.point_check import STATES, check_at_rest, differences
+from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, SHEAR_CORRECTION, check_definite, corrected
+from skancf.materials.point_check import COMPONENTS, STATES, check_at_rest, differences
 from skancf.materials.point_law import BEYOND, FINE, PointLaw, PointResponse, deformation
 
 SLOPE_STEP = 2.0**-15
@@ -40,7 +41,24 @@ def point_law_of(material: Any) -> PointLaw:
     vector("material.thermal_strain()", own.thermal_strain(), 6)
     vector("material.thinning()", own.thinning(), 3)
     check_definite(own.stiffness(), type(material).__name__)
+    _check_same(own)
     return own
+
+
+def _check_same(own: "OwnPointLaw") -> None:
+    """InputError for a stiffness of small strain that is not that of the undeformed state."""
+    full = own.stiffness()
+    out = full[np.ix_(OUT_OF_PLANE, OUT_OF_PLANE)]
+    coupling = full[np.ix_(IN_PLANE, OUT_OF_PLANE)]
+    told = full[np.ix_(IN_PLANE, IN_PLANE)] - coupling @ np.linalg.solve(out, coupling.T)
+    apart, size = np.abs(told - own.plane_at_rest), np.abs(own.plane_at_rest).max()
+    if apart.max() > TOLERANCE * size:
+        k, l = np.unravel_index(int(np.argmax(apart)), apart.shape)
+        raise InputError(
+            f"material.stiffness(): in plane stress its entry {COMPONENTS[k]}, {COMPONENTS[l]} is {told[k, l]:.6g} Pa, and "
+            f"that of plane_stress at the undeformed state {own.plane_at_rest[k, l]:.6g} Pa; give the same material, or "
+            "leave stiffness out"
+        )
 
 
 def check_law(law: Any, C: Any = None, *, tolerance: float = 1e-6) -> dict[str, float]:
@@ -112,29 +130,53 @@ class OwnPointLaw:
         """Plane stress; values that are not finite are told by a code."""
         n = C.shape[1]
         with Noted("material.plane_stress"), np.errstate(all="ignore"):
-            given = self.material.plane_stress(C.copy(), guess)
+            given = self.material.plane_stress(C.copy(), *([guess] if self._takes_guess else []))
         parts = given if isinstance(given, tuple) else [getattr(given, name, None) for name in _PARTS]
         shapes = [() if part is None else np.shape(part) for part in parts]
         if len(parts) != 4 or shapes != [(n,), (3, n), (6, n), (n,)]:
             raise InputError(f"material.plane_stress: it returned {shown(given)}; give a PointResponse, or energy (n,), "
                              f"stress (3, n), stiffness (6, n) and C33 (n,), here with n = {n}")  # fmt: skip
-        energy, stress, stiffness, c33 = (np.asarray(part, dtype=float) for part in parts)
+        for name, part in zip(_PARTS, parts, strict=True):
+            if np.asarray(part).dtype.kind not in "iuf":
+                raise InputError(f"material.plane_stress: its {name} is {shown(part)}; give real numbers")
+        energy, stress, stiffness, c33 = (np.array(part, dtype=float) for part in parts)
         wrong = ~np.isfinite(energy + stress.sum(axis=0) + stiffness.sum(axis=0) + c33)
         code = np.where(wrong, BEYOND, FINE)
         own = getattr(given, "code", None)
         if own is not None:
             code = np.where(np.asarray(own) != FINE, own, code)
+        for part in (energy, stress, stiffness, c33):
+            part[..., code != FINE] = np.nan
         return PointResponse(energy, stress, stiffness, c33, code)
+
+    @cached_property
+    def _takes_guess(self) -> bool:
+        """Whether ``plane_stress`` takes a guess of C33, too."""
+        try:
+            signature(self.material.plane_stress).bind(None, None)
+        except TypeError:
+            return False
+        except ValueError:  # of compiled functions that do not say
+            return True
+        return True
 
     @cached_property
     def at_rest(self) -> PointResponse:
         return self.respond(np.array([[1.0], [1.0], [0.0]]))
 
+    @property
+    def plane_at_rest(self) -> np.ndarray:
+        """D of the undeformed state, (3, 3)."""
+        return np.asarray(self.at_rest.stiffness[:, 0][np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])])
+
     def stiffness(self) -> np.ndarray:
         """C of small strain, shape (6, 6), of plane stress; without its own, moduli across are guessed by those in it."""
         if callable(getattr(self.material, "stiffness", None)):
-            return finite("material.stiffness()", self.material.stiffness())
-        plane = self.at_rest.stiffness[:, 0][np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])]
+            own = finite("material.stiffness()", self.material.stiffness())
+            if own.shape != (6, 6):
+                raise InputError(f"material.stiffness() of shape {own.shape}: a law is a 6 x 6 matrix")
+            return own
+        plane = self.plane_at_rest
         full = np.diag([0.0, 0.0, max(plane[0, 0], plane[1, 1]), plane[2, 2], plane[2, 2], 0.0])
         full[np.ix_([0, 1, 5], [0, 1, 5])] = plane
         return corrected(full, SHEAR_CORRECTION)

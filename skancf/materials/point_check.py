@@ -31,6 +31,7 @@ def differences(
 ) -> dict[str, float]:
     """Largest relative differences of a function of C and a guess of C33; InputError where one is above a tolerance."""
     found = respond(C.copy(), None)
+    _check_numbers(C, found, name)
     size = np.abs(found.stiffness).max(axis=0)
     wrong = {"stress against energy": 0.0, "stiffness against stress": 0.0}
     for j, factor in enumerate(FACTORS):
@@ -52,6 +53,18 @@ def differences(
                     "C12), and at what C33 adds where S33 = 0"
                 )
     return wrong
+
+
+def _check_numbers(C: np.ndarray, found: PointResponse, name: str) -> None:
+    """WrongLaw where a law has no stress, or no thickness."""
+    none = ~np.isfinite(found.energy + found.stress.sum(axis=0) + found.stiffness.sum(axis=0)) | (found.code != FINE)
+    wrong = none | ~(found.stretch33 > 0)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        at = ", ".join(f"{value:.6g}" for value in C[:, k])
+        what = "it has no finite energy, stress and stiffness" if none[k] else f"C33 is {found.stretch33[k]:.6g}"
+        raise WrongLaw(f"{name}: at C = ({at}) {what}; it must have them, and C33 greater than zero, at the strains at "
+                       "which it is checked, of a few per cent where none were given")  # fmt: skip
 
 
 def _slope(

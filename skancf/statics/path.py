@@ -12,9 +12,8 @@ from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
-from skancf.statics.conditioned import at_rest
+from skancf.statics.conditioned import at_rest, is_loaded
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
-from skancf.statics.corrections import load_rate
 from skancf.statics.critical import turning_estimate
 from skancf.statics.diagnosis import NEAR, require_support
 from skancf.statics.events import LIMIT, Event, events_between
@@ -27,6 +26,8 @@ from skancf.tolerances import ONE_PLACE, ROUNDED_COORDINATE
 
 FIRST_TURN = 0.5
 """Largest change of a slope in the first step by arc length, relative to the slope's length."""
+LOOK_BACK = 12
+"""Attempts among which a law that had no stress is named when the smallest step failed for another reason."""
 UNMOVED = (
     "the load strains the structure and does not move it, as heat does to what is held all round, so there is no way to "
     "follow: solve(system) finds the state under the load, also one that buckled"
@@ -160,7 +161,7 @@ def traced(
     control = ArcLength() if control is None else control
     if not isinstance(control, ArcLength | DisplacementControl):
         raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")
-    if not (load_rate(system, at.q, at.load_factor).any() or system.prescribed().any()):
+    if not is_loaded(system, at.q, at.load_factor):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
         follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)
@@ -295,14 +296,21 @@ class _Run:
             )
         if not sharp:
             tail = ", ".join(f"{r:.1e}" for r in result.residual_norms[-3:])
+            said = f", {result.message}" if result.message else self._refused()
             return Status.STEP_TOO_SMALL, (
-                f"the smallest step failed, {result.status.value}{', ' + result.message if result.message else ''}; last "
-                f"residuals {tail or 'none'}. Allow a smaller step (StepLength), or look for a mechanism or a folded element"
+                f"the smallest step failed, {result.status.value}{said}; last residuals {tail or 'none'}. Allow "
+                "a smaller step (StepLength), or look for a mechanism or a folded element"
             )
         return Status.TURNED_BACK, (
             "even the smallest step leaves the path in another direction than it came; start from a point before it with a "
             "smaller first step, or add a small disturbing load where branches cross"
         )
+
+    def _refused(self) -> str:
+        """What a longer one of the last steps met, where it met what is no number."""
+        last = self.follower.attempts[-LOOK_BACK:]
+        met = [each.message for each in last if each.status is Status.NOT_FINITE and each.message]
+        return f", and a longer one, {Status.NOT_FINITE.value}, {met[-1]}" if met else ""
 
     def _turning(self, length: float) -> bool:
         """Does the controlled displacement turn back about a step ahead, by its rate along the path?"""

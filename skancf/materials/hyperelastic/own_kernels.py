@@ -1,13 +1,19 @@
 r"""Compiled plane stress of an energy of one's own, from values of it alone, at complex numbers.
 
-First derivatives are those of a step i s so small that its square is nothing; second ones of two steps of opposite sign at
-45 degrees in the complex plane,
+First derivatives are those of a step i s so small that its square is nothing; second ones by invariants are of two steps of
+opposite sign at 45 degrees in the complex plane,
 
 .. math::
     f'(x) = \operatorname{Im} f(x + i s) / s, \qquad
     f''(x) = \operatorname{Im} \bigl( f(x + \sqrt i h) + f(x - \sqrt i h) \bigr) / h^2 + O(h^4),
 
-in which no two numbers of equal size are subtracted, so that they have twelve digits. Mixed ones are those along sums.
+in which no two numbers of equal size are subtracted, so that they have twelve digits. By components there are ten of them,
+and each is of one step h along the sixth root of one, :math:`\zeta = e^{i \pi / 3}`, whose third power is real,
+
+.. math::
+    f''(x) = \frac 2 {h^2} \Bigl( \frac{\operatorname{Im} f(x + \zeta h)}{\sin \pi / 3} - h f'(x) \Bigr) + O(h^2),
+
+which takes the first derivative away and has nine digits. Mixed ones are those along sums.
 
 An energy that is no real number at real arguments, such as a logarithm of a negative one, counts as infinite.
 
@@ -37,6 +43,9 @@ AHEAD = 2.0**-20
 SUSPECT = 2.0**-40
 """Of the energy: its change over a tiny step is 1e-30, unless it is a number that is not real."""
 DIAGONAL = complex(sqrt(0.5), sqrt(0.5))
+SHORT = 2.0**-17
+"""A step along the sixth root of one, of the size of what it changes: its square, and rounding over it, are 1e-10."""
+SIXTH, OVER_SINE = complex(0.5, sqrt(0.75)), 1 / sqrt(0.75)
 
 
 class Kernels(NamedTuple):
@@ -160,8 +169,8 @@ def of_invariants(psi, incompressible):
     return at_point, full, derivatives
 
 
-def of_components(psi, incompressible):
-    """The same of an energy of C11, C22, C33, C12."""
+def by_components(psi, incompressible):
+    """Values of an energy of C11, C22, C33, C12: as a real number, a tiny step ahead, and with all derivatives."""
 
     @point_function
     def value(a, b, c, d, par):
@@ -180,24 +189,42 @@ def of_components(psi, incompressible):
         return value(complex(a, s * u), complex(b, s * v), complex(c, s * w), complex(d, s * x), par)
 
     @point_function
-    def twice(a, b, c, d, u, v, w, x, par):
-        u, v, w, x = DIAGONAL * u, DIAGONAL * v, DIAGONAL * w, DIAGONAL * x
-        return value(a + u, b + v, c + w, d + x, par).imag + value(a - u, b - v, c - w, d - x, par).imag
+    def curved(a, b, c, d, u, v, w, x, slope, par):
+        """Half of the second derivative along (u, v, w, x), which is small, where the first one is known."""
+        u, v, w, x = SIXTH * u, SIXTH * v, SIXTH * w, SIXTH * x
+        return value(a + u, b + v, c + w, d + x, par).imag * OVER_SINE - slope
 
     @point_function
     def full(unused, a, b, d, c, par):
-        ka, kb, kc, kd, s = STEP * a, STEP * b, STEP * c, STEP * sqrt(a * b), TINY_STEP
-        ga, gb = once(a, b, c, d, 1.0, 0.0, 0.0, 0.0, par), once(a, b, c, d, 0.0, 1.0, 0.0, 0.0, par)
-        gc, gd = once(a, b, c, d, 0.0, 0.0, 1.0, 0.0, par), once(a, b, c, d, 0.0, 0.0, 0.0, 1.0, par)
-        aa, bb = twice(a, b, c, d, ka, 0.0, 0.0, 0.0, par), twice(a, b, c, d, 0.0, kb, 0.0, 0.0, par)
-        cc, dd = twice(a, b, c, d, 0.0, 0.0, kc, 0.0, par), twice(a, b, c, d, 0.0, 0.0, 0.0, kd, par)
-        ab, ad = twice(a, b, c, d, ka, kb, 0.0, 0.0, par) - aa - bb, twice(a, b, c, d, ka, 0.0, 0.0, kd, par) - aa - dd
-        bd, ac = twice(a, b, c, d, 0.0, kb, 0.0, kd, par) - bb - dd, twice(a, b, c, d, ka, 0.0, kc, 0.0, par) - aa - cc
-        bc, dc = twice(a, b, c, d, 0.0, kb, kc, 0.0, par) - bb - cc, twice(a, b, c, d, 0.0, 0.0, kc, kd, par) - cc - dd
-        energy = still(a, b, c, d, par) if is_off(ga) else ga.real
-        return (energy, ga.imag / s, gb.imag / s, gd.imag / s, gc.imag / s, aa / (ka * ka), bb / (kb * kb), dd / (kd * kd),
-                cc / (kc * kc), 0.5 * ab / (ka * kb), 0.5 * ad / (ka * kd), 0.5 * bd / (kb * kd), 0.5 * ac / (ka * kc),
-                0.5 * bc / (kb * kc), 0.5 * dc / (kd * kc))  # fmt: skip
+        s, ka, kb, kc, kd = TINY_STEP, SHORT * a, SHORT * b, SHORT * c, SHORT * sqrt(a * b)
+        of_a, of_b = once(a, b, c, d, 1.0, 0.0, 0.0, 0.0, par), once(a, b, c, d, 0.0, 1.0, 0.0, 0.0, par)
+        of_d = once(a, b, c, d, 0.0, 0.0, 0.0, 1.0, par)
+        ga, gb, gd = of_a.imag / s, of_b.imag / s, of_d.imag / s
+        la, lb, ld = ga * ka, gb * kb, gd * kd
+        aa, bb = curved(a, b, c, d, ka, 0.0, 0.0, 0.0, la, par), curved(a, b, c, d, 0.0, kb, 0.0, 0.0, lb, par)
+        dd = curved(a, b, c, d, 0.0, 0.0, 0.0, kd, ld, par)
+        ab = curved(a, b, c, d, ka, kb, 0.0, 0.0, la + lb, par) - aa - bb
+        ad = curved(a, b, c, d, ka, 0.0, 0.0, kd, la + ld, par) - aa - dd
+        bd = curved(a, b, c, d, 0.0, kb, 0.0, kd, lb + ld, par) - bb - dd
+        energy = still(a, b, c, d, par) if is_off(of_a) else of_a.real
+        gc = cc = ac = bc = dc = 0.0
+        if not incompressible:
+            gc = once(a, b, c, d, 0.0, 0.0, 1.0, 0.0, par).imag / s
+            lc = gc * kc
+            cc = curved(a, b, c, d, 0.0, 0.0, kc, 0.0, lc, par)
+            ac = curved(a, b, c, d, ka, 0.0, kc, 0.0, la + lc, par) - aa - cc
+            bc = curved(a, b, c, d, 0.0, kb, kc, 0.0, lb + lc, par) - bb - cc
+            dc = curved(a, b, c, d, 0.0, 0.0, kc, kd, lc + ld, par) - cc - dd
+        return (energy, ga, gb, gd, gc, 2.0 * aa / (ka * ka), 2.0 * bb / (kb * kb), 2.0 * dd / (kd * kd),
+                2.0 * cc / (kc * kc), ab / (ka * kb), ad / (ka * kd), bd / (kb * kd), ac / (ka * kc), bc / (kb * kc),
+                dc / (kd * kc))  # fmt: skip
+
+    return still, once, full
+
+
+def of_components(psi, incompressible):
+    """The numbers of a point, and all derivatives, of an energy of C11, C22, C33, C12."""
+    still, once, full = by_components(psi, incompressible)
 
     @point_function
     def across(unused, a, b, d, c, par):

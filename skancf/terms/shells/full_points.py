@@ -222,6 +222,7 @@ class FullPointAssembly(AtPoints, FullAssembly):
         C[:3] = 1 + 2 * C[:3]
         heat = None if small else temperature
         found = self._respond(C.reshape(6, -1), self._free_stretch(np.array([z]), heat))
+        self.warn_of(found.code)
         if first_order:
             law = square(found.stiffness, PAIRS, strains.shape[:-1])
             if small and temperature is not None and not np.iscomplexobj(strains):

@@ -143,7 +143,9 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
     def _at_places(self, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None) -> SectionResponse:
         """What the section says of local strains (m, n, 6) where the undeformed curvatures are b."""
         curvature = np.ascontiguousarray(np.moveaxis(b, -1, 0)).reshape(3, -1)
-        return self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature, heat)
+        found = self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature, heat)
+        self.warn_of(found.code)
+        return found
 
     def _of_law(self, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None) -> np.ndarray:
         """Forces and moments that do work on local strains, both (m, n, 6)."""
@@ -197,5 +199,6 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
             return out
         plane = np.moveaxis(strains[..., IN_PLANE], -1, 0).reshape(3, -1)
         found = self._respond(np.stack([1 + 2 * plane[0], 1 + 2 * plane[1], plane[2]]), z, temperature)
+        self.warn_of(found.code)
         out[..., IN_PLANE] = of_places(found.stress, strains)
         return out

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from skancf.errors import warn
 from skancf.kernels.constants import AXES, VECTORS
 from skancf.kernels.laws import add_law
 from skancf.materials import Section
-from skancf.materials.point_law import PointLaw, why
+from skancf.materials.point_law import FINE, PointLaw, why
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.tolerances import NO_CHANGE
@@ -221,9 +222,20 @@ class AtPoints(CompiledAssembly):
         code, points = int(answers[0].code[height, e, p]), self.geometry.integration.local
         x, y = self.geometry.parameters(points if points.ndim == 2 else points[e], np.array([e]))[:, 0, p]
         strain = ", ".join(f"{value:.4g}" for value in self._membrane(answers[0], e, p))
-        name = type(getattr(self.law, "material", self.law)).__name__
-        return (f"{name} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {self._heights[0][height]:.4g}, "
-                f"membrane strain ({strain}): {why(self.law, code)}")  # fmt: skip
+        z = self._heights[0][height]
+        return (f"{self._name} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {z:.4g}, membrane strain "
+                f"({strain}): {why(self.law, code)}")  # fmt: skip
+
+    def warn_of(self, code: np.ndarray) -> None:
+        """Say that numbers that were asked for are none, where a law's codes are not 0."""
+        if code.any():
+            first = int(code[code != FINE][0])
+            warn(f"{self._name} has no stress at {np.count_nonzero(code)} of {code.size} places that were asked for, and "
+                 f"what depends on it is not a number there: {why(self.law, first)}")  # fmt: skip
+
+    @property
+    def _name(self) -> str:
+        return type(getattr(self.law, "material", self.law)).__name__
 
     @abstractmethod
     def _membrane(self, answer: Answer, e: int, p: int) -> np.ndarray:

@@ -73,8 +73,8 @@ class FullPointAssembly(AtPoints, FullAssembly):
         """Root of the shear correction factor."""
         return float(np.sqrt(getattr(self.law, "shear_correction", 1.0)))
 
-    def _ask(self, q: np.ndarray) -> Answer:
-        everything, _ = self._seen(q, NOWHERE)
+    def _ask(self, q: np.ndarray, change: np.ndarray = NOWHERE) -> Answer:
+        everything, _ = self._seen(q, change)
         n, (z, _), shape = len(everything), self._heights, self.sections.shape
         local = np.empty((6, z.size, n, POINTS))
         self.schedule.run(point_kernels.to_local, everything, shape, self._matrix, local)

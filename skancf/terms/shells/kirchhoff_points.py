@@ -59,8 +59,8 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
                 out[:, k, l] = out[:, l, k] = (sections.rest[:, k] * sections.rest[:, l])[:, None] * sections.law[:, m]
         return out
 
-    def _ask(self, q: np.ndarray) -> Answer:
-        everything, hat, local = self._all_strains(q, NOWHERE)
+    def _ask(self, q: np.ndarray, change: np.ndarray = NOWHERE) -> Answer:
+        everything, hat, local = self._all_strains(q, change)
         n = len(hat)
         found = self._through_thickness(local.reshape(N_STRAINS, -1), self._curvature, self.heat)
         stress, law = np.empty((n, N_STRAINS, POINTS)), np.empty((n, len(EVERY_PAIR), POINTS))
@@ -93,20 +93,22 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         return np.concatenate([of_places(free, np.empty((*middle.shape, 1))), np.zeros((*middle.shape, 3))], axis=-1)
 
     def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self._all_strains(q, change)[:2]
+        return self._all_strains(q, change, in_local_frame=False)[:2]
 
-    def _all_strains(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """All strains, those that the law sees, and without a change these in the local frame."""
+    def _all_strains(
+        self, q: np.ndarray, change: np.ndarray, in_local_frame: bool = True
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """All strains, those that the law sees, and, if asked, these in the local frame."""
         n = self.geometry.n_elements
         everything = np.empty((n, *self.sections.reference.shape[1:]))
-        hat, local = np.empty((n, N_STRAINS, POINTS)), np.empty((N_STRAINS, 0 if len(change) else n, POINTS))
+        hat, local = np.empty((n, N_STRAINS, POINTS)), np.empty((N_STRAINS, n * in_local_frame, POINTS))
         self.schedule.run(
             point_kernels.strains, q, change, self._tables, self.geometry.maps, self._elements, self._places, everything,
             hat, local,
         )  # fmt: skip
         if self.heat is not None:
             everything[:, :N_MEMBRANE] -= self._unheld
-            if not len(change):
+            if in_local_frame:
                 local[:N_MEMBRANE] += self._unheld_local
         return everything, hat, local
 

@@ -83,6 +83,7 @@ class AtPoints(CompiledAssembly):
     def __init__(self, *place: Any) -> None:
         super().__init__(*place)
         self._answers: list[Answer] = []
+        self._last: list[Answer] = []
 
     def heated(self, temperature: Heat) -> "AtPoints":
         """The same under a temperature change T0 + z T1; they remember together."""
@@ -102,14 +103,38 @@ class AtPoints(CompiledAssembly):
         for k, known in enumerate(answers):
             if known.heat is self.heat and np.array_equal(known.q, q):
                 answers.insert(0, answers.pop(k))
+                self._last[:] = [known]
                 return known
         del answers[REMEMBERED - 1 + (0 if self.heat is None else WARM) :]
         answers.insert(0, self._ask(q))
+        self._last[:] = answers[:1]
         return answers[0]
 
+    def extrapolated(self, q: np.ndarray, change: np.ndarray) -> Answer:
+        r"""What the law says of strains that are extrapolated linearly along a change.
+
+        Newton's method for strains e as unknowns beside q, with :math:`f(q) = B^T S(e)` and :math:`e = \varepsilon(q)`,
+        takes the change of q from the tangent with S(e) and D(e), and the force of
+        :math:`S(e) + D(e) (\varepsilon(q) - e)`. So the law never sees the membrane strains that a rotation of finite size
+        makes of a linear step, and at the end e is the strain.
+        """
+        self._last[:] = [self._ask(q, change)]
+        return self._last[0]
+
+    def stresses_of(self, answer: Answer) -> np.ndarray:
+        """On all strains."""
+        return self._on_all(answer.stress, answer.everything, answer.seen)
+
+    def mixed_force(self, q: np.ndarray, answer: Answer) -> np.ndarray:
+        """Force of the law linearised about an answer."""
+        everything, seen = self._seen(q, NOWHERE)
+        stress, own = answer.stress.copy(), np.arange(len(answer.stress))
+        self.schedule.run(add_law, answer.law, own, self.every_pair, seen - answer.seen, stress)
+        return self.force_of(q, self._on_all(stress, everything, seen))
+
     @abstractmethod
-    def _ask(self, q: np.ndarray) -> Answer:
-        """Ask the law."""
+    def _ask(self, q: np.ndarray, change: np.ndarray = NOWHERE) -> Answer:
+        """Ask the law about the strains of a state, extrapolated along a change."""
 
     @abstractmethod
     def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -164,10 +189,10 @@ class AtPoints(CompiledAssembly):
 
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False,
-        viscous: float = 0.0,
+        viscous: float = 0.0, of: Answer | None = None,
     ) -> None:  # fmt: skip
-        """With ``viscous`` times the law of small strain besides."""
-        law = self.answer(q).law
+        """With ``viscous`` times the law of small strain besides; ``of`` an answer, or that of q."""
+        law = (self.answer(q) if of is None else of).law
         tables, elements = self._elements_with(law + viscous * self._small_law if viscous else law, plain)
         kernel = type(self).tangent_kernel
         self.schedule.run(kernel, q, stresses, tables, self.geometry.maps, elements, slots, out)
@@ -190,7 +215,7 @@ class AtPoints(CompiledAssembly):
         return 0.0
 
     def refusal(self) -> str | None:
-        answers = self._answers
+        answers = self._last
         if not answers or not answers[0].code.any():
             return None
         height, e, p = (int(at[0]) for at in np.nonzero(answers[0].code))

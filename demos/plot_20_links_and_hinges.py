@@ -145,18 +145,19 @@ def draw(path: sk.PathResult, pressed: dict[bool, sk.PathResult], file: Path) ->
         left.plot(line[:, 1], line[:, 2], color=plt.cm.viridis(k / len(path.solutions)))
         left.plot(*line[0, 1:], "o", ms=5, color="k", zorder=3)
     left.set(aspect="equal", xlabel="y (m)", ylabel="z (m)", title="A ring pushed at its hinge")
-    moved = path.displacement((0.0, 0.0))[:, 1]
-    middle.plot(moved, path.load_factors, lw=2)
-    for event in path.events:
-        if event.kind == "limit point":
-            middle.plot(event.solution.displacement((0.0, 0.0))[1], event.load_factor, "o", color="C3")
+    limits = [event.solution for event in path.events if event.kind == "limit point"]
+    states = sorted([*path.solutions, *limits], key=lambda state: state.displacement((0.0, 0.0))[1])
+    middle.plot(*zip(*[(state.displacement((0.0, 0.0))[1], state.load_factor) for state in states], strict=True), "o-", ms=4)
+    for state in limits:
+        middle.plot(state.displacement((0.0, 0.0))[1], state.load_factor, "o", ms=8, color="C3", zorder=3)
     middle.set(xlabel="displacement of the hinge (m)", ylabel=r"load (EI / R$^2$)", title="Its path, and where it snaps")
     tied = pressed[True]
-    right.plot(-tied.displacement((0.0, np.pi / 2))[:, 2], tied.load_factors, lw=2, label="load, tied")
+    right.plot(-tied.displacement((0.0, np.pi / 2))[:, 2], tied.load_factors, "o-", ms=4, label="load, tied")
     ties = [sum(state.conditions.values()) / UNIT for state in tied.solutions]
-    right.plot(-tied.displacement((0.0, np.pi / 2))[:, 2], ties, "--", lw=2, label="force in the ties")
+    right.plot(-tied.displacement((0.0, np.pi / 2))[:, 2], ties, "o--", ms=4, label="force in the ties")
     free = pressed[False]
-    right.plot(-free.displacement((0.0, np.pi / 2))[:, 2], free.load_factors, lw=2, color="0.6", label="load, without ties")
+    right.plot(-free.displacement((0.0, np.pi / 2))[:, 2], free.load_factors, "o-", ms=4, color="0.6",
+               label="load, without ties")  # fmt: skip
     right.set(xlabel="the crown goes down by (m)", ylabel=r"force (EI / R$^2$)", title="An arch with ties")
     right.legend(frameon=False)
     middle.figure.savefig(file, dpi=120)

@@ -183,8 +183,8 @@ def _filled(name: str, value: Any, shape: tuple[int, ...], points: tuple[int, ..
 
 def _wrong_shape(name: str, shape: tuple[int, ...], points: tuple[int, ...], components: int | None) -> InputError:
     if components is None:
-        return InputError(f"{name} of shape {shape}: give one number; a function of (x, y) must return {points}, one for "
-                          "each point")  # fmt: skip
+        wanted = f"{points}, one for each point" if points else "one for one point"
+        return InputError(f"{name} of shape {shape}: give one number; a function of (x, y) must return {wanted}")
     number = WORDS.get(components, str(components))
     return InputError(f"{name} of shape {shape}: give {number} numbers; a function of (x, y) must return {number} "
                       f"components first, {(components, *points)}")  # fmt: skip

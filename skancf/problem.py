@@ -41,7 +41,7 @@ class Problem:
         Undeformed mid-surface, for example :class:`~skancf.Rectangle`.
     thickness : float or callable
         In metres, or any consistent unit of length; left out with a laminate, whose layers have their own. A function of the
-        parameters (x, y) is asked where the elements integrate, on each mesh anew.
+        parameters (x, y) is asked where the elements integrate, on each mesh anew; where it jumps, there should be a zone.
     material : Law, Laminate or callable
         For example :class:`~skancf.Isotropic` or :class:`~skancf.Laminate`; or a function of (x, y) that returns one, such
         as fibres that turn. It is called point by point.
@@ -127,7 +127,7 @@ class Problem:
         ------
         InputError
             For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there;
-        for zones whose sides are no mesh lines, and a thickness that is not positive somewhere.
+            for zones whose sides are no mesh lines, and a thickness that is not positive somewhere.
         OutOfDepth
             Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one, and for two
             sides that lie on each other and are not joined, where no support or load names one of them.

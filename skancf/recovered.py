@@ -70,9 +70,12 @@ def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: Depth) -
     return np.asarray(out)
 
 
-def gradient(system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Derivative (n_dofs,) of weights (6,) times the recovered section forces at a local point (2, 1) of an element."""
-    assembly: Any = system.assembly
+def gradient(
+    system: System, q: np.ndarray, element: int, point: np.ndarray, weights: np.ndarray, case: Case | None = None
+) -> np.ndarray:
+    """Derivative (n_dofs,) of weights (6,) times the recovered section forces at a local point (2, 1) of an element, in a
+    case where heat is inside the law; None in answers to first order."""
+    assembly: Any = system.assembly if case is None else system.shell.at(case)
     nodal, here = system.shell.nodal(q), np.array([element])
     out = assembly.section_force_gradient(nodal, here, point, weights.reshape(1, 6, 1))
     if assembly.recovers_bending:

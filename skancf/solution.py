@@ -321,8 +321,8 @@ class Solution(TrueStresses):
     def nodal_section_forces(self) -> np.ndarray:
         """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).
 
-        In theory `full` they are those of :meth:`recovered_section_forces`. At a pole each node of the mesh has the frame of
-        its own direction.
+        In theory `full` they are those of :meth:`recovered_section_forces`, which has those of each side where sections
+        jump, at borders of zones. At a pole each node of the mesh has the frame of its own direction.
         """
         return self._at_nodes(self.recovered_section_forces().swapaxes(1, 2))
 
@@ -365,7 +365,8 @@ class Solution(TrueStresses):
         link (N), the :class:`~skancf.conditions.hinge.HingeForce`, multipliers. InputError for a state without them."""
         conditions = self.system.conditions
         if self.multipliers is None and conditions:
-            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear and trace have them")
+            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear, trace and simulate "
+                             "have them")
         return {} if self.multipliers is None else conditions.named(self.multipliers)
 
     def reactions(self, where: Any = None) -> np.ndarray:

@@ -86,6 +86,8 @@ and derivatives of second order leave."""
 SAME_VALUE = 1e-9
 """Of their size: two values that are equal in exact arithmetic, but were computed in different ways, as at elements that are
 mirror images. A difference that is smaller is none."""
+SAME_DERIVATIVE = 1e-5
+"""Of its size: a derivative and a central difference, of whose steps the best counts, that differ by more are two things."""
 SYMMETRIC = 1e-10
 """Of the largest entry of a law that was given in decimals: what is skew in it."""
 ROUNDED_FORCE = 1e-10

@@ -10,8 +10,8 @@ from reference import navier
 
 import skancf as sk
 from skancf.adaptive import Estimate, goal_estimate
-from skancf.adaptive.enriched import Refined, enriched_mesh
 from skancf.adaptive.grow import POLE, SMALLEST, may_be_quartered
+from skancf.adaptive.refined import Refined, enriched_mesh
 from skancf.adaptive.result import Level
 from skancf.adaptive.rings import Halvings, left_by
 from skancf.adaptive.singular import images, singular_points, touching

@@ -26,6 +26,8 @@ from skancf.solving import Status
 SCRIPT = restarts.__file__
 posix = pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are killed by SIGKILL")
 SEED = 11
+ATTEMPTS = 12
+"""Runs that are to be killed, until two processes were: where a machine has much else to do, they end before the signal."""
 
 
 def files_of(folder):
@@ -73,14 +75,18 @@ def test_killed_runs_end_with_the_same_bytes(name, server, tmp_path):
         seconds = float(data["seconds"])
     n = len(list((tmp_path / "whole").glob("piece*")))
     killed = 0
-    for piece in sorted(moments.sample(range(1, n - 1), 4)):
-        status = ordered(server, name, tmp_path / "cut", tmp_path / "cut.npz", piece, moments.uniform(0, 2) * seconds / n)
-        assert status in (0, signal.SIGKILL)
-        killed += status != 0
+    for attempt in range(ATTEMPTS):
+        folder, result = tmp_path / f"cut{attempt}", tmp_path / f"cut{attempt}.npz"
+        for piece in sorted(moments.sample(range(1, n - 1), 4)):
+            status = ordered(server, name, folder, result, piece, moments.uniform(0, 2) * seconds / n)
+            assert status in (0, signal.SIGKILL)
+            killed += status != 0
+        assert ordered(server, name, folder, result) == 0
+        assert same(whole, loaded(result)) == []
+        assert files_of(tmp_path / "whole") == files_of(folder)
+        if killed > 1:
+            break
     assert killed > 1, "hardly any process was killed while it computed"
-    assert ordered(server, name, tmp_path / "cut", tmp_path / "cut.npz") == 0
-    assert same(whole, loaded(tmp_path / "cut.npz")) == []
-    assert files_of(tmp_path / "whole") == files_of(tmp_path / "cut")
 
 
 @posix

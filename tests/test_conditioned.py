@@ -182,11 +182,13 @@ def test_two_passes_on_a_shell(theory, thickness):
 @pytest.mark.parametrize("stiffness", [1e2, 1e4, 1e5])
 def test_the_answer_does_not_depend_on_the_scale(stiffness, monkeypatch):
     system, matrix, gradient, load = ring(1e-2)
-    answers = []
+    answers, stiff = [], []
     for each in (conditioned.STIFFNESS, stiffness):
         monkeypatch.setattr(conditioned, "STIFFNESS", each)
         solver = ConditionedSolver(DirectSolver(system.pattern, system.constraints), gradient).factor(matrix)
         answers.append(solver.solve(load))
+        stiff.append(solver.stiffness.max())
+    assert stiff[1] / stiff[0] == pytest.approx(stiffness / 1e3)
     assert np.abs(answers[1] - answers[0]).max() < 1e-10 * np.abs(answers[0]).max()
 
 

@@ -139,6 +139,20 @@ def wrong(**methods):
     return type("Given", (Joint,), {"on": lambda self, shell, layout: made(at, shell, layout)})()
 
 
+def square(self, q, case):
+    x = self.row @ q - self.start
+    return x + x**2
+
+
+def slope(self, q):
+    return sp.csr_matrix(self.row * float(1 + 2 * (self.row @ q - self.start)[0]))
+
+
+def bend(self, q, multipliers, blocks):
+    along = self.row.toarray().reshape(-1, 12)[self.blocks[0]].ravel()
+    blocks.add(self.blocks, 2 * multipliers[0] * np.outer(along, along)[None])
+
+
 REFUSED = {
     "a link of no length": (lambda: on(sk.RigidLink((0.1, 1.0), (0.1, 1.0))), "length is zero"),
     "a link between the two sides of a slit": (lambda: on(sk.RigidLink((0.1, 0.0), (0.1, 2 * np.pi))), "one place in space"),
@@ -152,11 +166,20 @@ REFUSED = {
     "no condition": (lambda: on(type("None_", (Joint,), {"on": lambda *_: 3})()), "one from on"),
     "a gradient of another shape": (lambda: on(wrong(gradient=lambda self, q: self.row[:, :-1])), "gradient of"),
     "a dense gradient": (lambda: on(wrong(gradient=lambda self, q: self.row.toarray())), "sparse matrix"),
+    "a complex gradient": (lambda: on(wrong(gradient=lambda self, q: self.row * 1j)), "sparse matrix of finite numbers"),
+    "a gradient that is none": (lambda: on(wrong(gradient=lambda self, q: 2 * self.row)),
+                                "gradient against value: row 0 differs by .* worst at block .* component x"),
+    "a gradient of zeros": (lambda: on(wrong(gradient=lambda self, q: 0 * self.row)), "row 0 is zero in the undeformed"),
+    "a square": (lambda: on(wrong(value=lambda self, q, case: (self.row @ q - self.start) ** 2, gradient=lambda self, q:
+                 sp.csr_matrix(self.row * float(2 * (self.row @ q - self.start)[0])))), "a distance and not its square"),
+    "no curvature": (lambda: on(wrong(value=square, gradient=slope)), "curvature against gradient: .* add_curvature"),
+    "rows that are no number": (lambda: on(wrong(n=1.0)), "n of .* whole number of at least 0"),
+    "a name that is no text": (lambda: on(OnPlane((0.25, 1.0), (1, 0, 0), 3)), "name of .* = 3: give a text"),
     "blocks that are not coupled": (lambda: on(wrong(couples=lambda self: self.blocks[:, :1])), "no cell of couples"),
     "blocks that are not there": (lambda: on(wrong(couples=lambda self: self.blocks + 10**6)), "is none"),
     "a value of another shape": (lambda: on(wrong(value=lambda self, q, case: np.zeros(2))), "value of"),
     "a size of zero": (lambda: on(wrong(scales=np.zeros(1))), "greater than zero"),
-    "a value at rest": (lambda: on(wrong(value=lambda self, q, case: np.ones(1))), "does not meet it"),
+    "a value at rest": (lambda: on(wrong(value=lambda self, q, case: self.row @ q)), "does not meet it"),
 }  # fmt: skip
 
 
@@ -176,6 +199,12 @@ def test_a_slit_that_a_hinge_names_is_meant():
         on()
 
 
+def test_a_gap_that_is_not_the_mesh_s_is_said():
+    nearly = sk.CylinderSector(radius=1.0, length=0.5, angle=6.28)
+    with pytest.warns(sk.OutOfDepth, match=r"'start' and 'end' of the surface miss each other by up to 0\.003185 m"):
+        on(HINGE, surface=nearly)
+
+
 def test_without_conditions_nothing_is_there():
     system = on(surface=sk.Rectangle(1.0, 1.0))
     assert not system.conditions and system.conditions.n == 0 and system.conditions.gradient(system.undeformed).shape[0] == 0
@@ -186,3 +215,14 @@ def test_own_conditions_and_names():
     system = on(HINGE, *joints)
     assert system.conditions.names == ("hinge", "plane 1", "plane 2", "rigid link")
     assert system.conditions.owner(system.conditions.n - 2) == "plane 2"
+    taken = on(*[sk.RigidLink((0.1, y), (0.4, y + 2), name=name) for y, name in ((1, "a"), (2, "a"), (3, "a 1"), (0, "b"))])
+    assert taken.conditions.names == ("a 2", "a 3", "a 1", "b"), "each has a name of its own"
+
+
+def test_own_conditions_that_are_right():
+    """Of none or some rows, bent or straight, with gradients of any sparse kind."""
+    for methods in (
+        {"value": square, "gradient": slope, "add_curvature": bend}, {"gradient": lambda self, q: self.row.tolil()},
+        {"n": 0, "scales": np.empty(0), "value": lambda *_: np.empty(0), "gradient": lambda self, q: self.row[:0]},
+    ):  # fmt: skip
+        assert on(wrong(**methods)).conditions.n == methods.get("n", 1)

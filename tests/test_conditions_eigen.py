@@ -1,15 +1,18 @@
 """Modes and buckling with conditions: against the null space of their gradient, beams, a ring and a column."""
 
+import sys
 import warnings
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from numpy.polynomial import legendre
 from scipy.interpolate import BPoly
 from scipy.linalg import eigh, null_space
 from scipy.optimize import brentq
 
 import skancf as sk
+from skancf.conditions import Condition, Joint
 from skancf.errors import InputError
 from skancf.linear import DirectSolver
 from skancf.statics import motions as motions_module
@@ -113,6 +116,20 @@ def test_modes_about_a_loaded_state_have_the_curvature_of_conditions(theory):
         sk.modes(system, 6, state=sk.Solution(system, state.q))
 
 
+def test_what_theory_kirchhoff_leaves_out_of_frequencies(monkeypatch):
+    """Against theory `full`, of bending out of the plane. The choice of a theory sees the same."""
+    monkeypatch.setattr(sys.modules[__name__], "THICKNESS", 0.05)
+    with pytest.warns(sk.OutOfDepth, match="leaves out"):
+        thin = sk.modes(column(), 6)
+    thick = sk.modes(column(n=48, theory="full"), 6)
+    said, seen = thin.theory_errors, thick.frequencies / thin.frequencies - 1
+    assert worst(said[[0, 2]], seen[[0, 2]]) < 0.1 and said[2] < -0.01  # what is left is the error of the second mesh
+    shares = [tube(joints, "auto").choice.share for joints in ((HINGE, ROD), ())]
+    errors = [sk.modes(tube(joints), 1).theory_errors[0] for joints in ((HINGE, ROD), ())]
+    assert worst(shares, 1 / (1 + np.array(errors)) ** 2 - 1) < 1e-3
+    assert abs(shares[0] / shares[1] - 1) > 0.1, "conditions take part"
+
+
 def test_numbers_of_eigenvalues_are_right_near_each():
     system = tube((HINGE, ROD, ROD))
     expected = reference(system, system.stiffness(), system.mass)
@@ -159,24 +176,36 @@ def hinged_ring(n, degree=24):
     return eigh(z.T @ stiffness @ z, z.T @ mass @ z, eigvals_only=True)[3 : 3 + n]
 
 
-def test_a_ring_with_a_hinge():
-    thickness, radius = 0.01, 1.0
-    surface = sk.CylinderSector(radius=radius, length=0.1, angle=2 * np.pi)
-    plane = [sk.Roller("left", (1, 0, 0)), sk.Roller("right", (1, 0, 0))]
+RING = sk.CylinderSector(radius=1.0, length=0.1, angle=2 * np.pi)
+ENDS = [sk.Roller(end, (1, 0, 0)) for end in ("left", "right")]
 
-    def found(n, joints=(HINGE,)):
-        problem = sk.Problem(surface, thickness, BAR, plane, conditions=list(joints))
-        modes = sk.modes(problem.on(sk.meshes.uniform(surface, 1, n), "kirchhoff"), 8)
-        assert modes.ok and modes.n_rigid == 3
-        return modes.eigenvalues[3:] * BAR.density * 12 * radius**4 / (BAR.young * thickness**2)
 
+def ring(mesh, theory="kirchhoff", joints=(HINGE,)):
+    """The same five numbers, of a ring that is 0.01 thick and stays in its plane."""
+    modes = sk.modes(sk.Problem(RING, 0.01, BAR, ENDS, conditions=list(joints)).on(mesh, theory), 8)
+    assert modes.ok and modes.n_rigid == 3
+    return modes.eigenvalues[3:] * BAR.density * 12 / (BAR.young * 0.01**2)
+
+
+# Theory `kirchhoff` is of fourth order until stretching is seen, which changes the numbers by some 1e-5; `full` of second.
+@pytest.mark.parametrize(("theory", "final", "rate"), [("kirchhoff", 1e-4, 10), ("full", 7e-3, 3.5)])
+def test_a_ring_with_a_hinge(theory, final, rate):
     expected = hinged_ring(5)
     # Two lobes that bend nothing at the hinge are those of a whole ring: n^2 (n^2 - 1)^2 / (n^2 + 1).
     assert expected[1] == pytest.approx(7.2, rel=1e-9) and expected[3] == pytest.approx(57.6, rel=1e-9)
-    coarse, fine = (worst(found(n), expected) for n in (32, 64))
-    assert fine < 1e-4 < 10 * fine < coarse  # stretching changes it by some 1e-5
+    coarse, fine = (worst(ring(sk.meshes.uniform(RING, 1, n), theory), expected) for n in (32, 64))
+    assert fine < final and rate * fine < coarse
     with pytest.warns(sk.OutOfDepth, match="not joined"):
-        assert worst(found(32, ()), expected) > 0.3
+        assert worst(ring(sk.meshes.uniform(RING, 1, 32), theory, ()), expected) > 0.3
+
+
+@theories
+def test_a_hinge_between_edges_of_other_meshes(theory):
+    mesh = sk.meshes.uniform(RING, 1, 32)
+    finer = sk.meshes.quadtree(mesh, RING)
+    for _ in range(2):
+        finer = finer.refined(np.flatnonzero(finer.p[1][finer.t].min(axis=0) < 1e-9))
+    assert worst(ring(finer, theory), ring(mesh, theory)) < {"kirchhoff": 1e-4, "full": 1e-2}[theory]
 
 
 # --- two strips and a link -------------------------------------------------------------------------------------------
@@ -227,7 +256,6 @@ PRESSED = BAR.young * WIDTH * THICKNESS**3 / 12 / LENGTH**2 * (
 )  # fmt: skip
 r"""Force at which a clamped column buckles that is pressed by a link of length a whose other end stays on its line: the tip
 is pushed aside by P w(L) / a, so that :math:`\tan k L = k (L + a)`, :math:`k^2 = P / E I`. A dead force has k L = pi/2."""
-
 
 
 def column(load=1.0, n=8, theory="kirchhoff", joints=()):
@@ -284,6 +312,50 @@ def test_the_first_frequency_vanishes_where_the_column_buckles():
         about = sk.modes(system, 1, state=sk.solve_linear(system)).eigenvalues[0]
         # Nearly linear in the load: the first mode is not quite the buckled shape.
         assert about == pytest.approx((1 - share) * at_rest, rel=5e-2, abs=1e-5 * at_rest)
+
+
+class Shortened(Joint):
+    """The tip of a strip moves along its axis, by so much at the load factor one."""
+
+    def __init__(self, y, short):
+        self.y, self.short = y, short
+
+    def on(self, shell, layout):
+        return Shortening(self, shell, layout)
+
+
+class Shortening(Condition):
+    name, n, scales = "shortening", 1, np.ones(1)
+
+    def __init__(self, given, shell, layout):
+        rows = shell.position_rows(*shell.geometry.locate_all(np.array([[LENGTH], [given.y]])))
+        self.row = sp.csr_matrix(sp.kron(rows, [[1.0, 0.0, 0.0]]))
+        self.cells, self.start, self.short = np.unique(self.row.indices // 12)[None], layout.undeformed.ravel(), given.short
+
+    def couples(self):
+        return self.cells
+
+    def value(self, q, case):
+        return self.row @ (q - self.start) + case.factor * self.short
+
+    def gradient(self, q):
+        return self.row
+
+
+@pytest.mark.parametrize(("theory", "tolerance"), [("kirchhoff", 1e-5), ("full", 4e-3)])
+def test_a_condition_that_moves_buckles_a_column(theory, tolerance):
+    """At the shortening of Euler's load, which nothing else brings about."""
+    strip, short = sk.Rectangle(LENGTH, WIDTH), np.pi**2 / 48 * THICKNESS**2 / LENGTH
+    tips = [Shortened(y, short) for y in (0.0, WIDTH / 2, WIDTH)]
+    problem = sk.Problem(strip, THICKNESS, BAR, [sk.Clamp("left")], conditions=tips)
+    system = problem.on(sk.meshes.uniform(strip, 8, 1), theory)
+    found = sk.buckling(system, 1)
+    assert found.ok and found.load_factors[0] == pytest.approx(1.0, rel=tolerance)
+    path = sk.trace(system, until=1.05)
+    (event,) = path.unwrap().events
+    assert event.kind == "bifurcation" and event.load_factor == pytest.approx(found.load_factors[0], rel=2e-5)
+    force = sum(float(each[0]) for each in path.solution.conditions.values())
+    assert force == pytest.approx(1.05 * short * BAR.young * WIDTH * THICKNESS / LENGTH, rel=1e-4)
 
 
 def test_paths_know_where_the_column_buckles():

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import skancf as sk
-from skancf.adaptive.enriched import Refined
 from skancf.adaptive.nested import Nested, extrapolated
+from skancf.adaptive.refined import Refined
 from skancf.errors import InputError
 
 SQUARE = sk.Rectangle(1.0, 1.0)

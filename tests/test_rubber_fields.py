@@ -143,6 +143,20 @@ def test_stress_at_the_faces_of_each_place(theory, law):
     assert np.isfinite(small.stresses(MIDDLE, "top")).all() and np.isfinite(small.section_forces(MIDDLE)).all()
 
 
+@theories
+@pytest.mark.parametrize("component", ["N11", "M11"])
+def test_section_forces_have_derivatives(component, theory, law):
+    stiff = sk.Zone("stiff", ((1.0, 2.0), (0.0, 1.0)), material=sk.Isotropic(5e6, 0.3, 1200.0))
+    problem = sk.Problem(SURFACE, lambda x, y: THICK * (1 + 0.2 * x), law, zones=[stiff])
+    system = problem.on(quadtree(uniform(SURFACE, 4, 2)), theory)
+    q, u, h = system.undeformed + state(system, 1, 0.01), state(system, 2), 1e-5
+    for at in ((0.3, 0.3), (1.7, 0.6)):
+        quantity = sk.SectionForce(component, within=((at[0] - 0.2, at[0] + 0.2), (at[1] - 0.2, at[1] + 0.2)))
+        ahead, behind = (quantity.value(sk.Solution(system, q + sign * h * u)) for sign in (1, -1))
+        found = quantity.gradient(sk.Solution(system, q)) @ u
+        assert found == pytest.approx((ahead - behind) / (2 * h), rel=1e-5)
+
+
 def test_heat_in_a_taper_and_none_in_zones_of_several_laws():
     law = sk.NeoHooke(MU, 1000.0, expansion=1e-3)
     surface, heat = sk.Rectangle(1.0, 1.0), [sk.Temperature(100.0)]
@@ -186,7 +200,7 @@ def test_what_is_refused():
                  sk.Zone("turned", LEFT.where, material=lambda x, y: sk.Isotropic(1e6, 0.3, 1000.0))):  # fmt: skip
         with pytest.raises(sk.InputError, match=f"zone {zone.name!r} has a .*NeoHooke is a law at points"):
             sk.Problem(SURFACE, THICK, RUBBER, zones=[zone])
-    with pytest.raises(sk.InputError, match=r"NeoHooke at \(x, y\) = .* take zones for laws at points"):
+    with pytest.raises(sk.InputError, match=r"NeoHooke is a law at points; .* take zones for laws at points; at \(x, y\)"):
         sk.Problem(SURFACE, THICK, lambda x, y: RUBBER).on(uniform(SURFACE, 2, 1), "kirchhoff")
     zone = sk.Zone("solid", LEFT.where, material=COMPRESSIBLE)
     with pytest.raises(sk.InputError, match="incompressible"):

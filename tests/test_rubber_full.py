@@ -101,6 +101,23 @@ def test_what_it_cannot_do_is_refused():
     surface = sk.Rectangle(1.0, 1.0)
     with pytest.raises(sk.InputError, match="incompressible"):
         sk.Problem(surface, 0.02, NeoHooke(SHEAR, 1000.0)).on(uniform(surface, 1, 1), "full")
-    answer = sk.solve_linear(plate(LAW, "full", 1.0))
-    with pytest.raises(sk.InputError, match="SectionForce"):
-        answer.system.assembly.section_force_gradient(answer.q, np.arange(1), MIDDLE, np.ones((1, 6, 1)))
+
+
+@pytest.mark.parametrize("heat", [[], [sk.Temperature(50.0, 500.0)]], ids=["cold", "hot"])
+@pytest.mark.parametrize("surface", SURFACES.values(), ids=SURFACES)
+def test_section_forces_have_their_derivative(surface, heat):
+    """Of weights times N and M, against differences."""
+    law = NeoHooke(SHEAR, 1000.0, poisson=0.4, expansion=1e-3)
+    system = sk.Problem(surface, THICKNESS, law, [], heat).on(uniform(surface, 3, 2), "full")
+    rng, scales, h = np.random.default_rng(2), system.layout.scales.ravel(), 1e-5
+    u = scales * rng.uniform(-1, 1, system.n_dofs)
+    q = system.undeformed + 0.02 * scales * rng.uniform(-1, 1, system.n_dofs)
+    points, elements = np.array([[0.2, 0.5], [0.3, 0.9]]), np.array([1, 4])
+    weights, shell = rng.normal(size=(2, 6, 2)), system.shell
+
+    def value(q):
+        return np.vdot(weights, shell.section_forces(q, points)[elements])
+
+    nodal = shell.nodal(q)
+    rate = np.vdot(shell.at(sk.Case()).section_force_gradient(nodal, elements, points, weights), shell.nodal(u))
+    assert rate == pytest.approx((value(q + h * u) - value(q - h * u)) / (2 * h), rel=1e-7)

@@ -251,3 +251,22 @@ def test_vibrations_of_a_hot_free_plate():
 def test_what_leaves_no_length_is_refused():
     with pytest.raises(sk.InputError, match="free stretch"):
         sk.solve(system_on("kirchhoff", PLATE, just_held(), [sk.Temperature(-1100.0)]))
+
+
+@theories
+def test_a_hot_plate_has_its_gradients_and_estimates(theory):
+    """Of a section force, and of a goal by the dual-weighted residual."""
+    problem = sk.Problem(PLATE, T, COMPRESSIBLE, [sk.Clamp("left")],
+                         [sk.Temperature(50.0, 500.0), sk.SurfaceLoad((0.0, 0.0, 20.0))])  # fmt: skip
+    system = problem.on(sk.meshes.quadtree(uniform(PLATE, 3, 2)), theory)
+    state = sk.solve(system, rtol=1e-11).unwrap()
+    rng = np.random.default_rng(0)
+    u, h = system.constraints.free_part(system.layout.scales.ravel() * rng.uniform(-1, 1, system.n_dofs)), 1e-6
+    for quantity in (sk.SectionForce("M11", at=(0.4, 0.3)), sk.SectionForce("N11", within=((0.2, 0.8), (0.1, 0.5))),
+                     sk.StrainEnergy()):  # fmt: skip
+        ahead, behind = (quantity.value(sk.Solution(system, state.q + s * h * u)) for s in (1, -1))
+        assert quantity.gradient(state) @ u == pytest.approx((ahead - behind) / (2 * h), rel=1e-6)
+    goal = sk.goal_estimate(state, sk.Displacement((1.0, 0.3), (0.0, 0.0, 1.0)))
+    finer = sk.solve(problem.on(uniform(PLATE, 12, 8), theory)).unwrap()
+    true = finer.displacement((1.0, 0.3))[2] - state.displacement((1.0, 0.3))[2]
+    assert 0.7 < goal.error / true < 1.5, (goal.error, true)

@@ -103,7 +103,8 @@ def test_a_stretched_sheet_comes_to_rest(rule):
     def pushed(x, y):
         return 3 * np.sin(np.pi * x) * np.sin(np.pi * y / 0.6) * np.stack([1 + 0 * x, -1 + 0 * x, 0 * x])
 
-    motion = sk.simulate(system, 0.2, dt=2e-3, rule=rule, start=start, velocity=pushed, progress=False, balance=None).unwrap()
+    motion = sk.simulate(system, 0.2, dt=2e-3, rule=rule, start=start, velocity=pushed, progress=False,
+                         balance=None).unwrap()  # fmt: skip
     ledger = motion.ledger
     assert (np.diff(ledger.dissipation) >= 0).all() and ledger.dissipation[-1] > 0.5 * ledger.kinetic[0]
     assert ledger.kinetic[-1] < 0.2 * ledger.kinetic[0]

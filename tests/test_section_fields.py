@@ -245,10 +245,17 @@ def test_fibres_that_turn():
 
 
 WRONG = {
-    "not positive": (lambda x, y: H - 2 * H * x, r"thickness = -0.000\d+ at \(x, y\) = \(0.50\d+, 0.0"),
-    "not finite": (lambda x, y: np.where(x > 0.5, np.nan, H), r"thickness = nan: not finite.*at \(x, y\) = \(0.5"),
+    "not positive": (lambda x, y: H - 2 * H * x, r"thickness = -0.02 at \(x, y\) = \(1, 0"),
+    "not finite": (lambda x, y: np.where(x > 0.5, np.nan, H), r"thickness = nan: not finite.*at \(x, y\) = \(0.6"),
     "nothing": (lambda x, y: None, "thickness = None: not a number"),
-    "shape": (lambda x, y: np.ones((2, 2)), "thickness"),
+    "shape": (lambda x, y: np.ones((2, 2)), r"of shape \(2, 2\): give one number"),
+    "one too many": (lambda x, y: np.ones(len(x) + 1), r"of shape \(41,\): .* must return \(40,\), one for each point"),
+    "complex": (lambda x, y: H * (1 + 1e-3j * x), r"thickness = \(0.02\+0j\): not a number.*at \(x, y\) = \(0, 0\)"),
+    "truth": (lambda x, y: x > 0.5, "a truth value"),
+    "text": (lambda x, y: "thick", "'thick': not a number"),
+    "zero at a node only": (lambda x, y: H * (L - x), r"thickness = 0 at \(x, y\) = \(1, 0"),
+    "infinite at a node only": (lambda x, y: np.where(x > 0, H, np.inf), r"thickness = inf: .*at \(x, y\) = \(0, 0\)"),
+    "too thick": (lambda x, y: 1e99 + x, "products of numbers beyond"),
 }
 
 
@@ -273,6 +280,27 @@ def test_what_a_function_raises_comes_with_a_note():
         sk.Problem(STRIP, H, lambda x, y: 3).on(sk.meshes.uniform(STRIP, 2, 1))
     with pytest.raises(InputError, match="brings its own"):
         sk.Problem(STRIP, lambda x, y: H, plies())
+
+
+WRONG_MATERIALS = {
+    "number": lambda x, y: 3,
+    "nothing": lambda x, y: None if x > 0.4 else NO_POISSON,
+    "class": lambda x, y: sk.Isotropic,
+    "list": lambda x, y: [NO_POISSON],
+    "laminate beside laws": lambda x, y: plies() if x > 0.4 else NO_POISSON,
+}
+
+
+@pytest.mark.parametrize("case", WRONG_MATERIALS)
+def test_a_function_that_returns_no_material_names_the_place(case):
+    with pytest.raises(InputError, match=r"material = .*; at \(x, y\) = \(0(\.5)?, 0(\.1)?\)"):
+        sk.Problem(STRIP, H, WRONG_MATERIALS[case]).on(sk.meshes.uniform(STRIP, 2, 1))
+
+
+@pytest.mark.parametrize("offset", [lambda x, y: 1j * x, lambda x, y: np.full(np.shape(x), np.inf), lambda x, y: "top"])
+def test_a_wrong_offset_names_the_place(offset):
+    with pytest.raises(InputError, match=r"offset = .*not .*at \(x, y\) = \(0, 0\)"):
+        sk.Problem(STRIP, H, NO_POISSON, offset=offset).on(sk.meshes.uniform(STRIP, 2, 1))
 
 
 @pytest.mark.parametrize(("growth", "expected"), [(0.5, 0.00209968), (1.0, 0.00123662)])

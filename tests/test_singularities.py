@@ -7,7 +7,7 @@ import pytest
 
 import skancf as sk
 from skancf.adaptive import drift, no_limit
-from skancf.adaptive.enriched import enriched_mesh
+from skancf.adaptive.refined import enriched_mesh
 from skancf.adaptive.singular import singular_points, touching
 from skancf.errors import InputError
 from skancf.loads import Singularity

@@ -100,11 +100,11 @@ def test_a_run_with_other_outputs_is_another(tmp_path):
 # --- files of an earlier format --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("number", [1, 2, 3])
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
 def test_files_of_the_old_format_are_refused_with_a_reason(number, tmp_path):
     system = struck("kirchhoff")
     simulate(system, 0.08, dt=4e-3, checkpoint=tmp_path / "run")
-    assert run_files.FORMAT == "skancf run 4"
+    assert run_files.FORMAT == "skancf run 5"
     for name in (run_files.STATE, run_files.RUN):
         path = tmp_path / "run" / name
         with np.load(path) as file:

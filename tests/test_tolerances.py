@@ -27,7 +27,7 @@ ELSEWHERE = {
     ("materials/hyperelastic/own_kernels.py", "AHEAD"): "step of a difference",
     ("materials/hyperelastic/own_kernels.py", "SUSPECT"): "from where on a value is looked at once more",
     ("surfaces/mapped.py", "SMALLEST_STEP"): "step of a difference, bound of an argument",
-    ("testing.py", "STEPS"): "steps of differences",
+    ("conditions/check.py", "STEPS"): "steps of differences",
     ("dynamics/impulses.py", "INSIDE"): "where in a step a load is looked at",
     ("output/fields.py", "ABOVE"): "where above an interface stresses are shown",
     ("adaptive/grow.py", "SMALLEST"): "size of the smallest elements",

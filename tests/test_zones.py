@@ -10,6 +10,7 @@ from skancf.materials import Section
 
 L, B, H, E, RHO = 1.0, 0.1, 0.01, 2e11, 7800.0
 STRIP = sk.Rectangle(L, B)
+TUBE = sk.CylinderSector(1.0, 1.0, angle=2 * np.pi, closed=True)
 LAW = sk.Isotropic(E, 0.0, RHO)
 DOUBLER = sk.Zone("doubler", ((0.3, 0.5), (-1.0, 1.0)), thickness=2 * H)
 MIDDLE = np.array([[0.5], [0.5]])
@@ -90,6 +91,21 @@ def test_lines_are_where_zones_end():
     assert "opening" in opened.boundaries
 
 
+def test_thin_rows_beside_lines():
+    """On both sides of ends that are inside, over seams too; not where a zone is too narrow for them."""
+    zones = [sk.Zone("a", ((0.0, 0.3), (0.0, B)), thickness=H), sk.Zone("b", ((0.5, 0.51), (0.0, B)), thickness=H)]
+    x = np.unique(sk.meshes.with_lines(STRIP, 4, 1, zones, beside=0.01).p[0])
+    assert np.allclose([at for at in (0.29, 0.3, 0.31, 0.49, 0.5, 0.51, 0.52) if np.abs(x - at).min() < 1e-12],
+                       [0.29, 0.3, 0.31, 0.49, 0.5, 0.51, 0.52])  # fmt: skip
+    assert np.diff(x).min() > 0.0099 and x[1] > 0.05 and x[-2] < 0.95
+    seam = sk.Zone("c", ((0.0, 1.0), (-0.5, 0.0)), thickness=H)
+    y = np.unique(sk.meshes.with_lines(TUBE, 2, 8, [seam], beside=0.1).p[1])
+    for at in (0.1, 2 * np.pi - 0.1, 2 * np.pi - 0.4, 2 * np.pi - 0.6):
+        assert np.abs(y - at).min() < 1e-12
+    with pytest.raises(InputError, match="beside = 0"):
+        sk.meshes.with_lines(STRIP, 4, 1, zones, beside=0)
+
+
 def test_quadtrees_keep_the_lines():
     problem = sk.Problem(STRIP, H, LAW, [sk.Clamp("left")], zones=[DOUBLER])
     tree = sk.meshes.quadtree(sk.meshes.with_lines(STRIP, 4, 1, problem.zones), STRIP).refined([1, 3])
@@ -137,6 +153,66 @@ def test_assumed_membrane_strains_hardly_feel_it():
     assert errors[0] < 1e-2 * (0.75 - bar(4, sk.theories.Kirchhoff(assumed=False)).displacement((L, B / 2))[0] / STRETCH)
 
 
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_error_bars_hold_where_assumed_strains_begin_to_feel_the_line(offset):
+    """Elements a few times as long as the plate is thick: a finer mesh has the same error, and the estimate hardly sees it.
+    A doubler on one side bends the strip where it is pulled, and strains it where it is bent."""
+    h, moment = 0.04, offset > 0
+    zone = sk.Zone("thick", ((0.5, L), (0.0, B)), thickness=2 * h, offset=offset * h)
+    load = sk.EdgeMoment("right", (0, -1.0, 0)) if moment else sk.EdgeLoad("right", (1.0, 0.0, 0.0))
+    exact = (3 / 8 + 1 / 64) / (E * h**3 / 12) if moment else 0.75 / (E * h)
+    end = sk.Displacement((L, B / 2), (0, 0, 1.0) if moment else (1.0, 0, 0))
+    errors = []
+    for n in (4, 8, 16, 32, 64):
+        problem = sk.Problem(STRIP, h, LAW, [sk.Clamp("left")], [load], zones=[zone])
+        tree = sk.meshes.quadtree(sk.meshes.with_lines(STRIP, n, 1, problem.zones), STRIP)
+        seen = sk.goal_estimate(sk.solve_linear(problem.on(tree, "kirchhoff")), end)
+        errors.append(exact / seen.value - 1)
+        assert errors[-1] < seen.bar / seen.value
+    assert max(errors[1:3]) > 1.5 * errors[0] and seen.bar / seen.value < 2 * errors[-1]
+
+
+@pytest.mark.filterwarnings("ignore:theory 'full'")
+@pytest.mark.parametrize("theory", ["full", sk.theories.Kirchhoff(assumed=False)])
+def test_the_estimate_sees_what_an_offset_that_jumps_costs(theory):
+    zone = sk.Zone("patch", ((0.5, L), (0.0, B)), thickness=2 * H, offset=H / 2)
+    problem = sk.Problem(STRIP, H, LAW, [sk.Clamp("left")], [sk.EdgeMoment("right", (0, -1.0 / B, 0))], zones=[zone])
+    exact, errors = 0.375 + 1 / 64, []
+    for n in (8, 16, 32):
+        tree = sk.meshes.quadtree(sk.meshes.with_lines(STRIP, n, 1, problem.zones), STRIP)
+        seen = sk.goal_estimate(sk.solve_linear(problem.on(tree, theory)), sk.Displacement((L, B / 2), (0, 0, 1.0)))
+        errors.append(exact / (E * B * H**3 / 12) - seen.value)
+        assert 0.8 < seen.error / errors[-1] < 1.1 and seen.bar > errors[-1]
+    assert np.allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.05)
+
+
+@pytest.mark.parametrize("theory", ["full", sk.theories.Kirchhoff(assumed=False)])
+def test_thin_rows_cure_a_jump(theory):
+    """The error is that of elements as wide as the row, whatever the others are; estimate and bar know."""
+    pull, end = sk.EdgeLoad("right", (E * H * STRETCH, 0.0, 0.0)), sk.Displacement((L, B / 2), (1.0, 0.0, 0.0))
+    problem, errors = sk.Problem(STRIP, H, LAW, [sk.Clamp("left")], [pull], zones=[THICK]), []
+    for beside in (None, H / 2, H / 4):
+        tree = sk.meshes.quadtree(sk.meshes.with_lines(STRIP, 8, 1, problem.zones, beside=beside), STRIP)
+        seen = sk.goal_estimate(sk.solve_linear(problem.on(tree, theory)), end)
+        errors.append(0.75 - seen.value / STRETCH)
+        assert 0.9 < seen.error / STRETCH / errors[-1] < 1.1 and seen.bar / STRETCH > errors[-1]
+    assert errors[0] > 20 * errors[1] and errors[1] / errors[2] == pytest.approx(2.0, rel=0.02)
+
+
+def test_a_thin_row_around_a_doubler_in_a_sheet():
+    """In two dimensions, with twice the unknowns: an eighth of the error, against a finer mesh with a thinner row."""
+    plate, h = sk.Rectangle(1.0, 1.0), 0.01
+    zone = sk.Zone("patch", ((0.25, 0.75), (0.25, 0.75)), thickness=2 * h)
+    problem = sk.Problem(plate, h, sk.Isotropic(E, 0.3, RHO), [sk.Clamp("left")], [sk.EdgeLoad("right", (1e3, 0, 0))],
+                         zones=[zone])  # fmt: skip
+    def stretched(n, beside):
+        return sk.solve_linear(problem.on(sk.meshes.with_lines(plate, n, n, [zone], beside=beside), "full")).displacement(
+            (1.0, 0.5))[0]  # fmt: skip
+
+    fine = stretched(24, h / 4)
+    assert abs(stretched(8, h / 2) / fine - 1) < abs(stretched(8, None) / fine - 1) / 7 < 7e-4
+
+
 def test_adaptivity_goes_to_the_line():
     pull = sk.EdgeLoad("right", (E * H * STRETCH, 0.0, 0.0))
     problem = sk.Problem(STRIP, H, LAW, [sk.Clamp("left")], [pull], zones=[THICK])
@@ -172,7 +248,17 @@ WRONG = {
     "name": (lambda: zone(""), "it is empty"),
     "no list": (lambda: sk.Problem(STRIP, H, LAW, zones=zone()), "list of zones"),
     "thickness": (lambda: strip([zone(thickness=-H)]), "zone 'a': thickness = -0.01"),
-    "place": (lambda: strip([zone(thickness=lambda x, y: 0.3 - x)]), r"zone 'a': thickness = -0.\d+ at \(x, y\) = \(0.3"),
+    "place": (lambda: strip([zone(thickness=lambda x, y: 0.3 - x)]), r"zone 'a': thickness = -0.2 at \(x, y\) = \(0.5"),
+    "sliver": (lambda: strip([zone(material=LAW), zone("b", ((0.5 + 1e-6, L), (0, B)), material=LAW)], thickness=H,
+                             material=None), r"none holds \(x, y\) = \(0.5"),
+    "complex": (lambda: zone(where=((0, 1j), (0, 1))), "not a number, but complex"),
+    "not finite": (lambda: zone(where=((0, np.nan), (0, 1))), "nan: not finite"),
+    "a number": (lambda: strip([zone(where=lambda x, y: x)]), "where of zone 'a': .* must return True or False"),
+    "no material": (lambda: strip([zone()], thickness=None, material=None), "zone 'a': material = None"),
+    "over a seam": (lambda: sk.Problem(TUBE, H, LAW, zones=[zone(where=((0, 1), (-0.5, 0.5)))]).on(
+        sk.meshes.uniform(TUBE, 2, 8)), "'a' ends at y = 5.78319, which is no line"),
+    "a turn and more": (lambda: sk.Problem(TUBE, H, LAW, zones=[zone(where=((0, 0.3), (-9, 9)))]).on(
+        sk.meshes.uniform(TUBE, 2, 8)), "'a' ends at x = 0.3, which is no line"),
     "laminate": (lambda: strip([zone(material=sk.Laminate([sk.Layer(LAW, H)]), thickness=H)]), "zone 'a': thickness = 0.01"),
 }  # fmt: skip
 

@@ -1,5 +1,5 @@
-"""How stiff the product of conditions is to be: passes of linear solves, iterations of Newton's method, and the force along
-a hinge.
+"""How stiff the product of conditions is to be: passes of linear solves, iterations of Newton's method; the force along a
+hinge, and what estimates of errors make of it.
 
 From the folder of the repository, in a minute:
 
@@ -73,6 +73,21 @@ def along(n: int, theory: str) -> np.ndarray:
     return np.asarray(answer.conditions["hinge"].per_length(np.linspace(0.26, 0.74, 65)))
 
 
+def estimated(n: int, theory: str, beside: bool) -> list[str]:
+    """The relative error of a corner's displacement under a load that grows along the hinge, and the estimate of it; with
+    elements beside one side of the hinge that are half as long."""
+    load = sk.EdgeLoad("start", lambda x, y: [0 * x, -1 - x / WIDTH, 0 * x])
+    problem = sk.Problem(RING, 0.05, sk.Isotropic(YOUNG, 0.3, 7800.0), [sk.Clamp(opposite)], [load],
+                         conditions=[sk.Hinge("start", "end")])  # fmt: skip
+    mesh = sk.meshes.quadtree(sk.meshes.uniform(RING, n, 8 * n))
+    if beside:
+        mesh = mesh.refined(np.flatnonzero(mesh.p[1, mesh.t].mean(axis=0) < 0.8))
+    number = sk.Displacement((WIDTH, 0.0), (0, -1, 0))
+    state, limit = (sk.solve_linear(problem.on(each, theory)) for each in (mesh, mesh.refined().refined()))
+    true = number.value(limit) / number.value(state) - 1
+    return [f"{true:.1e}", f"{sk.goal_estimate(state, number).error / number.value(state) / true:.2f}"]
+
+
 def main() -> None:
     warnings.simplefilter("ignore", sk.OutOfDepth)
     write("conditions_passes.csv", "t / R; stiffness; 1 pass; 2; 3; passes until nothing changes",
@@ -87,6 +102,10 @@ def main() -> None:
         off = [np.sqrt(((found[n] - found[48]) ** 2).mean()) / size for n in (4, 8, 16)]
         rows.append([theory, *(f"{each:.2g}" for each in off), f"{np.log2(off[1] / off[2]):.2f}"])
     write("conditions_force.csv", "theory; 4 elements along the hinge; 8; 16; order", rows)
+    write("conditions_estimate.csv", "theory; beside the hinge; 2 elements along it: error; estimate / error; "
+          "4 elements: error; estimate / error",
+          [[theory, "half as long on one side" if beside else "alike", *estimated(2, theory, beside),
+            *estimated(4, theory, beside)] for theory in ("kirchhoff", "full") for beside in (False, True)])  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import numpy as np
 from tables import write
 
 import skancf as sk
-from skancf.adaptive.enriched import Refined
+from skancf.adaptive.refined import Refined
 
 MATERIAL, DOWN = sk.Isotropic(1e7, 0.3, 1.0), sk.SurfaceLoad((0.0, 0.0, -1.0))
 SQUARE, L_SHAPE = sk.Rectangle(1.0, 1.0), sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))

@@ -12,7 +12,6 @@ from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.recovery import recovery_indicator
 from skancf.adaptive.stress import face_stress
 from skancf.arguments import PROBLEM, flag, having, instance, whole
-from skancf.conditions.sums import refuse
 from skancf.errors import InputError, NoLimit, OutOfDepth, number, positive, shown
 from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
@@ -68,7 +67,6 @@ def first_system(
 ) -> System:
     """The system on the first mesh, on which all that can be known without a solve is checked."""
     system = problem.on(mesh, theory)
-    refuse(system, "adapt")
     if system.n_dofs > max_dofs:
         raise InputError(f"max_dofs = {max_dofs}: the first mesh of {mesh.nelements} elements already has {system.n_dofs} "
                          "nodal coordinates; allow more, or begin with a coarser mesh")  # fmt: skip

@@ -17,7 +17,7 @@ def small(system: System, change: np.ndarray, q: np.ndarray | None = None) -> St
 
 def of_state(state: Solution) -> Strained:
     """Of a state, those of a free strain not subtracted."""
-    return state.model.strained(state.unknowns, state.case)
+    return state.model.strained(state.unknowns)
 
 
 def virtual_work(one: Strained, other: Strained) -> np.ndarray:

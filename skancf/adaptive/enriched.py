@@ -14,142 +14,26 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.energies import Strained, energies, virtual_work
-from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE, may_be_quartered
-from skancf.adaptive.interpolation import Interpolation, ancestors_in
-from skancf.adaptive.quantities import SectionForce
-from skancf.adaptive.rings import Halvings, Pair, halvings
-from skancf.adaptive.singular import images, singular_points, touching
-from skancf.errors import DidNotConverge, InputError, finite
+from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE
+from skancf.adaptive.interpolation import multipliers_on
+from skancf.adaptive.refined import Refined
+from skancf.errors import DidNotConverge, InputError
 from skancf.history import Case
-from skancf.layout.singularities import nodes_at
-from skancf.linear import DirectSolver, SkewSolver
-from skancf.materials import Section
+from skancf.linear import BlockMatrix, DirectSolver
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
-from skancf.statics.corrections import skew_part
+from skancf.statics.conditioned import Tangent, curved, factored_about, rows_of, solved
+from skancf.statics.corrections import NONE, skew_part
 from skancf.statics.equilibrium import equilibrium
 from skancf.statics.newton import newton, refusal
 from skancf.statics.stopping import work
-from skancf.system.system import System
-from skancf.theories import left_per_halving
 from skancf.tolerances import CANCELLED, ROUNDED_ROW
 
-AT_POLES = 1 / 4
-"""Part of an error that is left on quartered elements at a pole, whose membrane strains are no assumed ones."""
-AT_JUMPS = 1 / 2
-"""The same at a line where the membrane stiffness jumps: strains jump there, and slopes at nodes do not."""
-EXTRA = 4
-"""Refinements beyond the first at singular points, where one halves an error that it divides by sixteen elsewhere."""
-MOST = 12
-"""Elements of the refined mesh per element of the mesh."""
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
 NEAR = 1e-4
 """A correction of this size, in energy norm relative to the first, is the last one."""
-
-
-def enriched_mesh(system: System, points: np.ndarray, smallest: float = SMALLEST) -> Any:
-    """Every element quartered, and those at singular points (2, n) :data:`EXTRA` times more."""
-    mesh = system.mesh
-    leaves = mesh.leaves.refined(np.arange(mesh.nelements))
-    for _ in range(EXTRA):
-        if len(leaves) > MOST * (mesh.nelements + MOST):
-            break  # more singular points than elements
-        at_points = touching(leaves, images(system.geometry, leaves, points))
-        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, smallest / 4)[at_points]])
-    return mesh.regrown(leaves)
-
-
-class Refined:
-    """A refined system beside a coarse one, and fields between them.
-
-    Attributes
-    ----------
-    coarse, system : System
-        The same problem on the mesh and on the refined one.
-    points : (2, n) array
-        Singular ones, of the problem and of the quantity.
-    """
-
-    def __init__(
-        self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None, smallest: float = SMALLEST
-    ) -> None:
-        self.coarse, self.points, self._quantity = coarse, singular_points(coarse, quantity), quantity
-        fine_mesh = enriched_mesh(coarse, self.points, smallest) if mesh is None else mesh
-        self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
-        self._up = Interpolation.of(coarse, self.system)
-        self._down = Interpolation.of(self.system, coarse)
-
-    def halvings(self, *pairs: Pair, before: Halvings | None = None) -> Halvings:
-        """What a halving leaves at the singular points of the problem, by energies of answers and weights here, and by
-        ``before``, that of a coarser mesh, where there are too few rings."""
-        return halvings(self.coarse, self.system, singular_points(self.coarse), pairs, before)
-
-    def left(self, halved: Halvings) -> np.ndarray:
-        """Part of what each element contributes to an error that is left on the refined mesh, (n_elements,).
-
-        By the order of the theory, at poles :data:`AT_POLES`; at lines where the membrane stiffness jumps, and at singular
-        points no less than the power of what one halving leaves there.
-        """
-        coarse, fine, geometry = self.coarse.mesh.leaves, self.system.mesh.leaves, self.coarse.geometry
-        left = np.full(len(coarse), left_per_halving(geometry.theory))
-        left[geometry.at_poles] = AT_POLES
-        deepest = np.zeros(len(coarse), dtype=int)
-        np.maximum.at(deepest, ancestors_in(coarse, fine), fine.cells.level)
-        halved_by = deepest - coarse.cells.level
-        section = self.coarse.assembly.section
-        if not isinstance(section, Section):
-            lines = section.beside_jumps
-            left[lines] = np.maximum(left[lines], AT_JUMPS ** halved_by[lines])
-        there, once = halved.of(coarse, self.points)
-        left[there] = np.maximum(left[there], once ** halved_by[there])
-        return left
-
-    def up(self, q: np.ndarray) -> np.ndarray:
-        """Nodal coordinates of the same field on the refined mesh."""
-        return self._up.field(q)
-
-    def down(self, q: np.ndarray) -> np.ndarray:
-        """Nodal coordinates on the coarse mesh of a field's interpolant."""
-        return self._down.field(q)
-
-    def surplus(self, weight: np.ndarray) -> np.ndarray:
-        """What of a field on the refined mesh the coarse one cannot have, (n_fine,).
-
-        A weight that is singular at a node has slopes and a twist there that are those of the smallest element, and say
-        nothing of larger ones: its interpolant has none.
-        """
-        coarse = self.coarse.layout.nodal(self.down(weight))
-        coarse[self._at_quantity, 1:] = 0.0
-        return weight - self.up(coarse.ravel())
-
-    @cached_property
-    def _at_quantity(self) -> np.ndarray:
-        """Coarse nodes at the point of a section force, at most one."""
-        if not isinstance(self._quantity, SectionForce) or self._quantity.at is None:
-            return np.empty(0, dtype=int)
-        geometry = self.coarse.geometry
-        return nodes_at(geometry, geometry.within(finite("at", self._quantity.at)[:, None]))
-
-    def shares(self, products: np.ndarray) -> np.ndarray:
-        """Sizes of products (n_fine,) of residual and weight, node by node, shared among the coarse elements there."""
-        geometry = self.system.geometry
-        sizes = np.abs(self.system.layout.blocks(products)[: geometry.n_nodes].sum(axis=1))
-        nodes = geometry.ties.node_of[geometry.mesh.t]
-        valence = np.bincount(nodes[nodes >= 0], minlength=len(sizes))
-        parts = np.where(nodes >= 0, (sizes / np.maximum(valence, 1))[nodes], 0.0).sum(axis=0)
-        coarse = self.coarse.mesh
-        return np.bincount(ancestors_in(coarse.leaves, geometry.mesh.leaves), parts, minlength=coarse.nelements)
-
-    def is_new(self) -> np.ndarray:
-        """Which nodes of the refined mesh the coarse one does not have, (n_fine_blocks,)."""
-        fine, coarse = self.system.geometry, self.coarse.geometry
-        old = coarse.mesh.leaves.forest.point_keys(coarse.mesh.leaves.cells).ravel()
-        new = fine.mesh.leaves.forest.point_keys(fine.mesh.leaves.cells).ravel()
-        out = np.zeros(self.system.layout.n_blocks, dtype=bool)
-        out[fine.ties.node_of[fine.mesh.t.ravel()[~np.isin(new, old)]]] = True
-        return out
 
 
 class Enriched(Refined):
@@ -163,7 +47,10 @@ class Enriched(Refined):
         Of the refined system, as that of the state.
     start : (n_fine,) array
         The state's unknowns there.
+    multipliers : (n,) array
+        Of the conditions of the refined system: the same forces; none without conditions.
     residual : (n_fine,) array
+        With those.
     stiffness : BlockMatrix
         Tangent of the refined system there; where Newton's method had to go far, at its solution.
     """
@@ -175,68 +62,129 @@ class Enriched(Refined):
         super().__init__(state.system, mesh, quantity, SMALLEST if state.linear else SMALLEST_LARGE)
         self.state, self._backend = state, backend
         self.model = type(state.model)(self.system)
-        self.start = self._up.unknowns(state)
-        self.residual = self.residual_of(self.start)
+        self.start, self.multipliers = self._up.unknowns(state), multipliers_on(state, self.system)
+        self.residual = self.residual_of(self.start, self.multipliers)
         if beyond := refusal(self.system):
             raise DidNotConverge(f"the error is estimated on a finer mesh, and there {beyond}; find the answer on a "
                                  "finer mesh")  # fmt: skip
-        self.stiffness = self.model.tangent(self.start, Case(state.load_factor))
+        self.stiffness = self._tangent_at(self.start)
         self._moved = self.system.constraints.fixed_part(self.model.held(state.load_factor) - self.start)
 
     @cached_property
-    def _solver(self) -> DirectSolver:
+    def _direct(self) -> DirectSolver:
         return DirectSolver(self.system.pattern, self.system.constraints, self._backend)
 
+    def _factored(self, x: np.ndarray) -> Tangent:
+        """By the stiffness, which belongs to unknowns x."""
+        skew = skew_part(self.model, x, self.state.load_factor)
+        return factored_about(self.system, self._direct, self.stiffness, skew, self.model.about(x))
+
     @cached_property
-    def _step(self) -> np.ndarray:
-        """To the solution of the refined system, by one tangent, or by Newton's method where its corrections do not shrink
-        fast; leaves the factors of a tangent there in the solver."""
-        moved = self._moved
-        self._solver.factor(self.stiffness)
-        tangent = SkewSolver(self.stiffness, skew_part(self.model, self.start, self.state.load_factor), self._solver)
-        first = tangent.solve(-(self.residual + tangent.multiply(moved))) + moved
+    def _answer(self) -> tuple[np.ndarray, np.ndarray]:
+        """The step (n_fine,) to the solution of the refined system, and the multipliers (n,) there: by one tangent, or by
+        Newton's method where its corrections do not shrink fast; leaves the factors of a tangent there."""
+        moved, n = self._moved, self.start.size
+        self._tangent = tangent = self._factored(self.start)
+        open_rows = self.missed(self.start) + rows_of(tangent, moved)
+        change, more, _ = solved(tangent, -(self.residual + tangent.multiply(moved)), -open_rows)
+        first, pulls = change + moved, self.multipliers + more
         if self.model.linear:
-            return first
-        chord = iterate(first, _Chord(self, tangent), _Shrinking(work(first, tangent.multiply(first))), CHORDS)
-        return chord.x if chord.ok else self._newton() - self.start
+            return first, pulls
+        criterion = _Shrinking(work(first, tangent.multiply(first)))
+        chord = iterate(np.concatenate([first, pulls]), _Chord(self, tangent), criterion, CHORDS)
+        return (chord.x[:n], chord.x[n:]) if chord.ok else self._newton()
+
+    @property
+    def _step(self) -> np.ndarray:
+        return self._answer[0]
 
     @property
     def unresolved(self) -> np.ndarray:
         """What is left of the residual after the step, (n_fine,): rounding, and what Newton's method left."""
+        step, pulls = self._answer
         if self.model.linear:  # with the digits of the step alone
-            return self.residual + self.stiffness @ self._step
-        return self.residual_of(self._end)
+            return self.residual + self.stiffness @ step + self._force(self.start, pulls - self.multipliers)
+        return self.residual_of(self._end, pulls)
 
-    def residual_of(self, x: np.ndarray) -> np.ndarray:
+    @property
+    def unmet(self) -> np.ndarray:
+        """The same of the conditions, (n,)."""
+        return self.missed(self._end)
+
+    def residual_of(self, x: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         """At unknowns of the model, (n_fine,)."""
-        return self.model.internal_force(x, None, self.state.case) - self.state.load_factor * self.model.external_force(x)
+        model, state = self.model, self.state
+        residual = model.internal_force(x, None, state.case) - state.load_factor * model.external_force(x)
+        return residual + self._force(x, multipliers) if multipliers.size else residual
 
-    def _newton(self) -> np.ndarray:
-        """Coordinates of the refined equilibrium by Newton's method, relaxed from the coarse one where that fails."""
-        fine, factor = self.system, self.state.load_factor
-        result: Any = newton(fine, self.start, self._solver, load_factor=factor, rtol=NEAR)
-        q = result.q
+    def _force(self, x: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
+        return self.model.conditions_force(x, multipliers)
+
+    def missed(self, x: np.ndarray) -> np.ndarray:
+        """Values of the conditions at unknowns of the model, (n,)."""
+        return self.model.conditions_value(x, self.state.case) if self.multipliers.size else NONE
+
+    def _tangent_at(self, x: np.ndarray) -> BlockMatrix:
+        """Of a nonlinear model with the curvature of conditions."""
+        tangent = self.model.tangent(x, Case(self.state.load_factor))
+        return tangent if self.model.linear else curved(self.system, tangent, x, self.multipliers)
+
+    def _newton(self) -> tuple[np.ndarray, np.ndarray]:
+        """The step and the multipliers by Newton's method, relaxed from the coarse equilibrium where that fails."""
+        fine, factor, start = self.system, self.state.load_factor, self.start
+        result: Any = newton(fine, start, self._direct, load_factor=factor, rtol=NEAR, multipliers=self.multipliers)
+        q, pulls = result.q, result.multipliers
         if not result.ok:
-            start = Solution(fine, self.start, load_factor=factor)
-            q = equilibrium(fine, factor, start=start, rtol=NEAR, backend=self._solver.backend_name).unwrap().q
-        self.stiffness = fine.tangent(q, Case(factor))
-        self._solver.factor(self.stiffness)
-        return np.asarray(q)
+            begin = Solution(fine, start, load_factor=factor, multipliers=self.multipliers)
+            found = equilibrium(fine, factor, start=begin, rtol=NEAR, backend=self._direct.backend_name).unwrap()
+            q, pulls = found.q, NONE if found.multipliers is None else found.multipliers
+        self.stiffness = curved(fine, fine.tangent(q, Case(factor)), q, pulls)
+        self._tangent = self._factored(q)
+        return np.asarray(q) - start, pulls
 
     def __enter__(self) -> "Enriched":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if "_solver" in vars(self):
-            self._solver.close()
+        if "_direct" in vars(self):
+            self._direct.close()
 
     def solve(self, force: np.ndarray) -> np.ndarray:
-        """K^-1 force on the free coordinates, after the step."""
-        return self._solver.solve(force)
+        """K^-1 force on the free coordinates, after the step; with conditions the motion that keeps them."""
+        return self.solve_both(force)[0]
 
-    def rounding(self, weight: np.ndarray, gradient: np.ndarray) -> float:
+    def solve_both(self, force: np.ndarray, values: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """The same, and the multipliers (n,) of it; the motion may also change the conditions by some values (n,)."""
+        _ = self._answer
+        tangent: Any = self._tangent
+        if not self.multipliers.size:
+            return self._direct.solve(force), NONE
+        values = np.zeros(self.multipliers.size) if values is None else values
+        x, pulls = tangent.symmetric().solve_both(force, values)
+        return x, pulls
+
+    def rows(self, change: np.ndarray) -> np.ndarray:
+        """What a change makes of the conditions after the step, (n,)."""
+        _ = self._answer
+        return rows_of(self._tangent, change)
+
+    def held_by(self, pulls: np.ndarray) -> np.ndarray:
+        """The forces of multipliers (n,) after the step, (n_fine,)."""
+        return self._force(self._end, pulls)
+
+    def pulled(self, pulls: np.ndarray) -> np.ndarray:
+        r"""What conditions that the interpolated state does not meet add to an estimate by the multipliers (n,) of a dual
+        weight, row by row, spread over the unknowns of each: (n_fine,)."""
+        if not pulls.size:
+            return np.zeros(self.start.size)
+        rows = abs(self.system.conditions.gradient(self.model.about(self.start)))
+        sums = np.asarray(rows.sum(axis=1)).ravel()
+        return np.asarray(rows.T @ (np.abs(pulls * self.missed(self.start)) / np.where(sums > 0, sums, 1.0)))
+
+    def rounding(self, weight: np.ndarray, gradient: np.ndarray, pulls: np.ndarray = NONE) -> float:
         r"""Size of what the dual weight makes of the unresolved residual, and of the rounding of internal forces, and what
-        the gradient of the quantity makes of the rounding of the coordinates themselves.
+        the gradient of the quantity makes of the rounding of the coordinates themselves. ``pulls`` are the multipliers of
+        the weight, by which conditions that are not quite met count.
 
         The rest that Newton's method left has a direction, and cancels in parts as the residual does; rounding has none.
         That of products by strains is in equilibrium in each element, and does work on the strains of the weight only, no
@@ -248,7 +196,8 @@ class Enriched(Refined):
             noise = 2 * ROUNDED_ROW * np.sqrt(abs(stiffness.energy(change) * stiffness.energy(weight)))
         else:
             noise = ROUNDED_ROW * np.abs(weight) @ self.system.constraints.free_part(stiffness.sizes() @ np.abs(change))
-        return abs(float(weight @ left)) + float(noise + ROUNDED_ROW * np.abs(gradient) @ np.abs(self._end))
+        held = abs(float(pulls @ self.unmet)) if pulls.size else 0.0
+        return abs(float(weight @ left)) + held + float(noise + ROUNDED_ROW * np.abs(gradient) @ np.abs(self._end))
 
     def scale(self, smooth: np.ndarray, weight: Strained, answer: Strained) -> float:
         r"""Sum of the sizes of what makes a quantity, the work of the answer's stresses on the strains of the dual weight in
@@ -269,7 +218,8 @@ class Enriched(Refined):
     @property
     def corrected(self) -> Solution:
         """The state after that step."""
-        return Solution.of(self.model, self._end, self.state.load_factor)
+        pulls = self._answer[1]
+        return Solution.of(self.model, self._end, self.state.load_factor, pulls if pulls.size else None)
 
     @property
     def _end(self) -> np.ndarray:
@@ -299,20 +249,23 @@ class Enriched(Refined):
 
 @dataclass(frozen=True)
 class _Chord:
-    """Steps from the start of an enriched state, by its one tangent."""
+    """Steps from the start of an enriched state and multipliers, by its one tangent."""
 
     enriched: Enriched
-    tangent: SkewSolver
+    tangent: Tangent
 
-    def residual(self, step: np.ndarray) -> np.ndarray:
-        return self.enriched.residual_of(self.enriched.start + step)
+    def residual(self, x: np.ndarray) -> np.ndarray:
+        n = self.enriched.start.size
+        at = self.enriched.start + x[:n]
+        return np.concatenate([self.enriched.residual_of(at, x[n:]), self.enriched.missed(at)])
 
-    def correction(self, step: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
-        more = self.tangent.solve(-residual)
-        return more, work(more, self.tangent.multiply(more))
+    def correction(self, x: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
+        n = self.enriched.start.size
+        change, more, _ = solved(self.tangent, -residual[:n], -residual[n:])
+        return np.concatenate([change, more]), work(change, self.tangent.multiply(change))
 
-    def step(self, step: np.ndarray, residual: np.ndarray, more: np.ndarray) -> np.ndarray:
-        return step + more
+    def step(self, x: np.ndarray, residual: np.ndarray, more: np.ndarray) -> np.ndarray:
+        return x + more
 
 
 @dataclass(frozen=True)

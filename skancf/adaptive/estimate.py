@@ -11,7 +11,6 @@ from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.arguments import STATE, having, instance
-from skancf.conditions.sums import refuse
 from skancf.errors import InputError, number, vector
 from skancf.functions import called
 from skancf.linear import check_backend
@@ -93,7 +92,6 @@ def check_state(name: str, state: Any, backend: str = "auto") -> None:
     check_backend(backend)
     if not isinstance(state.system.mesh, MeshQuadTree):
         raise InputError(f"{name}: its mesh must be a quadtree; make it by sk.meshes.quadtree(mesh)")
-    refuse(state.system, "the estimate of an error")
 
 
 def goal_estimate(
@@ -138,9 +136,12 @@ def goal_estimate(
     with Enriched(state, quantity=quantity, backend=backend) as enriched:
         better = enriched.corrected
         gradient = gradient_of(quantity, better)
-        weight = enriched.solve(gradient)
-        smooth = weight - quantity.lift(better) if hasattr(quantity, "lift") else weight
+        lift = quantity.lift(better) if hasattr(quantity, "lift") else None
+        weight, pulls = enriched.solve_both(gradient, None if lift is None else enriched.rows(lift))
+        smooth = weight if lift is None else weight - lift
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
+        if pulls.size:
+            indicators = indicators + enriched.shares(enriched.pulled(pulls))
         answer, dual = of_state(better), small(enriched.system, smooth, better.about)
         halved = enriched.halvings((energies(answer), energies(dual)), before=halvings)
         scale = enriched.scale(smooth, dual, answer)
@@ -148,7 +149,7 @@ def goal_estimate(
             scale = max(scale, quantity.scale(better))
         return Estimate.seen(
             value, value_of(quantity, better), indicators, better, enriched.left(halved),
-            rounding=enriched.rounding(weight, gradient), scale=scale, halvings=halved,
+            rounding=enriched.rounding(weight, gradient, pulls), scale=scale, halvings=halved,
         )  # fmt: skip
 
 

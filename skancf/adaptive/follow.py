@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.adaptive.grow import may_be_quartered
+from skancf.adaptive.grow import may_be_merged, may_be_quartered
 from skancf.adaptive.marking import check_indicators
 from skancf.adaptive.recovery import recovery_indicator
 from skancf.adaptive.remap import remap
@@ -192,7 +192,8 @@ class Follow:
         added = values * (1 / left_per_halving(system.geometry.theory) - 1)
         order = np.argsort(added, kind="stable")
         small = order[: np.searchsorted(np.cumsum(added[order]), SURE * allowed)]
-        cells = leaves.cells.take(small[leaves.cells.level[small] > self.coarsest])
+        small = small[may_be_merged(system)[small] & (leaves.cells.level[small] > self.coarsest)]
+        cells = leaves.cells.take(small)
         found = target.leaves.find(cells)
         merged = target.coarsened(found[found >= 0])
         return merged if len(merged.leaves) < len(target.leaves) else None

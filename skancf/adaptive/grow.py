@@ -12,9 +12,11 @@ from skancf.adaptive.singular import images
 from skancf.errors import InputError, shown
 from skancf.functions import called
 from skancf.layout.geometry import Geometry
+from skancf.materials import Section
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.surfaces import Surface
+from skancf.system.system import System
 from skancf.theories import left_per_halving
 from skancf.tolerances import SAME_POINT
 
@@ -39,6 +41,18 @@ def may_be_quartered(leaves: Leaves, surface: Surface, smallest: float = SMALLES
     # At a pole one side has no length.
     lengths, at_pole = np.maximum(sides[:2], sides[2:]).min(axis=0), sides.min(axis=0) < SAME_POINT * extent
     return np.asarray(lengths > 1.5 * np.where(at_pole, max(smallest, POLE), smallest) * extent)
+
+
+def may_be_merged(system: System) -> np.ndarray:
+    """Elements of a quadtree whose sisters are in their zone, (n_elements,) bool: others would cross its border."""
+    section = system.assembly.section
+    if isinstance(section, Section):
+        return np.ones(system.geometry.n_elements, dtype=bool)
+    parents, family = np.unique(system.mesh.leaves.cells.parents.keys, return_inverse=True)
+    low, high = np.full(len(parents), len(section.zones)), np.full(len(parents), -1)
+    np.minimum.at(low, family, section.zones)
+    np.maximum.at(high, family, section.zones)
+    return np.asarray((low == high)[family])
 
 
 def _numbers(name: str, marked: Any, n: int) -> np.ndarray:
@@ -73,13 +87,13 @@ class Growth:
     smallest: float = SMALLEST
 
     def next_mesh(
-        self, geometry: Geometry, indicators: np.ndarray, points: np.ndarray, halvings: Halvings = NOTHING_KNOWN
+        self, system: System, indicators: np.ndarray, points: np.ndarray, halvings: Halvings = NOTHING_KNOWN
     ) -> MeshQuadTree:
-        """Quarters marked elements, and those of their quarters that would be marked again.
+        """Quarters marked elements, and those of their quarters that would be marked again; merges others of one zone.
 
         ``points`` (2, n) are the singular ones, ``halvings`` what one halving leaves there.
         """
-        mesh: MeshQuadTree = geometry.mesh
+        geometry, mesh = system.geometry, system.mesh
         leaves = mesh.leaves
         room = self.room(leaves, geometry.surface)
         marked = _numbers("marking", called("marking", self.refine.marked, np.where(room, indicators, 0.0)), len(leaves))
@@ -88,7 +102,7 @@ class Growth:
         if 0 < marked.size < len(leaves):
             finer = self._again(geometry, finer, indicators, float(indicators[marked].min()), points, halvings)
         merged = _numbers("coarsening", called("coarsening", self.coarsen.marked, indicators), len(leaves))
-        small = finer.find(leaves.cells.take(merged))
+        small = finer.find(leaves.cells.take(merged[may_be_merged(system)[merged]]))
         return mesh.regrown(finer).coarsened(small[small >= 0])
 
     def room(self, leaves: Leaves, surface: Surface) -> np.ndarray:

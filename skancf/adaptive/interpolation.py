@@ -104,6 +104,24 @@ class Interpolation:
         return nodes, _frames(before[nodes])[0], gap[nodes]
 
 
+def multipliers_on(state: Solution, system: System) -> np.ndarray:
+    """Those of a state on another mesh, (n,), none of a system without conditions.
+
+    Raises
+    ------
+    InputError
+        For a state that has none though its system has conditions.
+    """
+    conditions = state.system.conditions
+    if not conditions:
+        return np.zeros(0)
+    if state.multipliers is None:
+        names = ", ".join(map(repr, conditions.names))
+        raise InputError(f"state: it has no multipliers, and its system has conditions: {names}; give what solve, "
+                         "solve_linear or trace found")  # fmt: skip
+    return conditions.carried(state.multipliers, system.conditions)
+
+
 def _frames(vectors: np.ndarray, rates: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal frames (n, 3, 3), columns along r_x, across it in the surface, and normal; and their rates."""
     (a, b), (da, db) = (np.moveaxis(v[:, 1:3], 1, 0) for v in (vectors, np.zeros_like(vectors) if rates is None else rates))

@@ -10,7 +10,7 @@ from skancf.errors import finite, unit_vector
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity
 from skancf.recovered import reentrant_corners
-from skancf.system.regularity import singularities
+from skancf.system.regularity import of_conditions, singularities, without_conditions
 from skancf.system.system import System
 from skancf.tolerances import ONE_DIRECTION
 
@@ -45,9 +45,10 @@ def no_limit(quantity: Quantity, system: System) -> str | None:
     --------
     >>> sk.adaptive.no_limit(sk.Displacement(at=(0.5, 0.5)), system)
     """
-    said = singularities(system)
     if isinstance(quantity, SectionForce):
+        said = singularities(system)
         return None if quantity.at is None else _section_force(quantity, quantity.at, system.geometry, said)
+    said = without_conditions(system)  # what gives way pulls less: see drift
     if isinstance(quantity, Displacement):
         return _displacement(quantity, system.geometry, said)
     if isinstance(quantity, Rotation):
@@ -56,22 +57,42 @@ def no_limit(quantity: Quantity, system: System) -> str | None:
 
 
 def drift(system: System) -> str | None:
-    """A warning where supports at single points let every displacement drift with the element size; None without any.
+    """A warning where supports or links at single points let every displacement drift with the element size; None without
+    any.
 
     By its logarithm: the reaction of a support sinks into theory `full` as a point force does, by a part of the order of the
     thickness squared over the size squared; and a moment, of a support that holds the normal at a point, turns that point in
-    both theories, by a part of the order of one.
+    both theories, by a part of the order of one. A link sinks as a support does, where it pulls along the surface in both
+    theories.
     """
     shear, held = system.geometry.theory.shear, held_points(system.geometry, singularities(system))
     points = [point for _, point, rests, turned in held if turned or (rests and shear)]
     if not points:
-        return None
-    places = ", ".join(_at(point) for point in points[:4]) + (", ..." if len(points) > 4 else "")
+        return _drift_of_conditions(system)
+    places = _places(points)
     what, way_out = "theory 'full' is supported", "support an edge, or take theory 'kirchhoff'"
     if not shear:
         what, way_out = "the normal is held", "hold it along an edge"
     return (f"{what} at single points, {places}: with a reaction there every displacement drifts by the logarithm of the "
             f"element size, and has no limit as the mesh is refined; {way_out}")  # fmt: skip
+
+
+def _drift_of_conditions(system: System) -> str | None:
+    """The same of what conditions pull at."""
+    geometry = system.geometry
+    pulling = [(each, at) for each, at in _acting(of_conditions(system), "force")
+               if geometry.theory.shear or has_part_along(geometry, each.vector, at)]  # fmt: skip
+    if not pulling:
+        return None
+    thin_has_one = geometry.theory.shear and not any(has_part_along(geometry, each.vector, at) for each, at in pulling)
+    way_out = "take theory 'kirchhoff'" if thin_has_one else "hold the mean of a region by a condition of your own"
+    return (f"{pulling[0][0].words} pulls at single points, {_places([at for _, at in pulling])}, which sink into theory "
+            f"{geometry.theory.name!r} there: every displacement drifts by the logarithm of the element size, and has no "
+            f"limit as the mesh is refined; join edges by a Hinge, or {way_out}")  # fmt: skip
+
+
+def _places(points: list[np.ndarray]) -> str:
+    return ", ".join(_at(point) for point in points[:4]) + (", ..." if len(points) > 4 else "")
 
 
 def _section_force(quantity: SectionForce, at: Any, geometry: Geometry, said: list[Singularity]) -> str | None:

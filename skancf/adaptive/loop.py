@@ -27,7 +27,6 @@ from skancf.arguments import MESH, instance
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, number
 from skancf.functions import called
 from skancf.kernels.constants import BLOCK
-from skancf.layout.geometry import Geometry
 from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
 from skancf.progress import Progress
@@ -217,7 +216,7 @@ class _Run:
         if end := self._end():
             return end
         at, clock = answer.state.system, self.clock
-        mesh, end = clock.take("mark", self._next, at.geometry, self.best, singular_points(at, self.quantity))
+        mesh, end = clock.take("mark", self._next, at, self.best, singular_points(at, self.quantity))
         if end:
             return end
         self.merged, self.start, self.clock = _merged(level.mesh, mesh), answer.state, _Clock({})
@@ -301,14 +300,14 @@ class _Run:
                 "smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
 
     def _next(
-        self, geometry: Geometry, found: _Found, points: np.ndarray
+        self, system: System, found: _Found, points: np.ndarray
     ) -> tuple[MeshQuadTree, End | None]:
         """The next mesh, and why not to begin with it; one of fewer elements where all of them are too many."""
         level, known = found.level, (found.level.indicators, points, found.estimate.halvings)
-        mesh = self.growth.next_mesh(geometry, *known)
+        mesh = self.growth.next_mesh(system, *known)
         end, part = self._too_much(level, mesh), getattr(self.growth.refine, "part", None)
         if end and part is not None:
-            fewer = replace(self.growth, refine=part).next_mesh(geometry, *known)
+            fewer = replace(self.growth, refine=part).next_mesh(system, *known)
             if not self._too_much(level, fewer):
                 return fewer, None
         return mesh, end

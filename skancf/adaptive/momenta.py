@@ -69,7 +69,7 @@ class Momenta:
     @cached_property
     def _lightest(self) -> np.ndarray:
         """Velocities of least energy, one for each momentum, (6, n_dofs)."""
-        if not self.system.constraints.fixed.any():
+        if not (self.system.constraints.fixed.any() or self.system.conditions):
             return self._modes
         return np.array([self._solve(self.system.mass @ mode) for mode in self._modes])
 

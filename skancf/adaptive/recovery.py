@@ -13,6 +13,8 @@ from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
 from skancf.layout.geometry import Geometry
 from skancf.layout.patches import averaging_nodes
+from skancf.layout.zones import SectionsOnMesh
+from skancf.materials import Section
 from skancf.solution import Solution
 from skancf.theories.kirchhoff.theory import legendre
 from skancf.tolerances import SINGULAR_FIT
@@ -34,8 +36,8 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     mean of those at the ends of the edge that it divides.
 
     Shear forces are left out: their boundary layers would be taken for errors. Loads and supports along a line inside the
-    surface, where moments have a kink or a jump, and borders of zones, where forces along them jump, are taken for errors of
-    the elements beside them.
+    surface, where moments have a kink or a jump, are taken for errors of the elements beside them. At borders of zones,
+    where forces along them jump, each side has polynomials of its own.
 
     C is that of the undeformed state, with laws at points too: the second Piola-Kirchhoff stress of a stretched sheet of
     rubber hardly grows with the strain, and by the stiffness that it has there any error would be a large one. What tension
@@ -69,48 +71,89 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     geometry, (points, weights) = solution.system.geometry, square_quadrature(3)
     raw = solution.section_forces(points)
     bending = geometry.theory.order // 2
-    error = np.concatenate([recovered(geometry, raw[:, :3], 2), recovered(geometry, raw[:, 3:], bending)], axis=1) - raw
+    section = solution.system.assembly.section
+    sections = None if isinstance(section, Section) else section
+    smoother = [recovered(geometry, part, degree, sections) for part, degree in ((raw[:, :3], 2), (raw[:, 3:], bending))]
+    error = np.concatenate(smoother, axis=1) - raw
     jets = geometry.theory.jets(geometry.undeformed_local, geometry.inside(points))
     areas = np.linalg.norm(np.cross(jets[0], jets[1], axis=0), axis=0) * weights
-    compliance = np.linalg.inv(solution.system.assembly.section.at(geometry.inside(points)).abd())
+    compliance = np.linalg.inv(section.at(geometry.inside(points)).abd())
     of = "ep" * (compliance.ndim > 2)
     return np.asarray(0.5 * np.einsum(f"eip,{of}ij,ejp,ep->e", error, compliance, error, areas, optimize=True))
 
 
-def recovered(geometry: Geometry, raw: np.ndarray, degree: int) -> np.ndarray:
+def recovered(geometry: Geometry, raw: np.ndarray, degree: int, sections: SectionsOnMesh | None = None) -> np.ndarray:
     """Smoother values at the 3 x 3 Gauss points of every element, of values there: both (n_elements, k, 9).
 
-    Polynomials of that degree, 1 or 2, fit the values at as many Gauss points in each direction.
+    Polynomials of that degree, 1 or 2, fit the values at as many Gauss points in each direction, of elements in one zone of
+    the sections.
     """
-    points, own, mesh = square_quadrature(3)[0], averaging_nodes(geometry), geometry.mesh
-    scale, coefficients = _fits(geometry, own, raw, degree)
+    points, mesh, patches = square_quadrature(3)[0], geometry.mesh, _Patches(geometry, sections)
+    scale, coefficients = _fits(geometry, patches, raw, degree)
     element, corner, node, share = _blended(geometry)
-    trust = _trust(geometry, own)[own[node]]
+    patch, trust = patches.about(node, element)
     most = np.zeros(geometry.n_elements, dtype=int)
     np.maximum.at(most, element, trust)
     use = trust == most[element]
-    element, corner, node, share = element[use], corner[use], node[use], share[use]
+    element, corner, node, share, patch = element[use], corner[use], node[use], share[use], patch[use]
     offsets = geometry.parameters(points)[:, element] - mesh.p[:, node, None]
     blend = share[:, None] * _bilinear(points)[corner]
-    powers = _powers(offsets / scale[:, own[node], None], degree).swapaxes(0, 1)
-    values = coefficients[own[node]] @ powers * blend[:, None]
+    powers = _powers(offsets / scale[:, patch, None], degree).swapaxes(0, 1)
+    values = coefficients[patch] @ powers * blend[:, None]
     return np.asarray(_summed(element, values, len(raw)) / _summed(element, blend, len(raw))[:, None])
 
 
-def _fits(geometry: Geometry, own: np.ndarray, raw: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
-    """Polynomials around the nodes: scales of x and y (2, n_mesh_nodes) and coefficients (n_mesh_nodes, k, n_powers)."""
+class _Patches:
+    """Elements around nodes, on one side of borders between zones.
+
+    Attributes
+    ----------
+    of : (4 n_elements,) int array
+        Number of the patch about each corner, corner by corner.
+    n : int
+        How many there are.
+    """
+
+    def __init__(self, geometry: Geometry, sections: SectionsOnMesh | None):
+        self._own, n = averaging_nodes(geometry), geometry.n_elements
+        self._zones = np.zeros(n, dtype=int) if sections is None else sections.zones
+        borders = np.zeros(geometry.mesh.facets.shape[1], dtype=bool) if sections is None else sections.borders
+        self._keys, self.of = np.unique(self._key(geometry.mesh.t, np.arange(n)).ravel(), return_inverse=True)
+        self.n = len(self._keys)
+        inner = _inner(geometry, self._own, borders)[self._keys // self._n_zones]
+        self._trust = inner + (np.bincount(self.of, minlength=self.n) >= 3).astype(int)
+
+    @property
+    def _n_zones(self) -> int:
+        return int(self._zones.max()) + 1
+
+    def _key(self, node: np.ndarray, element: np.ndarray) -> np.ndarray:
+        return np.asarray(self._own[node] * self._n_zones + self._zones[element])
+
+    def about(self, node: np.ndarray, element: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Patches about nodes of the mesh in the zones of elements, and their trust: 2 for those with elements all around, 1
+        for those of three elements at least, 0 for others; -1 where there is none. Both (m,).
+
+        Fewer elements are in a row, and do not tell a quadratic field from a linear one across it.
+        """
+        key = self._key(node, element)
+        patch = np.minimum(np.searchsorted(self._keys, key), self.n - 1)
+        return patch, np.where(self._keys[patch] == key, self._trust[patch], -1)
+
+
+def _fits(geometry: Geometry, patches: _Patches, raw: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
+    """Polynomials of the patches: scales of x and y (2, n) and coefficients (n, k, n_powers)."""
     (points, weights), best, mesh = square_quadrature(3), square_quadrature(degree)[0], geometry.mesh
     # The part of this degree less one in each direction: the next Legendre polynomial vanishes at the best points.
     at_best = raw @ (weights[:, None] * legendre(points, (degree, degree)) @ legendre(best, (degree, degree)).T)
-    nodes, n = own[mesh.t].ravel(), len(own)
-    offsets = (geometry.parameters(best)[:, None] - mesh.p[:, mesh.t, None]).reshape(2, len(nodes), -1)
+    patch, n = patches.of, patches.n
+    offsets = (geometry.parameters(best)[:, None] - mesh.p[:, mesh.t, None]).reshape(2, len(patch), -1)
     scale = np.zeros((2, n))
     for s, reach in zip(scale, np.abs(offsets).max(axis=2), strict=True):
-        np.maximum.at(s, nodes, reach)
-    scale[scale == 0] = 1.0  # of nodes that are another one
-    powers = _powers(offsets / scale[:, nodes, None], degree).swapaxes(0, 1)
-    matrices = _summed(nodes, powers @ powers.swapaxes(1, 2), n)
-    sides = _summed(nodes, np.tile(at_best, (4, 1, 1)) @ powers.swapaxes(1, 2), n)
+        np.maximum.at(s, patch, reach)
+    powers = _powers(offsets / scale[:, patch, None], degree).swapaxes(0, 1)
+    matrices = _summed(patch, powers @ powers.swapaxes(1, 2), n)
+    sides = _summed(patch, np.tile(at_best, (4, 1, 1)) @ powers.swapaxes(1, 2), n)
     # Too few places leave a power undetermined; of the polynomials that fit, the smallest is taken.
     return scale, sides @ np.linalg.pinv(matrices, rcond=SINGULAR_FIT, hermitian=True)
 
@@ -124,19 +167,17 @@ def _blended(geometry: Geometry) -> tuple[np.ndarray, np.ndarray, np.ndarray, np
     return np.tile(element, 2), np.tile(corner, 2), parents[:, mesh.t].ravel(), np.full(2 * element.size, 0.5)
 
 
-def _trust(geometry: Geometry, own: np.ndarray) -> np.ndarray:
-    """2 for nodes with elements all around, 1 for those of three elements at least, 0 for others: (n_mesh_nodes,).
-
-    Fewer elements are in a row, and do not tell a quadratic field from a linear one across it.
-    """
+def _inner(geometry: Geometry, own: np.ndarray, borders: np.ndarray) -> np.ndarray:
+    """Nodes with elements all around, on neither the boundary nor borders (n_facets,), (n_mesh_nodes,) bool."""
     mesh, inner = geometry.mesh, np.ones(len(own), dtype=bool)
     edges = mesh.facets[:, geometry.boundary]
     hanging, ends = geometry.hanging.nodes, geometry.hanging.ends
     # A divided edge and its halves have elements on both sides, whatever their number of neighbours says.
     divided = np.isin(edges, hanging).any(axis=0) | np.isin(_keys(edges, len(own)), _keys(ends, len(own)))
     inner[own[edges[:, ~divided]]] = False
+    inner[own[mesh.facets[:, borders]]] = False
     inner[np.isin(geometry.ties.node_of, list(geometry.ties.poles))] = False
-    return inner + (np.bincount(own[mesh.t].ravel(), minlength=len(own)) >= 3).astype(int)
+    return inner
 
 
 def _keys(pairs: np.ndarray, n: int) -> np.ndarray:

@@ -11,19 +11,21 @@ correction of the velocity gives back both momenta; and where the energy rose, w
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from types import TracebackType
 
 import numpy as np
 
 from skancf.adaptive.interpolation import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
+from skancf.adaptive.on_conditions import Mass, closed, floats, kept
 from skancf.arguments import STATE, SYSTEM, flag, instance
-from skancf.conditions.sums import refuse
 from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
 from skancf.errors import SingularMatrix, vector
 from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
+from skancf.statics.conditioned import factored_about, solved
 from skancf.statics.stopping import work
 from skancf.system.linearised import Exact
 from skancf.system.system import System
@@ -114,6 +116,9 @@ def remap(
 
     Supports hold what they prescribe. Rates are those of the prescription, plus what those of the old nodes differed from
     it: the velocities of an integrator are not quite that rate, and go on as they were.
+
+    Conditions are met on the new mesh, whose rows may be others: positions and velocities are the nearest in the mass norm
+    that meet them.
     """
     instance("state", state, Solution, STATE)
     instance("system", system, System, SYSTEM)
@@ -122,36 +127,18 @@ def remap(
     if acceleration is not None:
         acceleration = vector("acceleration", acceleration, state.system.n_dofs)
     require_one_tree(state.system.geometry, system.geometry)
-    refuse(system, "remap")
     with _Passage(state, system, backend) as passage:
         q = passage.settled() if settle else passage.start
         a = None if acceleration is None else passage.rates(acceleration)
         factor, v = 1.0, None
         if state.velocity is not None:
-            now = Momenta(system, q, passage.new_mass.solve)
+            mass = passage.mass_at(q)
+            now = Momenta(system, q, mass.solve)
             before = now.rigid(state.system.layout, state.q) @ (state.system.mass @ state.velocity)
-            v = now.corrected(passage.velocity(), before)
+            v = now.corrected(kept(mass, q, passage.velocity(), state.time), before)
             if settle:
                 v, factor = now.slowed(v, passage.energy - passage.strain_energy(system, q))
         return Remapped(q, v, a, passage.change(q, v, factor))
-
-
-class _Mass:
-    """Accelerations by the mass of free coordinates, factored when first used."""
-
-    def __init__(self, system: System, backend: str):
-        self.system, self.backend = system, backend
-        self._solver: DirectSolver | None = None
-
-    def solve(self, force: np.ndarray) -> np.ndarray:
-        if self._solver is None:
-            self._solver = DirectSolver(self.system.pattern, self.system.constraints, self.backend)
-            self._solver.factor(self.system.mass)
-        return self._solver.solve(force)
-
-    def close(self) -> None:
-        if self._solver is not None:
-            self._solver.close()
 
 
 class _Passage:
@@ -167,7 +154,6 @@ class _Passage:
 
     def __init__(self, state: Solution, system: System, backend: str):
         self.state, self.old, self.new, self.backend = state, state.system, system, backend
-        self.old_mass, self.new_mass = _Mass(self.old, backend), _Mass(system, backend)
         self.there = Interpolation.of(self.old, system)
         finer = is_finer(system.mesh.leaves, self.old.mesh.leaves)
         self.back = None if finer else Interpolation.of(system, self.old)
@@ -175,7 +161,9 @@ class _Passage:
         at_nodes = self.there.positions(state.q)
         self._taken = at_nodes + system.constraints.fixed_part(wanted - at_nodes)
         self._lost = None if self.back is None else self._significant(state.q - self.back.positions(self._taken), state.q)
-        self.start = self._centred()
+        self.start = closed(system, self._centred(), state.case, backend)
+        self.old_mass, self.new_mass = Mass(self.old, state.q, backend), Mass(system, self.start, backend)
+        self._masses = [self.old_mass, self.new_mass]
         self._strain = self.strain_energy(self.old, state.q)
         self.energy = self._strain + state.kinetic_energy
 
@@ -183,8 +171,15 @@ class _Passage:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        self.old_mass.close()
-        self.new_mass.close()
+        for mass in self._masses:
+            mass.close()
+
+    def mass_at(self, q: np.ndarray) -> Mass:
+        """That of the new mesh at q, where its conditions are."""
+        if not self.new.conditions:
+            return self.new_mass
+        self._masses.append(Mass(self.new, q, self.backend))
+        return self._masses[-1]
 
     @staticmethod
     def _significant(lost: np.ndarray, whole: np.ndarray) -> np.ndarray:
@@ -195,11 +190,16 @@ class _Passage:
         """The positions of the nodes, of a free body with the centre of mass of what was lost."""
         return self._taken if self._lost is None else self._taken + self.mean(self.old, self._lost)
 
+    @cached_property
+    def _floats(self) -> bool:
+        """Whether nothing holds the body where it is."""
+        return floats(self.new)
+
     def mean(self, system: System, change: np.ndarray) -> np.ndarray:
         """The translation that moves the centre of mass of a free body as a change does on a system, (n_new_dofs,)."""
         layout = self.new.layout
         out = np.zeros_like(layout.undeformed)
-        if self.new.foundation is None and not self.new.constraints.fixed.any():
+        if self._floats:
             moment, mass = _moments(system, change)
             out[layout.moving, 0] = moment / mass
         return out.ravel()
@@ -235,7 +235,7 @@ class _Passage:
                 found = iterate(q, _Settling(self, inertia, solver), _Excess(self, excess), STEPS)
             if found.status is Status.SINGULAR:
                 raise SingularMatrix(found.message)
-            q = found.x
+            q = closed(new, found.x, state.case, self.backend)
         return q
 
     def _is_settled(self, excess: float) -> bool:
@@ -285,8 +285,10 @@ class _Settling:
         mass = new.mass.diagonal()  # a pole has a vector without any
         direction = new.constraints.free_part(np.divide(residual, mass, out=np.zeros_like(mass), where=mass > 0))
         squared_frequency = float(direction @ (elastic @ direction)) / (2 * new.kinetic_energy(direction))
-        self.solver.factor(elastic + new.geometry.theory.softest * squared_frequency * new.mass)
-        step = self.solver.solve(residual)
+        matrix = elastic + new.geometry.theory.softest * squared_frequency * new.mass
+        tangent = factored_about(new, self.solver, matrix, None, q)
+        values = new.conditions.value(q, self.passage.state.case)
+        step, _, _ = solved(tangent, residual, -values)  # the multipliers come anew from each residual
         return step - self.passage.mean(new, step), work(step, residual)
 
     def step(self, q: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:

@@ -9,8 +9,9 @@ from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.grow import SMALLEST
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
-from skancf.adaptive.vibration import softening
+from skancf.adaptive.vibration import softened
 from skancf.arguments import whole
+from skancf.conditions.solver import curved
 from skancf.errors import InputError
 from skancf.solution import Solution
 from skancf.statics.buckling import buckling
@@ -73,14 +74,15 @@ class StabilityAnalysis:
         with Enriched(found.linear, backend=self.backend) as enriched:
             fine, better = enriched.system, enriched.corrected
             elastic = enriched.stiffness
-            geometric = geometric_stiffness(fine, better.change)
+            geometric = curved(fine, geometric_stiffness(fine, better.change), fine.undeformed, better.multipliers)
             phi = enriched.up(found.shapes[number])
             residual = elastic @ phi + value * (geometric @ phi)
-            step = -enriched.solve(residual)
+            step, pulls = enriched.solve_both(-residual, -enriched.rows(phi))
+            residual = residual + enriched.held_by(pulls)
             improved = phi + step
             factor = -elastic.energy(improved) / geometric.energy(improved)
             # d(load factor) = load factor^2 phi . dK phi with phi . K_0 phi = 1.
-            weight = enriched.solve(value**2 * softening(fine, fine.undeformed, phi))
+            weight = softened(enriched, phi, value**2)
             shares = enriched.shares(value * residual * enriched.surplus(step))
             shares = shares + enriched.shares(enriched.residual * enriched.surplus(weight))
             moved = moved_along(Solution(fine, fine.undeformed, load_factor=0.0), improved, None)

@@ -11,7 +11,7 @@ from skancf.meshes.counts import stretch
 from skancf.meshes.lines import row_through
 from skancf.meshes.tensor import bounds_of
 from skancf.problem import Problem
-from skancf.surfaces import closed_directions
+from skancf.surfaces import closed_bounds
 
 ELEMENTS = 16
 AROUND = 8
@@ -19,8 +19,8 @@ AROUND = 8
 
 
 def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
-    """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads and supports, and along
-    the sides of zones and of the rectangle over which a quantity is a mean.
+    """Some :data:`ELEMENTS` elements of equal sides in space, with mesh lines through point loads, supports and links, and
+    along the sides of zones and of the rectangle over which a quantity is a mean.
 
     Raises
     ------
@@ -30,13 +30,13 @@ def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
     bounds = bounds_of(problem.surface)  # type: ignore[arg-type]
     lengths = [s * (high - low) for s, (low, high) in zip(stretch(problem.surface), bounds, strict=True)]  # type: ignore[arg-type]
     wide = np.sqrt(lengths[0] / lengths[1])
-    rows = []
+    rows, closed = [], closed_bounds(problem.surface)
     for axis, (low, high) in enumerate(bounds):
         count = max(2, round(np.sqrt(ELEMENTS) * (wide if axis == 0 else 1 / wide)))
-        if closed_directions(problem.surface)[axis]:
+        if axis in closed:
             count = max(AROUND, count)
         sides = getattr(quantity, "within", None) or ((), ())
-        held = [*_held(problem, axis), *map(float, sides[axis]), *lines_of(problem.zones, axis)]
+        held = [*_held(problem, axis), *map(float, sides[axis]), *lines_of(problem.zones, axis, closed)]
         rows.append(row_through(low, high, count, held, _loaded(problem, axis)))
     return tensor(problem.surface, *rows)  # type: ignore[arg-type]
 
@@ -48,8 +48,9 @@ def _held(problem: Problem, axis: int) -> list[float]:
 
 
 def _loaded(problem: Problem, axis: int) -> list[float]:
-    """Coordinates of points where something acts: nodes there help."""
-    return [float(point[axis]) for load in problem.loads for point in _points(getattr(load, "at", None))]
+    """Coordinates of points where something acts, a condition too: nodes there help."""
+    places = [getattr(load, "at", None) for load in problem.loads] + [list(joint.points) for joint in problem.conditions]
+    return [float(point[axis]) for place in places for point in _points(place)]
 
 
 def _points(where: object) -> list:

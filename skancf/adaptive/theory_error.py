@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.estimate import check_quantity, gradient_of, value_of
+from skancf.adaptive.interpolation import multipliers_on
 from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
 from skancf.arguments import STATE, instance
-from skancf.conditions.sums import refuse
+from skancf.conditions.solver import curved
 from skancf.errors import InputError
-from skancf.linear import DirectSolver, SkewSolver, check_backend
+from skancf.linear import DirectSolver, check_backend
 from skancf.solution import Solution
+from skancf.statics.conditioned import factored_about, rows_of, solved
 from skancf.statics.corrections import skew_part
 from skancf.thinness import Fields, ShearForm, moment_rates
 
@@ -86,7 +88,6 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     check_backend(backend)
     quantity = StrainEnergy() if quantity is None else quantity
     check_quantity(quantity)
-    refuse(solution.system, "theory_error")
     if solution.system.geometry.theory.shear:
         return NOTHING
     if solution.velocity is not None or solution.time is not None:
@@ -137,26 +138,33 @@ def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fiel
     if isinstance(quantity, StrainEnergy) and _is_loaded_alone(state):
         weight = state.change
     else:
-        weight = _weight(state, gradient_of(quantity, state), backend)
-        if hasattr(quantity, "lift"):
-            weight = weight - quantity.lift(state)
+        lift = quantity.lift(state) if hasattr(quantity, "lift") else None
+        weight = _weight(state, gradient_of(quantity, state), lift, backend)
+        if lift is not None:
+            weight = weight - lift
     fields = form.fields(moment_rates(system, at, weight))
     # The weight of the energy is the answer to the loads themselves, eccentric weight and moments on edges among them.
     return form.loaded(fields, state.q) if isinstance(quantity, StrainEnergy) else fields
 
 
 def _is_loaded_alone(state: Solution) -> bool:
-    """Is the dual weight of the energy the answer itself? In small deflections without moved supports and free strains."""
-    system = state.system
-    return state.linear and not system.prescribed().any() and not system.shell.heats
+    """Is the dual weight of the energy the answer itself? In small deflections without moved supports and free strains, and
+    with conditions that do not move."""
+    system, start = state.system, state.system.undeformed
+    moved = system.prescribed().any() or not system.conditions.met(system.conditions.value(start))
+    return state.linear and not moved and not system.shell.heats
 
 
-def _weight(state: Solution, gradient: np.ndarray, backend: str) -> np.ndarray:
+def _weight(state: Solution, gradient: np.ndarray, lift: np.ndarray | None, backend: str) -> np.ndarray:
+    """With conditions a motion that keeps them, or that changes them as a motion ``lift`` of supports does."""
     system, model, x = state.system, state.model, state.unknowns
     tangent, skew = model.tangent(x, state.case), skew_part(model, x, state.load_factor)
+    if not state.linear:
+        tangent = curved(system, tangent, x, multipliers_on(state, system))
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
-        solver.factor(tangent)
-        return SkewSolver(tangent, None if skew is None else -skew, solver).solve(gradient)
+        factors = factored_about(system, solver, tangent, None if skew is None else -skew, state.about)
+        values = np.zeros(system.conditions.n) if lift is None else rows_of(factors, lift)
+        return solved(factors, gradient, values)[0]
 
 
 def _stretched(state: Solution) -> str:

@@ -1,9 +1,8 @@
 """States on another mesh, for those who ask for a state."""
 
-from skancf.adaptive.interpolation import Interpolation, is_finer, require_one_tree
+from skancf.adaptive.interpolation import Interpolation, is_finer, multipliers_on, require_one_tree
 from skancf.adaptive.remap import remap
 from skancf.arguments import STATE, SYSTEM, instance
-from skancf.conditions.sums import refuse
 from skancf.solution import Solution
 from skancf.system.system import System
 
@@ -32,7 +31,6 @@ def transfer(state: Solution, system: System) -> Solution:
     instance("system", system, System, SYSTEM)
     old, new = state.system.geometry, system.geometry
     require_one_tree(old, new)
-    refuse(system, "transfer")
     if state.linear:
         q = system.undeformed + Interpolation.of(state.system, system).field(state.q - state.system.undeformed)
         wanted = system.undeformed + system.prescribed(state.case)
@@ -40,4 +38,7 @@ def transfer(state: Solution, system: System) -> Solution:
     else:
         there = remap(state, system, settle=not is_finer(new.mesh.leaves, old.mesh.leaves))
         q, v = there.q, there.v
-    return Solution(system, q, v, time=state.time, load_factor=state.load_factor, linear=state.linear)
+    multipliers = None if state.multipliers is None else multipliers_on(state, system)
+    return Solution(
+        system, q, v, time=state.time, load_factor=state.load_factor, linear=state.linear, multipliers=multipliers
+    )

@@ -7,16 +7,19 @@ import numpy as np
 
 from skancf.adaptive.analysis import Answer, StaticAnalysis
 from skancf.adaptive.energies import energies, small
-from skancf.adaptive.enriched import Enriched, Refined
+from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
 from skancf.adaptive.grow import SMALLEST
 from skancf.adaptive.quantities import StrainEnergy
+from skancf.adaptive.refined import Refined
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, of_eigenvalue
 from skancf.arguments import flag, whole
+from skancf.conditions.solver import solver_at
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted
 from skancf.solution import Solution
+from skancf.statics.conditioned import rows_of, solved
 from skancf.statics.eigen_checks import require_checks
 from skancf.statics.modes import Modes, modes, moved_along
 from skancf.statics.tangents import state_tangent
@@ -88,7 +91,7 @@ class VibrationAnalysis:
             return self._about(Refined(found.state.system), answer, None, halvings)
         with Enriched(found.state, backend=backend) as enriched:
             estimate = self._about(enriched, answer, enriched.corrected, halvings)
-            weight = enriched.solve(softening(enriched.system, enriched.corrected.q, enriched.up(shape)))
+            weight = softened(enriched, enriched.up(shape))
             of_state = enriched.shares(enriched.residual * enriched.surplus(weight))
             return replace(estimate, indicators=estimate.indicators + _per_eigenvalue(answer.value, value) * of_state)
 
@@ -103,8 +106,11 @@ class VibrationAnalysis:
         stiffness, mass, phi = state_tangent(fine, rest), fine.mass, refined.up(shape)
         residual = stiffness @ phi - value * (mass @ phi)
         with DirectSolver(fine.pattern, fine.constraints, self.statics.backend) as solver:
-            factor_shifted(solver, stiffness, mass)
-            step = -solver.solve(residual)
+            held = solver_at(fine, solver, fine.undeformed if rest is None else rest.q)
+            factor_shifted(held, stiffness, mass)
+            step, pulls, _ = solved(held, -residual, -rows_of(held, phi))
+        if pulls.size:
+            residual = residual + held.gradient.T @ pulls
         improved = phi + step
         shares = refined.shares(residual * refined.surplus(step)) * _per_eigenvalue(answer.value, value)
         moved = moved_along(rest or Solution(fine, fine.undeformed, load_factor=0.0), improved, None)
@@ -124,14 +130,30 @@ def _per_eigenvalue(frequency: float, value: float) -> float:
     return abs(frequency / (2 * value)) if value else 0.0
 
 
+def softened(enriched: Enriched, shape: np.ndarray, factor: float = 1.0) -> np.ndarray:
+    r"""Weight of what the state about which a shape moves has to do with :math:`\phi \cdot K \phi`, times a factor: with
+    conditions K has their curvature, and a change of multipliers counts by :math:`\phi \cdot g_{qq} \phi`."""
+    system, q = enriched.system, enriched.corrected.about
+    force = factor * softening(system, q, shape)
+    if not system.conditions:
+        return enriched.solve(force)
+    step = _step(system, shape)
+    after, before = (system.conditions.gradient(q + s * step * shape) @ shape for s in (1, -1))
+    return enriched.solve_both(force, factor * (after - before) / (2 * step))[0]
+
+
 def softening(system: System, q: np.ndarray, shape: np.ndarray) -> np.ndarray:
     r"""Derivative of :math:`\phi \cdot K(q) \phi` with respect to q, by a second difference of the internal force.
 
     The third derivatives of the energy are symmetric, so that it is the second derivative of the force along the shape.
     """
-    step = STEP * np.abs(system.undeformed).max() / np.abs(shape).max()
+    step = _step(system, shape)
     ahead, at, behind = (system.internal_force(q + s * step * shape) for s in (1, 0, -1))
     return np.asarray((ahead - 2 * at + behind) / step**2)
+
+
+def _step(system: System, shape: np.ndarray) -> float:
+    return float(STEP * np.abs(system.undeformed).max() / np.abs(shape).max())
 
 
 RIGID_MOTIONS = 6

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from skancf.errors import InputError
 from skancf.history import Case
 from skancf.layout.layout import Layout
 from skancf.layout.singularities import Singularity
@@ -70,6 +71,14 @@ class Condition:
         """What its forces do that is not smooth: see :class:`~skancf.layout.singularities.Singularity`. Default: nothing."""
         return []
 
+    def carried(self, multipliers: np.ndarray, onto: "Condition") -> np.ndarray:
+        """Its multipliers (n,) for the same condition on another mesh, (onto.n,). Default: as they are, where both have the
+        same rows; a condition whose rows depend on the mesh overrides it, or raises InputError."""
+        if onto.n != self.n:
+            raise InputError(f"condition {self.name!r}: it has {self.n} rows on one mesh and {onto.n} on another; say in "
+                             "carried(multipliers, onto) which multipliers are the same forces there")  # fmt: skip
+        return multipliers
+
     def forces(self, multipliers: np.ndarray) -> Any:
         """Its multipliers (n,) as a user reads them. Default: as they are."""
         return multipliers
@@ -85,6 +94,12 @@ class Joint:
     def wheres(self) -> dict[str, Any]:
         """Places of the boundary, by the names of the arguments that mean them. Default: none."""
         return {}
+
+    @property
+    def points(self) -> tuple[Any, ...]:
+        """Single points (2,) of the parameter plane that it pulls at: a mesh that refines itself begins with nodes there.
+        Default: none."""
+        return ()
 
     def gap(self, geometry: Any) -> sp.csr_matrix | None:
         """Weights (m, 4 n_nodes) of nodal vectors that make a gap which is to vanish undeformed, for

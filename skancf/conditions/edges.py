@@ -20,7 +20,8 @@ INVERSIONS = 20
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Boundary facets one after another.
+    """Boundary facets one after another, the same way on every mesh: from the end with the smaller x, or y where both have
+    one x. A closed one begins at its smallest place, and goes to the neighbour with the smaller one.
 
     Attributes
     ----------
@@ -49,12 +50,13 @@ class Chain:
         facets = geometry.facets_on(where)
         pairs = geometry.mesh.facets[:, facets].T
         at: dict[int, list[int]] = {}
-        nodes = geometry.ties.node_of[pairs]
-        for k, pair in enumerate(nodes):
-            for node in pair:
-                at.setdefault(int(node), []).append(k)
+        nodes, places = geometry.ties.node_of[pairs], geometry.mesh.p[:, pairs]
+        for k in _in_order(places.mean(axis=2)):
+            for node in nodes[k]:
+                at.setdefault(int(node), []).append(int(k))
         tips = [node for node, those in at.items() if len(those) == 1]
-        order, node = [], tips[0] if tips else int(nodes[0, 0])
+        by_place = nodes.ravel()[_in_order(places.reshape(2, -1))].tolist()
+        order, node = [], next(node for node in by_place if node in tips or not tips)
         left = set(range(len(facets)))
         while here := [k for k in at[node] if k in left]:
             k = here[0]
@@ -127,8 +129,15 @@ class Chain:
         return np.asarray(self._speed(which, t[:, None] * points) @ weights * t)
 
 
-def side_by_side(first: Chain, second: Chain, names: tuple[str, str]) -> Chain:
-    """The second chain in the direction of the first, and beginning where that one begins.
+def _in_order(places: np.ndarray) -> np.ndarray:
+    """Numbers (n,) of places (2, n) of the parameter plane by their x, and by y where it is one, up to rounding."""
+    steps = np.round(places / (ONE_PLACE * np.abs(places).max()))
+    return np.asarray(np.lexsort(steps[::-1]))
+
+
+def side_by_side(first: Chain, second: Chain, names: tuple[str, str]) -> tuple[Chain, float]:
+    """The second chain in the direction of the first, and beginning where that one begins; and by how much they miss each
+    other at most (m).
 
     Raises
     ------
@@ -152,7 +161,7 @@ def side_by_side(first: Chain, second: Chain, names: tuple[str, str]) -> Chain:
         raise InputError(f"{names[0]} and {names[1]} do not meet: undeformed they are up to {far:.4g} m apart, at edges "
                          f"{size:.4g} m long. Name two edges that lie on each other, or bend the surface so that they do; a "
                          "RigidLink keeps two points apart")  # fmt: skip
-    return nearest
+    return nearest, far
 
 
 def segments(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -20,13 +20,13 @@ from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.edges import Chain, segments, side_by_side
 from skancf.conditions.rows import cells_of, extent_of, in_space
 from skancf.elements.quad_ancf import gauss
-from skancf.errors import InputError, shown
+from skancf.errors import InputError, shown, warn
 from skancf.functions import Noted, is_function
 from skancf.history import Case
 from skancf.kernels.constants import AXES
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
-from skancf.tolerances import ONE_PLACE
+from skancf.tolerances import ONE_PLACE, SEVEN_DIGITS
 
 POINTS = 4
 """Gauss points between two knots of either edge."""
@@ -50,6 +50,11 @@ class Hinge(Joint):
     ------
     InputError
         On a mesh: for places that are no single run of edges, and for edges that do not meet undeformed, with the distance.
+
+    Warns
+    -----
+    OutOfDepth
+        On a mesh, where the surface leaves a gap of up to a hundredth of the edge, which is closed.
 
     Examples
     --------
@@ -82,7 +87,12 @@ class Hinge(Joint):
 
     def gap(self, geometry: Geometry) -> sp.csr_matrix:
         """That of its edges: interpolated by two meshes, they miss each other a little."""
-        return Seam.of(geometry, self).weights
+        seam = Seam.of(geometry, self)
+        if seam.apart > SEVEN_DIGITS * seam.ends[-1]:
+            warn(f"{self.name}: edges {shown(self.first)} and {shown(self.second)} of the surface miss each other by up to "
+                 f"{seam.apart:.4g} m, and nodes there are moved to close the gap, without stress; let the surface close by "
+                 "itself, as by an angle of 2 pi")  # fmt: skip
+        return seam.weights
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +107,14 @@ class Seam:
         Of nodal vectors, for the gap: averages of degree 0 and 1 on each segment, and at both ends of the edge.
     sizes : (2 n + 2,) array
         The same of a gap of one: by what a row grows with the length of its segment.
+    apart : float
+        By how much the surface misses itself there at most (m).
     """
 
     ends: np.ndarray
     weights: sp.csr_matrix
     sizes: np.ndarray
+    apart: float
 
     @classmethod
     def of(cls, geometry: Geometry, hinge: Hinge) -> "Seam":
@@ -110,7 +123,7 @@ class Seam:
         if np.isin(first.facets, other.facets).any():
             raise InputError(f"{hinge.name}: {shown(hinge.first)} and {shown(hinge.second)} have edges in common; name two "
                              "different edges")  # fmt: skip
-        second = side_by_side(first, other, names)
+        second, apart = side_by_side(first, other, names)
         ends, knots = segments(first.knots, second.knots)
         points, weights = gauss(POINTS)
         s = (knots[:-1, None] + np.diff(knots)[:, None] * points).ravel()
@@ -121,7 +134,7 @@ class Seam:
         tips = np.empty(0) if first.closed else np.array([0.0, ends[-1]])
         rows = sp.vstack([gap, _gap_rows(geometry, first, second, tips)], format="csr")
         rows.eliminate_zeros()
-        return cls(ends, rows, np.concatenate([sizes, np.ones(len(tips))]))
+        return cls(ends, rows, np.concatenate([sizes, np.ones(len(tips))]), apart)
 
 
 def _chain(geometry: Geometry, name: str, where: Any) -> Chain:
@@ -168,6 +181,20 @@ class Gap(Condition):
         of += ["gap at its begin", "gap at its end"][: self.n // AXES - len(of)]
         return [f"{each}, {axis}" for each in of for axis in "xyz"]
 
+    def carried(self, multipliers: np.ndarray, onto: Condition) -> np.ndarray:
+        """The same force per length: on each segment of the other mesh its best straight line, by least squares."""
+        assert isinstance(onto, Gap)
+        here, there = self.seam.ends, onto.seam.ends * (self.seam.ends[-1] / onto.seam.ends[-1])
+        knots = np.unique(np.concatenate([here, there]))
+        points, weights = gauss(2)
+        s = (knots[:-1, None] + np.diff(knots)[:, None] * points).ravel()
+        ds = (np.diff(knots)[:, None] * weights).ravel()
+        of_segments, at_ends = np.split(multipliers.reshape(-1, AXES), [2 * (len(here) - 1)])
+        tests = legendre(s, there).multiply(ds)
+        norms = np.outer(np.diff(there), [1.0, 1.0 / 3.0]).ravel()  # of Legendre polynomials
+        projected = (tests @ (legendre(s, here).T @ of_segments)) / norms[:, None]
+        return np.concatenate([projected, at_ends]).ravel()
+
     def forces(self, multipliers: np.ndarray) -> "HingeForce":
         return HingeForce(self.seam.ends, multipliers.reshape(-1, AXES))
 
@@ -188,7 +215,8 @@ class HingeForce:
     multipliers: np.ndarray
 
     def per_length(self, s: Any) -> np.ndarray:
-        """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3)."""
+        """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3). They count from its end
+        with the smaller x, or y where both have one x."""
         places = np.atleast_1d(np.asarray(s, float))
         slack = ONE_PLACE * self.ends[-1]
         if not ((places >= -slack) & (places <= self.ends[-1] + slack)).all():

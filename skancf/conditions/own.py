@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.arguments import having
+from skancf.arguments import having, text, whole
+from skancf.conditions.check import require_curvature, require_derivative
 from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.sums import Conditions
 from skancf.errors import InputError, shown
@@ -15,6 +16,7 @@ from skancf.history import Case
 from skancf.kernels.constants import BLOCK
 from skancf.layout.layout import Layout
 from skancf.terms.own import check_cells
+from skancf.tolerances import SAME_VALUE
 
 NAMES = [name for name in (*vars(Condition), "name", "n", "scales") if not name.startswith("_")]
 
@@ -25,8 +27,9 @@ def conditions_of(joints: Sequence[Joint], shell: Any, layout: Layout) -> Condit
     Raises
     ------
     InputError
-        For what is no condition, one whose rows, gradient and cells do not fit each other, and one that the undeformed state
-        does not meet at the load factor zero.
+        For what is no condition, one whose rows, gradient and cells do not fit each other, one that the undeformed state
+        does not meet at the load factor zero, and one whose gradient is zero there or not the derivative of its value, or
+        whose curvature is not that of its forces.
     """
     found = [_condition(joint, shell, layout) for joint in joints]
     conditions = Conditions(found, layout.n_dofs)
@@ -38,6 +41,9 @@ def conditions_of(joints: Sequence[Joint], shell: Any, layout: Layout) -> Condit
             raise InputError(f"condition {name!r}: the undeformed state does not meet it, {each.rows()[worst]} is "
                              f"{values[worst]:.4g}. Begin with a state that does, and let its value depend "
                              "on the case to move there: it vanishes at case.factor = 0")  # fmt: skip
+        if not is_ours(each):
+            for require in (require_derivative, require_curvature):
+                require(f"condition {name!r}", each, layout)
     return conditions
 
 
@@ -49,7 +55,14 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
     name = f"the condition of {shown(joint)}"
     having(name, condition, NAMES, "one from on(), of a class that is derived from skancf.conditions.Condition, with name, "
            "n and scales")  # fmt: skip
-    n, q = condition.n, layout.undeformed.ravel().copy()
+    check_condition_of(name, condition, layout)
+    return condition
+
+
+def check_condition_of(name: str, condition: Condition, layout: Layout) -> None:
+    """InputError where shapes and blocks of a condition do not fit the layout, or its numbers are none."""
+    text(f"name of {name}", condition.name)
+    n, q = whole(f"n of {name}", condition.n, least=0), layout.undeformed.ravel().copy()
     q.flags.writeable = False  # a condition that writes into what it is given is stopped here
     with Noted("conditions: couples, value or gradient"):
         cells, value, gradient, between = (
@@ -64,14 +77,18 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
         raise InputError(f"scales of {name}: {shown(condition.scales)}; the size of a row is greater than zero")
     for what, matrix in (("gradient", gradient), ("between", between)):
         _check_gradient(f"{what} of {name}", matrix, cells, n, layout)
-    return condition
+    sizes = abs(sp.csr_matrix(gradient)) @ layout.scales.ravel()
+    nothing = np.flatnonzero(sizes <= SAME_VALUE * np.asarray(condition.scales))
+    if nothing.size:
+        raise InputError(f"gradient of {name}: that of {condition.rows()[nothing[0]]} is zero in the undeformed state, in "
+                         "which the condition holds nothing; write it as one that has a gradient, a distance and not its "
+                         "square")  # fmt: skip
 
 
 def _check_gradient(name: str, gradient: Any, cells: np.ndarray, n: int, layout: Layout) -> None:
-    shape = (n, layout.n_dofs)
-    if not sp.issparse(gradient) or gradient.shape != shape or not np.isfinite(gradient.data).all():
+    shape, rows = (n, layout.n_dofs), sp.csr_matrix(gradient) if sp.issparse(gradient) else None
+    if rows is None or rows.shape != shape or rows.dtype.kind not in "fiu" or not np.isfinite(rows.data).all():
         raise InputError(f"{name}: {shown(gradient)}; give a sparse matrix of finite numbers, of shape {shape}")
-    rows = sp.csr_matrix(gradient)
     for k in range(n):
         blocks = np.unique(rows.indices[rows.indptr[k] : rows.indptr[k + 1]] // BLOCK)
         if not any(np.isin(blocks, cell).all() for cell in cells):

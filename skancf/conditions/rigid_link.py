@@ -57,6 +57,11 @@ class RigidLink(Joint):
         vector("b", self.b, 2)
         text("name", self.name)
 
+    @property
+    def points(self) -> tuple[Any, ...]:
+        """Its ends."""
+        return self.a, self.b
+
     def on(self, shell: Any, layout: Layout) -> "Distance":
         rows = shell.position_rows(*shell.geometry.locate_all(np.array([self.a, self.b], float).T))
         difference = sp.csr_matrix(rows[1] - rows[0])

@@ -1,14 +1,13 @@
 """All conditions of a system together."""
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from skancf.conditions.condition import Condition
-from skancf.errors import InputError
 from skancf.history import FULL, Case
 from skancf.terms.blocks import Blocks
 from skancf.tolerances import CONDITION_MET
@@ -94,6 +93,11 @@ class Conditions(Sequence[Condition]):
         parts = zip(self.names, self, self._slices, strict=True)
         return {name: each.forces(multipliers[part]) for name, each, part in parts}
 
+    def carried(self, multipliers: np.ndarray, onto: "Conditions") -> np.ndarray:
+        """Multipliers (n,) for the same conditions on another mesh, (onto.n,)."""
+        pairs = zip(self, onto, self._slices, strict=True)
+        return np.concatenate([np.zeros(0), *(one.carried(multipliers[part], other) for one, other, part in pairs)])
+
     def histories(self) -> list[Any]:
         """Functions of time."""
         return [history for each in self for history in each.histories()]
@@ -107,13 +111,9 @@ class Conditions(Sequence[Condition]):
 
 def _different(names: list[str]) -> tuple[str, ...]:
     """Names with a number where several are equal."""
-    return tuple(f"{name} {names[: k + 1].count(name)}" if names.count(name) > 1 else name for k, name in enumerate(names))
-
-
-def refuse(system: Any, what: str) -> None:
-    """InputError where a system has conditions and ``what`` cannot take them yet."""
-    conditions = getattr(system, "conditions", None)
-    if conditions:
-        raise InputError(f"{what} cannot take conditions yet, and this system has {', '.join(map(repr, conditions.names))}; "
-                         "statics can (solve, solve_linear, trace, modes, buckling). Leave them out, or hold the parts "
-                         "together by a term of your own, as a stiff spring")  # fmt: skip
+    taken, out = set(names), []
+    for name in names:
+        numbered = (f"{name} {k}" for k in count(1))
+        out.append(name if names.count(name) == 1 else next(each for each in numbered if each not in taken))
+        taken.add(out[-1])
+    return tuple(out)

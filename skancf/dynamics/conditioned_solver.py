@@ -22,10 +22,14 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import NONE, State
 from skancf.dynamics.step_newton import DIFFERENCE, Effort, KeptFactors, StepCriterion, StepTangents
 from skancf.dynamics.step_solver import StepSolver
+from skancf.errors import warn
 from skancf.history import Case
 from skancf.linear import ConditionedSolver, DirectSolver
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO
+
+AGAINST = 0.01
+"""Of a velocity: a larger part of it that conditions do not allow is said."""
 
 
 def step_solver(system: System, rule: Rule, rtol: float | None = None, backend: str = "auto") -> StepSolver:
@@ -53,11 +57,25 @@ class ConditionedStepSolver(StepSolver):
     def begin(self, time: float, q: np.ndarray, v: np.ndarray, moment: float) -> State:
         driven = prescribed_acceleration(self.system, time, moment)
         held, (rate, second) = self._inertia(q), self._driving(time, q, moment)
-        v = v - held.solve_both(np.zeros(v.size), held.gradient @ v + rate)[0]
+        kept = v - held.solve_both(np.zeros(v.size), held.gradient @ v + rate)[0]
+        self._tell(v, kept)
+        v = kept
         self.energy = max(self.energy, self.system.kinetic_energy(v))
         force = net_force(self.system, q, v, Case(time=time)) - self.system.mass @ driven
         a, multipliers = held.solve_both(force, -(self._turning(q, v) + second + held.gradient @ driven))
-        return State(time, q, v, driven + a, multipliers=multipliers)
+        return State(time, q, v, driven + a, multipliers=multipliers, acting=time)
+
+    def _tell(self, v: np.ndarray, kept: np.ndarray) -> None:
+        """Warn where velocities were against the conditions."""
+        system = self.system
+        lost, whole = (system.kinetic_energy(each) ** 0.5 for each in (v - kept, v))
+        if lost > AGAINST * whole > 0.0:
+            warn(f"velocity: {lost / whole:.2g} of it, in the norm of the mass, is against the conditions "
+                 f"({', '.join(map(repr, system.conditions.names))}). The run begins with the nearest one that keeps them")
+
+    def taken(self, state: State, moment: float) -> State:
+        """With multipliers on this mesh, those that belong to its forces and velocities."""
+        return replace(state, multipliers=self.begin(state.time, state.q, state.v, moment).multipliers)
 
     def jump(self, start: State, impulse: np.ndarray, moment: float) -> np.ndarray:
         """Velocities keep the conditions, whose impulses do no work."""
@@ -97,7 +115,8 @@ class ConditionedStepSolver(StepSolver):
 
     def _end(self, x: np.ndarray, start: State, dt: float) -> tuple[State, np.ndarray]:
         u = x[: self.system.n_dofs].copy()
-        return replace(self.rule.end(u, start, dt), multipliers=x[self.system.n_dofs :].copy()), u
+        multipliers, (_, acting) = x[self.system.n_dofs :].copy(), self.rule.at_stage(u, start, dt)
+        return replace(self.rule.end(u, start, dt), multipliers=multipliers, acting=acting), u
 
     def _place(self, residual: np.ndarray) -> str:
         """Where the residual is largest, and which condition is missed where one is."""

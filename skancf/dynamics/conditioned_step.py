@@ -132,14 +132,24 @@ class ConditionedFactors(KeptFactors):
 
 
 class ConditionedTangents(StepTangents):
-    """Corrections of increments and multipliers."""
+    """Corrections of increments and multipliers.
+
+    Attributes
+    ----------
+    left : pair of (n,) arrays
+        Values of the conditions before the last correction, and what it leaves of them, to first order.
+    """
 
     equations: ConditionedEquations
     factors: ConditionedFactors
+    left: tuple[np.ndarray, np.ndarray]
 
     def correction(self, u: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
-        self.factors.gradients, self.values = self.equations.gradients(u), residual[self.equations.n :]
-        return super().correction(u, residual)
+        n, gradients = self.equations.n, self.equations.gradients(u)
+        self.factors.gradients = gradients
+        change, energy = super().correction(u, residual)
+        self.left = residual[n:], residual[n:] + gradients[1] @ change[:n]
+        return change, energy
 
     def _accelerated(self, change: np.ndarray, residual: np.ndarray) -> np.ndarray:
         """In a norm of both, in which multipliers count by what they would move."""
@@ -165,12 +175,13 @@ class ConditionedTangents(StepTangents):
 
 
 class ConditionedCriterion(StepCriterion):
-    """Ends where a correction is small and the conditions were met before it."""
+    """Ends where a correction is small and the conditions are met before it and after it."""
 
     tangents: ConditionedTangents
 
     def assess(self, u: np.ndarray, change: np.ndarray, energies: list[float]) -> End | None:
         end = super().assess(u, change, energies)
-        if end and end[0] is Status.CONVERGED and not self.tangents.factors.conditions.met(self.tangents.values):
+        conditions = self.tangents.factors.conditions
+        if end and end[0] is Status.CONVERGED and not all(conditions.met(values) for values in self.tangents.left):
             return None
         return end

@@ -74,6 +74,7 @@ def fingerprint_of_problem(system: System, begin: float, end: float) -> Fingerpr
         "mass": system.mass @ moved, "viscous_damping": 0 * at if system.viscous is None else system.viscous @ moved,
         "loads": _at(lambda case: system.applied_force(moved, case, moved), cases),
         "temperature": _at(lambda case: _or_zero(system.shell.initial_stress_force(moved, case), at), cases),
+        "conditions": _at(lambda case: system.conditions.value(moved, case), cases),
         "impulses": np.array([np.append(impulse, time) for time, impulse in system.loads.impulses()]),
         **{f"function_of_time_{k}": _at(function, moments) for k, function in enumerate(functions, 1)},
     }  # fmt: skip

@@ -3,10 +3,10 @@ r"""The ledger of a run: energies, work, dissipation and momenta, and whether th
 .. math:: T + U + V = (T + U + V)_0 + W - D - D_h + R
 
 with the kinetic, strain and potential energy T, U and V (of weight without a history), the work W of all other loads, of
-supports that move, of impulses and of temperature, the energy D that damping takes, D_h that the rule takes out of what the
-steps do not resolve (its numerical dissipation), and the change R by changes of the mesh. What is left over is the error of
-the integration: what a rule gains or loses beside that.
-Momenta change by the impulses of loads, supports, springs and damping.
+supports and conditions that move, of impulses and of temperature, the energy D that damping takes, D_h that the rule takes
+out of what the steps do not resolve (its numerical dissipation), and the change R by changes of the mesh. What is left over
+is the error of the integration: what a rule gains or loses beside that.
+Momenta change by the impulses of loads, supports, conditions, springs and damping.
 """
 
 from collections.abc import Mapping
@@ -51,7 +51,7 @@ class Ledger:
         ``work``, ``dissipation``, ``numerical`` (dissipation of the rule) and ``remeshing`` are sums from the start.
     linear, angular : (n, 3) arrays
     linear_impulse, angular_impulse : (n, 3) arrays
-        Of loads, supports, springs and damping from outside, from the start.
+        Of loads, supports, conditions, springs and damping from outside, from the start.
     events : tuple of MeshEvent
     """
 
@@ -131,7 +131,7 @@ def _interpolated(wanted: np.ndarray, times: np.ndarray, values: np.ndarray) -> 
 @dataclass(frozen=True)
 class Forces:
     """Nodal forces on the body at one time of a step, (n_dofs,): loads but weight, supports, springs, viscous ones from
-    outside, and damping of the material."""
+    outside, damping of the material, and conditions, with their multipliers (n,)."""
 
     time: float
     loads: np.ndarray
@@ -139,6 +139,8 @@ class Forces:
     springs: np.ndarray
     viscous: np.ndarray
     material: np.ndarray
+    conditions: np.ndarray
+    multipliers: np.ndarray
 
     def at(self, time: float, before: "Forces") -> "Forces":
         """Linear through those of the step before."""
@@ -205,14 +207,15 @@ class LedgerRecorder:
     def step(self, system: System, rule: Rule, start: State, u: np.ndarray, end: State, residual: Any) -> None:
         """Enter a step; ``residual()`` is that of the step's equations at its solution."""
         dt = end.dt
-        forces = self._forces(system, rule, start, u, dt, residual)
+        forces = self._forces(system, rule, start, u, end, residual)
         middle = forces.at(start.time + 0.5 * dt, self.before)
         self.before = forces
         q, case = start.q + 0.5 * u, Case(time=start.time + 0.5 * dt)
         weight = system.loads.applied(q, None, case, potential=True)
-        total = middle.loads + middle.supports + middle.springs + middle.viscous + weight
+        total = middle.loads + middle.supports + middle.springs + middle.viscous + middle.conditions + weight
         self._add(
-            work=float((middle.loads + middle.supports) @ u) + heat(system, start, end),
+            work=float((middle.loads + middle.supports) @ u) + heat(system, start, end)
+            + driven(system, middle.multipliers, start, end),
             dissipation=-float((middle.viscous + middle.material) @ u),
             numerical=_numerical(system, rule, start, u, dt),
             linear_impulse=dt * _sum_of_forces(system, total),
@@ -221,11 +224,11 @@ class LedgerRecorder:
         self._write(system, end)
 
     def _forces(
-        self, system: System, rule: Rule, start: State, u: np.ndarray, dt: float, residual: Any
+        self, system: System, rule: Rule, start: State, u: np.ndarray, end: State, residual: Any
     ) -> Forces:
-        at, time = rule.at_stage(u, start, dt)
+        dt, (at, time) = end.dt, rule.at_stage(u, start, end.dt)
         case, v = Case(time=time), rule.rate(u, start, dt)
-        supports, springs, viscous, material = np.zeros((4, u.size))
+        supports, springs, viscous, material, conditions = np.zeros((5, u.size))
         if system.constraints.fixed.any():
             supports = system.constraints.fixed_part(residual())
         if system.others:
@@ -235,8 +238,10 @@ class LedgerRecorder:
         if system.shell.retardation:
             stresses = rule.viscous_stresses(system, u, start, dt)
             material = -rule.force_of(system.shell, u, start, dt, stresses)
+        if system.conditions:
+            conditions = -(rule.gradient(system.conditions, u, start, dt).T @ end.multipliers)
         loads, working = system.loads.applied(at, v, case, potential=False), _working(system, at, v, case)
-        return Forces(time, loads + working, supports, springs - working, viscous, material)
+        return Forces(time, loads + working, supports, springs - working, viscous, material, conditions, end.multipliers)
 
     def jump(self, system: System, before: State, after: State) -> None:
         """Enter an impulse: its work is that on the mean of the rates, and so is that of the supports."""
@@ -284,14 +289,24 @@ def forces_at_rest(system: System, state: State) -> Forces:
     """The forces of a state between two steps."""
     q, v, case = state.q, state.v, Case(time=state.time)
     loads, working = system.loads.applied(q, v, case, potential=False), _working(system, q, v, case)
-    supports, viscous = np.zeros((2, q.size))
+    supports, viscous, conditions = np.zeros((3, q.size))
     springs = -system.others.force(q, v, case) - working
     if system.viscous is not None:
         viscous = -(system.viscous @ v)
     material = -system.shell.retarding_force(q, v)
+    if system.conditions:
+        conditions = -system.conditions.force(q, state.multipliers)
     if system.constraints.fixed.any():
-        supports = system.constraints.fixed_part(system.mass @ state.a - net_force(system, q, v, case))
-    return Forces(state.time, loads + working, supports, springs, viscous, material)
+        supports = system.constraints.fixed_part(system.mass @ state.a - net_force(system, q, v, case) - conditions)
+    return Forces(state.time, loads + working, supports, springs, viscous, material, conditions, state.multipliers)
+
+
+def driven(system: System, multipliers: np.ndarray, start: State, end: State) -> float:
+    r"""Work of conditions that change with time, :math:`\lambda \cdot (g(q, t_1) - g(q, t_0))`; others do none."""
+    if not system.conditions:
+        return 0.0
+    before, after = (system.conditions.value(end.q, Case(time=state.time)) for state in (start, end))
+    return float(multipliers @ (after - before))
 
 
 def heat(system: System, start: State, end: State) -> float:

@@ -10,6 +10,7 @@ from skancf.arguments import function
 from skancf.checks import Check
 from skancf.dynamics.interpolation import StateInterpolation
 from skancf.dynamics.ledger import Ledger
+from skancf.dynamics.pulls import Pulls
 from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
 from skancf.solution import Solution
@@ -40,7 +41,8 @@ class Step:
 class Segment:
     """A part of a run on one mesh and without a jump of velocities: states (n, n_dofs) at times (n,).
 
-    ``outputs`` (n,) says which of them are at output times; the others are its ends.
+    ``outputs`` (n,) says which of them are at output times; the others are its ends. ``pulls`` are the multipliers of
+    conditions, at every step.
     """
 
     system: System
@@ -48,15 +50,20 @@ class Segment:
     q: np.ndarray
     v: np.ndarray
     outputs: np.ndarray
+    pulls: Pulls | None = None
 
     def at(self, time: float) -> Solution:
         """The state at a time, between the states here by :class:`~skancf.dynamics.interpolation.StateInterpolation`."""
         k = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
         if self.times[k] >= time or k == len(self.times) - 1:
-            return Solution(self.system, self.q[k], self.v[k], time)
+            return self.solution(time, self.q[k], self.v[k])
         interpolation = StateInterpolation(self.system.layout, self.system.constraints)
         q, v = interpolation.cubic(time, self.times[k : k + 2], self.q[k : k + 2], self.v[k : k + 2])
-        return Solution(self.system, q, v, time)
+        return self.solution(time, q, v)
+
+    def solution(self, time: float, q: np.ndarray, v: np.ndarray) -> Solution:
+        """A state with the multipliers of its time."""
+        return Solution(self.system, q, v, time, multipliers=None if self.pulls is None else self.pulls.at(time))
 
 
 @dataclass(frozen=True)
@@ -150,7 +157,7 @@ class Motion:
         """The states at the output times, each with its own system."""
         for part in self.segments:
             for t, q, v in zip(part.times[part.outputs], part.q[part.outputs], part.v[part.outputs], strict=True):
-                yield Solution(part.system, q.copy(), v.copy(), float(t))
+                yield part.solution(float(t), q.copy(), v.copy())
 
     def output_ledger(self) -> Ledger:
         """The ledger at the output times."""

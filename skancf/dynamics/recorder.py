@@ -9,6 +9,7 @@ import numpy as np
 from skancf.dynamics.interpolation import StateInterpolation
 from skancf.dynamics.log import Log
 from skancf.dynamics.motion import Segment
+from skancf.dynamics.pulls import Pulls
 from skancf.dynamics.state import State
 from skancf.functions import called
 from skancf.solution import Solution
@@ -29,6 +30,16 @@ class Knot:
     output: bool
 
 
+@dataclass(frozen=True)
+class Pull:
+    """Multipliers that act at a time, in a step that ends at another one, and the segment of the run."""
+
+    segment: int
+    end: float
+    acting: float
+    values: np.ndarray
+
+
 class Recorder:
     """Keeps the states at ``times``, or at the ends of all steps, and the ``quantities``.
 
@@ -42,7 +53,7 @@ class Recorder:
         self.slack = ONE_TIME * (self.times[-1] - self.times[0] + ABOVE_ZERO)
         self.done = 0
         self.systems: list[System] = []
-        self.logs = {"knots": Log(Knot), "records": Log()}
+        self.logs = {"knots": Log(Knot), "records": Log(), "pulls": Log(Pull)}
 
     def state(self) -> dict[str, Any]:
         """How many of the output times are done."""
@@ -62,6 +73,11 @@ class Recorder:
         last, due = self.logs["knots"][-1:], self._due(state.time)
         self.done += due
         self._add(state.time, state.q, state.v, due or (bool(last) and last[0].output and last[0].time == state.time))
+        self._pulled(state)
+
+    def _pulled(self, state: State) -> None:
+        if state.multipliers.size:
+            self.logs["pulls"].append(Pull(len(self.systems) - 1, state.time, state.acting, state.multipliers))
 
     def _add(self, time: float, q: np.ndarray, v: np.ndarray, output: bool) -> None:
         self.logs["knots"].append(Knot(len(self.systems) - 1, time, q, v, output))
@@ -71,6 +87,7 @@ class Recorder:
 
     def step(self, start: State, end: State) -> None:
         """The states at output times of a step."""
+        self._pulled(end)
         if self.every:
             self._add(end.time, end.q, end.v, True)
             return
@@ -85,8 +102,10 @@ class Recorder:
     def keep(self, state: State) -> None:
         """The quantities of an accepted state."""
         row: dict[str, Any] = {"time": state.time}
+        pulls = _pulls(self.logs["pulls"][-LATEST:], len(self.systems) - 1)
+        multipliers = None if pulls is None else pulls.at(state.time)
         for name, quantity in self.quantities.items():
-            seen = Solution(self.systems[-1], state.q.copy(), state.v.copy(), state.time)
+            seen = Solution(self.systems[-1], state.q.copy(), state.v.copy(), state.time, multipliers=multipliers)
             row[_column(name)] = called(_column(name), quantity, seen)
         self.logs["records"].append(row)
 
@@ -104,10 +123,11 @@ class Recorder:
             # At the time of an event the output is the state after it.
             late = after is not None and after.segment > knot.segment and after.output and after.time == knot.time
             parts[knot.segment].append(replace(knot, output=False) if late else knot)
-        return tuple(
-            Segment(system, *(np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output")))
-            for system, part in zip(self.systems, parts, strict=True)
-        )
+        segments = []
+        for k, (system, part) in enumerate(zip(self.systems, parts, strict=True)):
+            time, q, v, output = (np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output"))
+            segments.append(Segment(system, time, q, v, output, _pulls(self.logs["pulls"], k)))
+        return tuple(segments)
 
     @property
     def records(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -115,6 +135,16 @@ class Recorder:
         rows = self.logs["records"]
         times = np.array([row["time"] for row in rows])
         return {name: (times, _stacked([row[_column(name)] for row in rows])) for name in self.quantities}
+
+
+LATEST = 4
+"""Rows of multipliers of which those at the present end are made."""
+
+
+def _pulls(rows: list[Pull], segment: int) -> Pulls | None:
+    """Those of a segment; None without conditions."""
+    rows = [row for row in rows if row.segment == segment]
+    return Pulls(*(np.array([getattr(row, name) for row in rows]) for name in ("end", "acting", "values"))) if rows else None
 
 
 def _column(name: str) -> str:

@@ -310,7 +310,8 @@ class Run:
             undeformed = np.array_equal(self.origin, self.system.undeformed)
             self.solver.close()
             self._on(new.system)
-            self.solver.energy, self.now = energy, new.state
+            self.solver.energy = energy
+            self.now = self.solver.taken(new.state, self._moment(new.state.time))
             # Displacements since the start are not known on another mesh, unless it began undeformed.
             self.origin = new.system.undeformed if undeformed else new.state.q
             self.ledger.remeshed(new.event, new.system, self.now)

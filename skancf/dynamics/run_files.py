@@ -16,7 +16,7 @@ from skancf.errors import InputError, SkancfError
 from skancf.meshes import quadtree_file
 from skancf.system.system import System
 
-FORMAT = "skancf run 4"
+FORMAT = "skancf run 5"
 RUN, STATE, PIECE, MESH = "run.npz", "state.npz", "piece_{:06d}.npz", "mesh_{:06d}.npz"
 STOPPED, REST = "stopped.npz", "rest.npz"
 """The state where a run stopped before its end, and what came since the last piece: to look at, not to go on from."""

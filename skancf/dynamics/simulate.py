@@ -21,6 +21,7 @@ from skancf.dynamics.recorder import Quantity, Recorder
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.run import MeshPolicy, Run, Settings
 from skancf.dynamics.steps import EnergyBalance, FixedStep, LocalError, StepControl
+from skancf.dynamics.trapezoidal import Trapezoidal
 from skancf.errors import InputError, finite, positive, shown
 from skancf.history import Case, check_covers
 from skancf.memory import require_much
@@ -80,7 +81,8 @@ def simulate(
         Quantities kept at every accepted step.
     velocity : RigidVelocity, function, or (n_dofs,) array, optional
         Initial velocity: of a rigid body; of the surface, a function of the parameters (x, y) that returns (3, ...); or
-        rates of the nodal coordinates. Supports overrule it. Default: that of ``start``, or rest.
+        rates of the nodal coordinates. Supports and conditions overrule it: the run begins with the nearest rates, in the
+        norm of the mass, that keep them, and says so where they are others. Default: that of ``start``, or rest.
     balance : float, "auto" or None
         Largest part of the energy, and of the momenta, that may come or go without a source: a run whose energy leaves this
         tolerance stops, and one whose momenta left it has not finished. ``"auto"``: 1e-3 for :class:`EnergyMomentum`, 0.1
@@ -109,11 +111,12 @@ def simulate(
     Raises
     ------
     InputError
-        For times, tolerances or velocities that cannot be used.
+        For times, tolerances or velocities that cannot be used, a start that does not meet the conditions of the system, and
+        with conditions for :class:`Trapezoidal`.
     """
     check_arguments(system, backend, start=start, resume=resume, check=check, progress=progress)
     t_end = positive("t_end", t_end, "s")
-    _check(system, record, follow)
+    _check(system, record, follow, rule)
     newton_rtol = None if newton_rtol is None else positive("newton_rtol", newton_rtol)
     rule = _rule(rule, rho_inf)
     balance = _balance(balance, rule)
@@ -123,7 +126,7 @@ def simulate(
     begin = 0.0 if start is None or start.time is None else start.time
     check_covers(system.histories(), begin, begin + t_end)
     times = output_times(outputs, begin, begin + t_end, system.n_dofs)
-    _check_number_of_steps(control, t_end)
+    _check_number_of_steps(control, t_end, system)
     q = system.undeformed.copy() if start is None else start.q.copy()
     v = _initial_velocity(system, velocity, start, begin, t_end)
     settings = Settings(rule, control, begin, begin + t_end, newton_rtol, balance, follow, backend)
@@ -204,8 +207,12 @@ def _balance(balance: float | str | None, rule: Rule) -> float | None:
     return None if balance is None else positive("balance", balance)
 
 
-def _check(system: System, record: Any, follow: Any) -> None:
+def _check(system: System, record: Any, follow: Any, rule: Any) -> None:
     _require_mass(system)
+    if isinstance(rule, Trapezoidal) and system.conditions:
+        names = ", ".join(map(repr, system.conditions.names))
+        raise InputError(f"rule = Trapezoidal() cannot take conditions, and this system has {names}: its multipliers "
+                         "would alternate from step to step and grow; those of the other rules do not")  # fmt: skip
     if follow is not None:
         having("follow", follow, ("change", "check"), "a policy of meshes, for example sk.Follow(rtol=0.2)")
         follow.check(system)
@@ -231,11 +238,12 @@ KEPT = 300
 """Bytes that a run keeps of each step, at least; measured."""
 
 
-def _check_number_of_steps(control: Any, t_end: float) -> None:
+def _check_number_of_steps(control: Any, t_end: float, system: System) -> None:
     """Refuse a run of which what is kept of each step will not fit into memory."""
     longest = min(getattr(control, name, np.inf) for name in (["dt"] if isinstance(control, FixedStep) else ["largest"]))
     n = int(t_end / longest)
-    require_much(KEPT * n, f"t_end = {t_end} s in steps of {longest} s", f"what is kept of {n:.3g} steps",
+    kept = KEPT + (16 * system.conditions.n if system.conditions else 0)
+    require_much(kept * n, f"t_end = {t_end} s in steps of {longest} s", f"what is kept of {n:.3g} steps",
                  "take longer steps, or a shorter run")  # fmt: skip
 
 
@@ -289,6 +297,10 @@ def _initial_velocity(
     if jump > ONE_PLACE * np.abs(system.undeformed).max():
         raise InputError(f"a prescribed displacement jumps by {jump:.3g} at the start, t = {begin}; give it a history that "
                          "begins with the present state, as in history=lambda t: min(1.0, t / 0.1)")  # fmt: skip
+    if missed := system.conditions.worst(at, Case(time=begin)):
+        raise InputError(f"the start at t = {begin} does not meet the conditions: {missed}. Begin with a state that does, "
+                         "as the end of a step, and let what depends on time begin there, with a history that is zero at "
+                         "first")  # fmt: skip
     rate = prescribed_rate(system, begin, RATE_STEP * t_end)
     if velocity is None and start is not None:
         velocity = start.velocity

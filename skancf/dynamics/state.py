@@ -15,8 +15,8 @@ class State:
 
     ``dt`` is the length of the step that led here, 0 at the start, and ``jerk`` the third derivative over it, if the rule
     needs it; ``before`` are the coordinates at the start of that step, None at the start of the run, after a jump and after
-    a change of the mesh; ``multipliers`` (n,) are those of conditions, in the step that led here; ``cache`` is what a rule
-    computes once for a state.
+    a change of the mesh; ``multipliers`` (n,) are those of conditions, in the step that led here, at the time ``acting``;
+    ``cache`` is what a rule computes once for a state.
     """
 
     time: float
@@ -27,6 +27,7 @@ class State:
     jerk: np.ndarray | None = None
     before: np.ndarray | None = None
     multipliers: np.ndarray = field(default_factory=lambda: NONE)
+    acting: float = 0.0
     cache: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     def state(self) -> dict[str, Any]:

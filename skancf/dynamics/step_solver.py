@@ -84,6 +84,10 @@ class StepSolver:
         driven = prescribed_acceleration(self.system, time, moment)
         return State(time, q, v, self.initial_acceleration(q, v, time, driven))
 
+    def taken(self, state: State, moment: float) -> State:
+        """A state that came from another mesh."""
+        return state
+
     def initial_acceleration(self, q: np.ndarray, v: np.ndarray, time: float, driven: np.ndarray) -> np.ndarray:
         """M a = external - internal force and damping on the free coordinates, ``driven`` (n_dofs,) on the others."""
         self.linear.factor(self.system.mass)

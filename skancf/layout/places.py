@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from skancf.errors import InputError, shown, vector, warn
 from skancf.functions import is_function, true_at
 from skancf.layout.ties import Ties
-from skancf.surfaces import Interval, Surface, closed_directions
+from skancf.surfaces import Interval, Surface, closed_bounds
 from skancf.tolerances import MOVED_OF_EDGE, ONE_PLACE, SAME_POINT, SEVEN_DIGITS, SINGLE_PRECISION
 
 Found = tuple[np.ndarray, np.ndarray]
@@ -198,8 +198,7 @@ class Places:
 
     def closed_bounds(self) -> dict[int, Interval]:
         """Bounds of the parameters that are closed, by their number."""
-        closed = closed_directions(self.surface)
-        return {axis: self.surface.bounds[axis] for axis in (0, 1) if closed[axis]}  # type: ignore[attr-defined]
+        return closed_bounds(self.surface)
 
     def _at_a_pole(self, facets: np.ndarray) -> np.ndarray:
         one, two = self.ends(facets)

@@ -10,15 +10,11 @@ from skancf.elements.nodal import askew
 from skancf.errors import InputError
 from skancf.layout.geometry import Geometry
 from skancf.layout.patches import edge_numbers
+from skancf.layout.section_checks import JUMP, MIDDLES, check_sections
 from skancf.materials import Section, SectionField
 from skancf.materials.section import trace
 from skancf.materials.zones import Zone, overlap
 from skancf.tolerances import ONE_PLACE
-
-SIDES = np.array([[0.5, 1.0, 0.5, 0.0], [0.0, 0.5, 1.0, 0.5]])
-"""Points (2, 4) in the middles of an element's sides, as ``mesh.t2f`` has them."""
-JUMP = 0.01
-"""Of the larger membrane stiffness, or of the thickness: a smaller difference between zones is none."""
 
 
 class SectionsOnMesh:
@@ -33,12 +29,14 @@ class SectionsOnMesh:
     ------
     InputError
         For a zone without an element, with a side that cuts elements, or that shares one with another; for a gap between
-        zones that are to cover everything.
+        zones that are to cover everything; and see :func:`~skancf.layout.section_checks.check_sections`.
     """
 
     def __init__(self, field: SectionField, geometry: Geometry):
         self.field, self.geometry = field, geometry
         self.zones = zones_of_elements(geometry, field)
+        if field.varies:
+            check_sections(field, geometry, self.zones)
 
     def at(self, points: np.ndarray, elements: np.ndarray | None = None) -> Section:
         """Sections at local points (2, n), or those of each element, (m, 2, n), of elements (m,) or of all: with axes
@@ -66,7 +64,7 @@ class SectionsOnMesh:
     def beside_jumps(self) -> np.ndarray:
         """Elements with a side at which the membrane stiffness of the section jumps, or the height of what carries it,
         (n_elements,) bool."""
-        section, jumps = self.at(SIDES), np.zeros(len(self.borders), dtype=bool)
+        section, jumps = self.at(MIDDLES), np.zeros(len(self.borders), dtype=bool)
         stiffness = trace(section.abd()[..., :3, :3])
         for values, size in ((stiffness, stiffness), (section.neutral, section.thickness)):
             low, high = self._at_facets(values)
@@ -122,7 +120,7 @@ def zones_of_elements(geometry: Geometry, field: SectionField) -> np.ndarray:
     rest = len(field.zones)
     out = np.full(geometry.n_elements, rest)
     for number, zone in enumerate(field.zones):
-        held = zone.holds(places)
+        held = zone.holds(places, geometry.closed_bounds())
         _require_lines(geometry, zone, held)
         inside = held.all(axis=1)
         if not inside.any():
@@ -161,14 +159,13 @@ def _crossed(
 ) -> Iterator[tuple[int, float, np.ndarray]]:
     """Direction and coordinate of each side of a zone, and the elements (n_elements,) that a line along it would cut, of
     those that the zone reaches into; they lie between ``low`` and ``high``, each (2, n_elements)."""
-    if zone.rectangle is None:
-        return
     slack = ONE_PLACE * np.ptp(geometry.mesh.p, axis=1)[:, None]
-    lower, upper = zone.rectangle.T[:, :, None]
-    reached = ((low < upper - slack) & (high > lower + slack)).all(axis=0)
-    for axis, sides in enumerate(zone.rectangle.tolist()):
-        for side in sides:
-            yield axis, side, reached & (low[axis] < side - slack[axis]) & (high[axis] > side + slack[axis])
+    for part in zone.parts(geometry.closed_bounds()):
+        lower, upper = part.T[:, :, None]
+        reached = ((low < upper - slack) & (high > lower + slack)).all(axis=0)
+        for axis, sides in enumerate(part.tolist()):
+            for side in sides:
+                yield axis, side, reached & (low[axis] < side - slack[axis]) & (high[axis] > side + slack[axis])
 
 
 def _gap(zones: tuple[Zone, ...], places: np.ndarray) -> InputError:

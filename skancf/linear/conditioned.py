@@ -15,6 +15,7 @@ References
 Powell (1969), in Optimization, ed. Fletcher, 283-298; Fortin and Glowinski (1983), Augmented Lagrangian Methods.
 """
 
+from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import lsqr
 
-from skancf.errors import warn
+from skancf.errors import SingularMatrix, warn
 from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.skew import SkewSolver
@@ -48,8 +49,8 @@ class ConditionedSolver:
         Gets the factors of A.
     gradient : (n, n_dofs) sparse array
         G.
-    times : float
-        P over the stiffness that the matrix has against a row.
+    times : float, optional
+        P over the stiffness that the matrix has against a row. Default: :data:`STIFFNESS`.
 
     Attributes
     ----------
@@ -71,8 +72,8 @@ class ConditionedSolver:
     stiffness: np.ndarray
     _condensed: SkewSolver
 
-    def __init__(self, direct: DirectSolver, gradient: sp.csr_matrix, times: float = STIFFNESS) -> None:
-        self.direct, self.gradient, self.times = direct, gradient, times
+    def __init__(self, direct: DirectSolver, gradient: sp.csr_matrix, times: float | None = None) -> None:
+        self.direct, self.gradient, self.times = direct, gradient, STIFFNESS if times is None else times
         self.free = sp.csr_matrix(gradient @ direct.constraints.free_projection)
         self.held = _squares(self.free) <= CONDITION_HELD**2 * _squares(gradient)
         self.skew: Any = None
@@ -90,15 +91,31 @@ class ConditionedSolver:
             For a motion that the matrix does not resist and no condition holds.
         """
         self.skew, condensed = skew, self.condensed(matrix, sizes)
-        self.direct.factor(condensed)
+        try:
+            self.direct.factor(condensed)
+        except SingularMatrix:
+            if self.times <= STIFFNESS:
+                raise
+            # Beside a very stiff P a soft motion, or one that a shift made soft, looks like rounding.
+            condensed = self.condensed(matrix, sizes, STIFFNESS)
+            self.direct.factor(condensed)
         self._condensed = SkewSolver(condensed, skew, self.direct)
         return self
 
-    def condensed(self, matrix: BlockMatrix, sizes: BlockMatrix | None = None) -> BlockMatrix:
-        """A of K, see :meth:`factor`."""
+    def condensed(self, matrix: BlockMatrix, sizes: BlockMatrix | None = None, times: float | None = None) -> BlockMatrix:
+        """A of K, see :meth:`factor`; with another stiffness of P, if given."""
         self.matrix = matrix
-        self.stiffness = self.times * row_stiffness(sizes or matrix, self.free, self.direct.constraints, self.held)
+        times = self.times if times is None else times
+        self.stiffness = times * row_stiffness(sizes or matrix, self.free, self.direct.constraints, self.held)
         return matrix + products(matrix, self.free, self.stiffness)
+
+    def symmetric(self) -> "ConditionedSolver":
+        """One without the skew part, by the same factors."""
+        if self.skew is None:
+            return self
+        out = copy(self)
+        out.skew, out._condensed = None, SkewSolver(self._condensed.matrix, None, self.direct)
+        return out
 
     @property
     def negative_pivots(self) -> int:

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from skancf.errors import InputError, number
-from skancf.functions import Noted, is_function, values_at
+from skancf.errors import InputError, number, shown
+from skancf.functions import ONE_POINT, Noted, is_function, values_at
 from skancf.materials.made import section_of
 from skancf.materials.point_law import PointLaw, is_point_law
 from skancf.materials.section import Section
@@ -70,34 +70,41 @@ class Given:
 
     def _thickness(self, places: np.ndarray) -> np.ndarray:
         thickness = _values("thickness", self.thickness, places)
-        wrong = np.flatnonzero(~(thickness > 0))
-        if wrong.size:
-            x, y = places[:, wrong[0]]
-            raise InputError(f"thickness = {thickness[wrong[0]]:.6g} at (x, y) = ({x:.6g}, {y:.6g}): a plate is thicker "
+        if (thickness <= 0).any():
+            least = int(np.argmin(thickness))
+            x, y = places[:, least]
+            raise InputError(f"thickness = {thickness[least]:.6g} at (x, y) = ({x:.6g}, {y:.6g}): a plate is thicker "
                              "than zero everywhere; end the surface before, or give the function a least value")  # fmt: skip
         return thickness
 
     def _materials(self, places: np.ndarray) -> tuple[list["Layers"], np.ndarray]:
         """Layers of all the materials in a part, of the thickness 1 where it is a law, and which of them is at each place
         (n,)."""
-        unit = None if self.thickness is None else 1.0
         if not is_function(self.material):
-            material = self.material if self.law is None else self.law
-            return [Layers.of(section_of(material, unit))], np.zeros(places.shape[1], dtype=int)
+            return [self._made(self.material if self.law is None else self.law)], np.zeros(places.shape[1], dtype=int)
         known: dict[Any, int] = {}
         materials: list[Any] = []
+        found: list[Layers] = []
         which = np.empty(places.shape[1], dtype=int)
         for k, (x, y) in enumerate(places.T.tolist()):
             with Noted("material"):
                 material = self.material(x, y)
-            which[k] = known.setdefault(_key(material), len(materials))
-            if which[k] == len(materials):
-                if is_point_law(material):
-                    raise InputError(f"material: {type(material).__name__} at (x, y) = ({x:.6g}, {y:.6g}) is a law at "
-                                     "points; a function of place gives linear laws or laminates, take zones for laws at "
-                                     "points")  # fmt: skip
-                materials.append(material)
-        return filled_up([Layers.of(section_of(material, unit)) for material in materials]), which
+            which[k] = known.setdefault(_key(material), len(found))
+            if which[k] == len(found):
+                materials.append(material)  # so that no other one has its id
+                with _Said(after=_at(x, y)):
+                    if is_point_law(material):
+                        raise InputError(f"material: {type(material).__name__} is a law at points; a function of place "
+                                         "gives linear laws or laminates, take zones for laws at points")  # fmt: skip
+                    found.append(self._made(material))
+        return filled_up(found), which
+
+    def _made(self, material: Any) -> "Layers":
+        """Of a material, of the thickness 1 where it is a law."""
+        if self.thickness is not None and brings_thickness(material):
+            raise InputError(f"material = {shown(material)}: a laminate brings its own thickness, and the problem has one "
+                             "too; leave it out, or let the function return laws")  # fmt: skip
+        return Layers.of(section_of(material, None if self.thickness is None else 1.0))
 
     def _noted(self) -> Any:
         return _Said(before=f"zone {self.name!r}: " if self.name else "")
@@ -242,9 +249,22 @@ def _values(name: str, given: Any, places: np.ndarray) -> np.ndarray:
         return values_at(name, given, places)
     except InputError as wrong:
         for x, y in places.T:
-            with _Said(f"; at (x, y) = ({x:.6g}, {y:.6g})"):
-                values_at(name, given, np.array([x, y]))
+            _tell(name, given, x, y)
         raise wrong
+
+
+def _tell(name: str, given: Any, x: float, y: float) -> None:
+    """InputError with the place, if something is wrong there; no word of a function that takes arrays only."""
+    try:
+        with _Said(_at(x, y)):
+            values_at(name, given, np.array([x, y]))
+    except ONE_POINT as wrong:
+        if isinstance(wrong, InputError):
+            raise
+
+
+def _at(x: float, y: float) -> str:
+    return f"; at (x, y) = ({x:.6g}, {y:.6g})"
 
 
 class _Said:

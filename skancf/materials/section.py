@@ -183,8 +183,8 @@ class Section:
         if outside.any():
             depth, bottom, top = (np.broadcast_to(each, outside.shape)[outside].flat[0]
                                   for each in (depth, self.z[..., 0], self.z[..., -1]))  # fmt: skip
-            raise InputError(f"z = {depth}: outside the plate, whose faces are at z = {bottom} "
-                             f"and {top}{self.said_of(outside)}")  # fmt: skip
+            raise InputError(f"z = {depth}: outside the plate, whose faces are at z = {bottom:.6g} "
+                             f"and {top:.6g}{self.said_of(outside)}")  # fmt: skip
         if self.places is not None:
             return np.asarray((self.z[..., 1:-1] < (depth - slack)[..., None]).sum(axis=-1))
         return np.searchsorted(self.z[1:-1], depth - slack)

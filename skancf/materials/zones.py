@@ -1,8 +1,8 @@
 """Zones: parts of the parameter plane with sections of their own."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
@@ -10,9 +10,11 @@ import numpy as np
 from skancf.arguments import plain, sequence, text
 from skancf.errors import InputError, finite, shown
 from skancf.functions import is_function, true_at
+from skancf.surfaces import Interval
 from skancf.tolerances import ONE_PLACE
 
 RECTANGLE = "a rectangle ((x0, x1), (y0, y1)) of the parameter plane, or a function of (x, y) that is true in the zone"
+NONE_CLOSED: Mapping[int, Interval] = {}
 ZONES = "zones, as in [Zone('doubler', ((0.2, 0.4), (0.1, 0.3)), thickness=0.02)]"
 
 
@@ -25,9 +27,9 @@ class Zone:
     name : str
         As messages and pictures say it.
     where : ((x0, x1), (y0, y1)) or callable
-        A rectangle of the parameter plane, which may reach over the bounds of the surface; or a function of the parameters
-        (x, y) that is true inside. Either way it consists of whole elements: its sides are lines of the mesh
-        (:func:`skancf.meshes.with_lines` puts them there).
+        A rectangle of the parameter plane, which may reach over the bounds of the surface, and over the end of a closed
+        parameter goes on at its beginning; or a function of the parameters (x, y) that is true inside. Either way it
+        consists of whole elements: its sides are lines of the mesh (:func:`skancf.meshes.with_lines` puts them there).
     thickness : float or callable, optional
         In the zone, as that of the problem (m). Default: that of the problem.
     material : Law, Laminate or callable, optional
@@ -76,14 +78,38 @@ class Zone:
         """Its sides (2, 2), lower and upper of x and of y; None of a zone that a function tells."""
         return None if is_function(self.where) else np.array(self.where, dtype=float)
 
-    def holds(self, places: np.ndarray) -> np.ndarray:
-        """Which places (2, ...) of the parameter plane are in it, bool (...)."""
+    def parts(self, closed: Mapping[int, Interval] = NONE_CLOSED) -> list[np.ndarray]:
+        """Rectangles (2, 2) of which it consists within the bounds of closed parameters, which are by their number: more
+        than one where it goes over a seam. None of a zone that a function tells."""
         sides = self.rectangle
         if sides is None:
+            return []
+        rows = [_between(low, high, closed.get(axis)) for axis, (low, high) in enumerate(sides.tolist())]
+        return [np.array(part) for part in product(*rows)]
+
+    def holds(self, places: np.ndarray, closed: Mapping[int, Interval] = NONE_CLOSED) -> np.ndarray:
+        """Which places (2, ...) of the parameter plane are in it, bool (...)."""
+        if self.rectangle is None:
             at = places.reshape(2, -1)
             return true_at(f"where of zone {self.name!r}", self.where, at).reshape(places.shape[1:])
-        low, high = (side.reshape(2, *[1] * (places.ndim - 1)) for side in sides.T)
-        return np.asarray(((places > low) & (places < high)).all(axis=0))
+        out = np.zeros(places.shape[1:], dtype=bool)
+        for part in self.parts(closed):
+            low, high = (side.reshape(2, *[1] * (places.ndim - 1)) for side in part.T)
+            out |= ((places > low) & (places < high)).all(axis=0)
+        return out
+
+
+def _between(low: float, high: float, bounds: Interval | None) -> list[Interval]:
+    """An interval, and one of a closed parameter within its bounds."""
+    if bounds is None:
+        return [(low, high)]
+    start, end = bounds
+    turn, slack = end - start, ONE_PLACE * (end - start)
+    if high - low > turn - slack:
+        return [(start, end)]
+    turns = turn * np.floor((low - start + slack) / turn)
+    low, high = float(low - turns), float(high - turns)
+    return [(low, high)] if high < end + slack else [(low, end), (start, high - turn)]
 
 
 def check_zones(zones: Any) -> tuple[Zone, ...]:
@@ -117,6 +143,6 @@ def _common(one: np.ndarray, two: np.ndarray) -> np.ndarray | None:
     return np.stack([low, high], axis=1) if (high - low > slack).all() else None
 
 
-def lines_of(zones: Sequence[Zone], axis: int) -> list[float]:
-    """Coordinates along x (0) or y (1) at which zones end."""
-    return [float(side) for zone in zones if zone.rectangle is not None for side in zone.rectangle[axis]]
+def lines_of(zones: Sequence[Zone], axis: int, closed: Mapping[int, Interval] = NONE_CLOSED) -> list[float]:
+    """Coordinates along x (0) or y (1) at which zones end; parameters are closed between bounds, by their number."""
+    return [float(side) for zone in zones for part in zone.parts(closed) for side in part[axis]]

@@ -7,17 +7,18 @@ import numpy as np
 import skfem
 
 from skancf.arguments import row, whole
+from skancf.errors import positive
 from skancf.materials.zones import Zone, check_zones, lines_of
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, rectangles_of
 from skancf.meshes.tensor import bounds_of, tensor
-from skancf.surfaces import BoundedSurface
+from skancf.surfaces import BoundedSurface, Interval, closed_bounds
 from skancf.tolerances import ONE_PLACE
 
 
 def with_lines(
-    surface: BoundedSurface, nx: int, ny: int, zones: Sequence[Zone] = (), *, x: Any = (), y: Any = (),
-    openings: Sequence[Opening] = (),
+    surface: BoundedSurface, nx: int, ny: int, zones: Sequence[Zone] = (), *, beside: float | None = None, x: Any = (),
+    y: Any = (), openings: Sequence[Opening] = (),
 ) -> skfem.MeshQuad:  # fmt: skip
     """About ``nx`` by ``ny`` rectangles over ``surface.bounds``, with lines where zones end and at some coordinates.
 
@@ -30,6 +31,10 @@ def with_lines(
     nx, ny : int
     zones : sequence of Zone
         Those of a problem; a rectangle has lines along its four sides, as far as it is in bounds.
+    beside : float, optional
+        In the parameters: more lines on both sides of those, at this distance. Where the membrane stiffness jumps, strains
+        do too, and in theory `full` the slopes at a node do not: errors are those of the elements beside the line, in
+        proportion to their size across it. A row that is half as wide as the plate is thick makes them small.
     x, y : sequences of float
         Coordinates of more lines.
     openings : sequence of ((x0, x1), (y0, y1))
@@ -38,20 +43,34 @@ def with_lines(
     Raises
     ------
     InputError
-        For counts that are not whole numbers of at least 1, a surface without bounds, and zones that overlap.
+        For counts that are not whole numbers of at least 1, a width that is not positive, a surface without bounds, and
+        zones that overlap.
 
     Examples
     --------
     >>> mesh = sk.meshes.with_lines(plate.surface, 16, 8, plate.zones)
     """
-    zones, counts, rectangles = check_zones(zones), (whole("nx", nx), whole("ny", ny)), rectangles_of(openings)
-    rows = []
+    zones, counts = check_zones(zones), (whole("nx", nx), whole("ny", ny))
+    width = None if beside is None else positive("beside", beside)
+    sides = rectangles_of(openings).reshape(-1, 2, 2)
+    rows, closed = [], closed_bounds(surface)
     for axis, (name, more) in enumerate((("x", x), ("y", y))):
         low, high = bounds_of(surface)[axis]
-        held = [*lines_of(zones, axis), *row(name, more).tolist(), *rectangles.reshape(-1, 2, 2)[:, axis].ravel().tolist()]
+        ends = lines_of(zones, axis, closed)
+        thin = [] if width is None else _beside(ends, width, (low, high), axis in closed)
+        held = [*ends, *thin, *row(name, more).tolist(), *sides[:, axis].ravel().tolist()]
         require_mesh(counts[axis], MESH)
         rows.append(row_through(low, high, counts[axis], held))
     return tensor(surface, rows[0], rows[1], openings)
+
+
+def _beside(ends: Sequence[float], width: float, bounds: Interval, closed: bool) -> list[float]:
+    """Coordinates at a distance from both sides of those ends that are inside, but no less from any."""
+    low, high = bounds
+    out = [end + side * width for end in ends if closed or low < end < high for side in (-1, 1)]
+    if closed:
+        out = [low + (at - low) % (high - low) for at in out]
+    return [at for at in out if np.abs(np.subtract(ends, at)).min() > width * (1 - ONE_PLACE)]
 
 
 def row_through(low: float, high: float, count: int, held: Sequence[float], wanted: Sequence[float] = ()) -> np.ndarray:

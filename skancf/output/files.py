@@ -9,8 +9,9 @@ import numpy as np
 from skancf.arguments import mapping, text, whole
 from skancf.atomic import AnyPath, as_path, check_file, replacing
 from skancf.errors import InputError, number
+from skancf.materials import Section
 from skancf.output.collection import read_collection, write_collection
-from skancf.output.fields import von_mises
+from skancf.output.fields import values, von_mises
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import Solution
 
@@ -61,7 +62,8 @@ def write(
     - ``strain_top``: Green-Lagrange strain in the local frame, shear strains doubled,
     - ``mises_top``: von Mises' equivalent of the stress (Pa),
 
-    and ``membrane_force`` (N/m) and ``moment`` (N) per length, in the order 11, 22, 12.
+    and ``membrane_force`` (N/m) and ``moment`` (N) per length, in the order 11, 22, 12. Where it is not everywhere the same,
+    there is the ``thickness`` (m).
 
     Their components stand in the order 11, 22, 33, 12, 23, 13, which ParaView labels XX, YY, ZZ, XY, YZ, XZ; the rest
     of the library has the shear in the order 23, 13, 12. Cell data ``element`` is the number of the element.
@@ -94,6 +96,8 @@ def write_state(
     data = {"displacement": surface.displacement}
     if surface.velocity is not None:
         data["velocity"] = surface.velocity
+    if not isinstance(solution.system.problem.section, Section):
+        data["thickness"] = values(solution, "thickness", subdivisions, None)
     faces = {"mid": "middle", "top": "top", "bottom": "bottom"}
     given = faces if depths is None else {name: number(f"depths[{name!r}]", z) for name, z in depths.items()}
     for name, z in given.items():

@@ -14,7 +14,7 @@ from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
-from skancf.statics.conditioned import conditions_in, curved
+from skancf.statics.conditioned import curved, is_loaded
 from skancf.statics.diagnosis import require_support
 from skancf.statics.eigen_checks import (
     SAFETY,
@@ -142,7 +142,8 @@ def buckling(
     require_support(system)
     warn_without_time(system)
     start, constraints = system.undeformed, system.constraints
-    _require_load(system)
+    if not is_loaded(system, start):
+        raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
     stiffness = system.stiffness()
     warn_if_skew(system, stiffness, start, 1.0)
     with DirectSolver(system.pattern, constraints, backend) as solver:
@@ -167,14 +168,6 @@ def buckling(
     result = BucklingResult(1.0 / inverse[:n], shapes[:n], linear, message, note, checks)
     warn_of_changes("buckling load", result.theory_errors)
     return result
-
-
-def _require_load(system: System) -> None:
-    """InputError where nothing loads a structure: no load, and nothing that is held moves."""
-    conditions, start = conditions_in(system), system.undeformed
-    moves = system.prescribed().any() or (conditions and not conditions.met(conditions.value(start)))
-    if not (moves or system.external_force(start).any() or system.shell.heated):
-        raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
 
 
 def _require_rest(system: System, motions: Motions, answer: np.ndarray) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skancf.errors import InputError, SingularMatrix
 from skancf.problem import CHOICES
+from skancf.statics.conditioned import is_loaded
 from skancf.statics.linear import small_change
 from skancf.system.linearised import Linearised
 from skancf.system.system import System
@@ -61,7 +62,7 @@ CHOICES["auto"] = choose
 
 def assessed(system: System, tolerance: float) -> Choice:
     """Of a system of the thin theory, by its small-deflection answer, without loads by its first vibration."""
-    if not _loaded(system):
+    if not is_loaded(system, system.undeformed):
         what = "without loads: leaving transverse shear and rotary inertia out changes the square of the first frequency"
         return _chosen(first_share(system), what, tolerance)
     way_out = "name the theory, 'kirchhoff' or 'full'"
@@ -82,8 +83,3 @@ def assessed(system: System, tolerance: float) -> Choice:
 def _chosen(share: float, what: str, tolerance: float) -> Choice:
     name, than = ("kirchhoff", "no more than") if share <= tolerance else ("full", "more than")
     return Choice(name, share, f"theory '{name}': {what} by {100 * share:.3g} %, {than} the {100 * tolerance:.3g} % asked")
-
-
-def _loaded(system: System) -> bool:
-    """Does anything load the system, temperature and moved supports included?"""
-    return bool(system.external_force(system.undeformed).any() or system.prescribed().any() or system.shell.heated)

@@ -7,7 +7,7 @@ import numpy as np
 from skancf.conditions.solver import conditions_in, curved, solver_at
 from skancf.errors import InputError
 from skancf.history import FULL, Case
-from skancf.linear import ConditionedSolver, DirectSolver, SkewSolver, contradiction
+from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver, contradiction
 from skancf.solution import Solution
 from skancf.statics.corrections import (
     NONE,
@@ -45,6 +45,25 @@ def tangent_at(
     return held.factor(matrix, skew_part(system, q, load_factor))
 
 
+def factored_about(system: Any, solver: DirectSolver, matrix: BlockMatrix, skew: Any, about: np.ndarray) -> Tangent:
+    """A matrix and its skew part, with the conditions to first order about unknowns of the system where it has some.
+
+    Raises
+    ------
+    SingularMatrix
+    """
+    if conditions_in(system):
+        held: ConditionedSolver = solver_at(system, solver, about)
+        return held.factor(matrix, skew)
+    solver.factor(matrix)
+    return SkewSolver(matrix, skew, solver)
+
+
+def rows_of(tangent: Tangent, change: np.ndarray) -> np.ndarray:
+    """What a change makes of the conditions of a tangent, (n,)."""
+    return np.asarray(tangent.gradient @ change) if isinstance(tangent, ConditionedSolver) else NONE
+
+
 def along_both(system: Any, q: np.ndarray, load_factor: float, tangent: Tangent) -> tuple[np.ndarray, np.ndarray]:
     """Derivatives of q and of the multipliers with respect to the load factor."""
     if not isinstance(tangent, ConditionedSolver):
@@ -60,6 +79,13 @@ def at_rest(system: Any) -> Solution:
     conditions = conditions_in(system)
     multipliers = np.zeros(conditions.n) if conditions else None
     return Solution(system, system.undeformed.copy(), load_factor=0.0, multipliers=multipliers)
+
+
+def is_loaded(system: Any, q: np.ndarray, load_factor: float = 0.0) -> bool:
+    """Whether anything loads a system: a load in a state (n_dofs,), temperature, or a support or a condition that moves."""
+    conditions = conditions_in(system)
+    moves = conditions is not None and not conditions.met(conditions.value(system.undeformed))
+    return bool(moves or system.prescribed().any() or load_rate(system, q, load_factor).any())
 
 
 def require_no_contradiction(system: Any) -> None:

@@ -12,9 +12,8 @@ from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
-from skancf.statics.conditioned import at_rest
+from skancf.statics.conditioned import at_rest, is_loaded
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
-from skancf.statics.corrections import load_rate
 from skancf.statics.critical import turning_estimate
 from skancf.statics.diagnosis import NEAR, require_support
 from skancf.statics.events import LIMIT, Event, events_between
@@ -162,7 +161,7 @@ def traced(
     control = ArcLength() if control is None else control
     if not isinstance(control, ArcLength | DisplacementControl):
         raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")
-    if not (load_rate(system, at.q, at.load_factor).any() or system.prescribed().any()):
+    if not is_loaded(system, at.q, at.load_factor):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
     with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
         follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)

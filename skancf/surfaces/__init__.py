@@ -10,7 +10,7 @@ from skancf.surfaces.hyperbolic_paraboloid import HyperbolicParaboloid
 from skancf.surfaces.mapped import MappedSurface
 from skancf.surfaces.parallelogram import Parallelogram
 from skancf.surfaces.plane import Plane
-from skancf.surfaces.protocol import BoundedSurface, Interval, Surface, closed_directions
+from skancf.surfaces.protocol import BoundedSurface, Interval, Surface, closed_bounds, closed_directions
 from skancf.surfaces.rectangle import Rectangle
 from skancf.surfaces.regular import check_regular, normal
 from skancf.surfaces.sphere import SphereSector
@@ -29,6 +29,7 @@ __all__ = [
     "SphereSector",
     "Surface",
     "check_regular",
+    "closed_bounds",
     "closed_directions",
     "normal",
 ]

@@ -51,6 +51,12 @@ def closed_directions(surface: Surface) -> tuple[bool, bool]:
     return bool(x), bool(y)
 
 
+def closed_bounds(surface: Surface) -> dict[int, Interval]:
+    """Bounds of the parameters that are closed, by their number."""
+    closed = closed_directions(surface)
+    return {axis: surface.bounds[axis] for axis in (0, 1) if closed[axis]}  # type: ignore[attr-defined]
+
+
 def parameters(x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
     """x and y as float arrays of one shape."""
     x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))

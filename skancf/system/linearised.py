@@ -106,7 +106,7 @@ class Model(ABC):
         """Of the loads on the displacements (J)."""
 
     @abstractmethod
-    def strained(self, x: np.ndarray, case: Case = FULL) -> tuple[np.ndarray, np.ndarray]:
+    def strained(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Strains and stresses with their weights, (n_elements, n_strains, n_points) each."""
 
     @abstractmethod
@@ -169,9 +169,8 @@ class Exact(Model):
     def work(self, x: np.ndarray, case: Case = FULL) -> float:
         return float(self.system.applied_force(x, case) @ self.change(x))
 
-    def strained(self, x: np.ndarray, case: Case = FULL) -> tuple[np.ndarray, np.ndarray]:
-        shell = self.system.shell
-        strains, stresses = shell.at(case).stresses(shell.nodal(x), None, keep_strains=True)
+    def strained(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        strains, stresses = self.system.assembly.stresses(self.system.shell.nodal(x), None, keep_strains=True)
         return strains, stresses
 
     def value(self, value: Value, x: np.ndarray, rate: Rate | None = None) -> Any:
@@ -261,7 +260,7 @@ class Linearised(Model):
         """Half of that of the whole loads, which grow with it."""
         return 0.5 * case.factor * float(self.system.applied_force(self.system.undeformed) @ x)
 
-    def strained(self, x: np.ndarray, case: Case = FULL) -> tuple[np.ndarray, np.ndarray]:
+    def strained(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return of_change(self.system.shell, self.system.undeformed, x)
 
     def value(self, value: Value, x: np.ndarray, rate: Rate | None = None) -> Any:

@@ -22,6 +22,17 @@ def singularities(system: System, case: Case = FULL) -> list[Singularity]:
     InputError
         Where a load, support, term or condition of the user's own says something else.
     """
+    return without_conditions(system, case) + of_conditions(system, case)
+
+
+def of_conditions(system: System, case: Case = FULL) -> list[Singularity]:
+    """Those of the conditions."""
+    found = [_checked("condition", each, each.singularities, case) for each in system.conditions]
+    return [one for said in found for one in said]
+
+
+def without_conditions(system: System, case: Case = FULL) -> list[Singularity]:
+    """Those of all supports, loads and other terms."""
     out: list[Singularity] = []
     for support in system.problem.supports:
         # A class that is not derived from Support need not know of them.
@@ -29,8 +40,6 @@ def singularities(system: System, case: Case = FULL) -> list[Singularity]:
         out += _checked("support", support, said, system.geometry)
     for term in system.terms:
         out += _checked("load" if term.load else "term", getattr(term, "acting", term), term.singularities, case)
-    for condition in system.conditions:
-        out += _checked("condition", condition, condition.singularities, case)
     return out
 
 

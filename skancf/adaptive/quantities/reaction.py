@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from skancf.arguments import STATE, instance, plain
+from skancf.conditions.solver import curved
 from skancf.errors import unit_vector
 from skancf.solution import Solution
 from skancf.system.system import System
@@ -20,7 +21,8 @@ class Reaction:
 
     .. math:: c \cdot (P R(q) - F (q - q_0)), \qquad \text{with the gradient} \qquad K^T P c - F c
 
-    and the tangent K of the state, that of follower loads included.
+    and the tangent K of the state, that of follower loads included. Conditions pull at what supports hold, too: R is with
+    their forces, and K with their curvature.
 
     Parameters
     ----------
@@ -56,7 +58,10 @@ class Reaction:
         system, motion = state.system, self._motion(state.system)
         held = system.constraints.fixed_part(motion)
         model, x = state.model, state.unknowns
-        out, skew = model.tangent(x, state.case) @ held, model.skew(x, state.case)
+        tangent = model.tangent(x, state.case)
+        if not model.linear:
+            tangent = curved(system, tangent, x, state.multipliers)
+        out, skew = tangent @ held, model.skew(x, state.case)
         if skew is not None:
             out = out - skew @ held
         others = system.others.tangent(state.about, state.case)

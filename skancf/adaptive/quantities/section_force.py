@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -77,19 +78,21 @@ class SectionForce(Smooth):
     def _value(self, state: Solution, q: np.ndarray) -> float:
         of_state = state.system.shell.section_forces if self.at is None else partial(section_forces, state.system)
         return sum(
-            float(np.vdot(of_state(q, points, state.case)[elements, self._row], weights))
+            float(np.vdot(of_state(q, points, state.case, state.linear)[elements, self._row], weights))
             for elements, points, weights in self._of_kinds(state.system)
         )
 
     def _gradient(self, state: Solution, q: np.ndarray) -> np.ndarray:
         if self.at is not None:
             elements, points, _ = self.weights(state.system)
-            return gradient(state.system, q, int(elements[0]), points, np.eye(len(COMPONENTS))[self._row])
+            case = None if state.linear else state.case
+            return gradient(state.system, q, int(elements[0]), points, np.eye(len(COMPONENTS))[self._row], case)
         out, shell = np.zeros(q.shape), state.system.shell
+        assembly: Any = shell.assembly if state.linear else shell.at(state.case)
         for elements, points, weights in self._of_kinds(state.system):
             of_all = np.zeros((len(elements), len(COMPONENTS), points.shape[1]))
             of_all[:, self._row] = weights
-            out += shell.flat(shell.assembly.section_force_gradient(shell.nodal(q), elements, points, of_all))
+            out += shell.flat(assembly.section_force_gradient(shell.nodal(q), elements, points, of_all))
         return out
 
     def scale(self, state: Solution) -> float:

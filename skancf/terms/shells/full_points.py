@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError
 from skancf.kernels.constants import POINTS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
@@ -23,7 +22,7 @@ from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.free_stretch import FreeStretch, free_stretch
 from skancf.materials.hyperelastic.law import require_solid
-from skancf.materials.law import THICKNESS, TRANSVERSE
+from skancf.materials.law import IN_PLANE, THICKNESS, TRANSVERSE
 from skancf.materials.own_point_law import OwnPointLaw
 from skancf.materials.point_law import PointResponse
 from skancf.terms.protocols import Heat
@@ -214,16 +213,10 @@ class FullPointAssembly(AtPoints, FullAssembly):
 
     def _across(self, change: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
         """Factor of the strain across that is linear in z, (m, n), of strains (m, 14, n), complex ones too, at points."""
-        P, volume = self._matrices(points)
-        local = np.einsum("zvken,ekn->vzen", P, change, optimize=True)
-        section, heights = self._at(points)
-        law, arm = section.points_law, over_points(_arms(section, heights))
-        alpha, found = self._balanced(law, arm, local.real, volume, _free_stretch(law, heights, temperature))
-        if not np.iscomplexobj(local):
+        alpha, rates = self._across_with_rates(change.real, points, temperature)
+        if not np.iscomplexobj(change):
             return alpha
-        rows = square(found.stiffness, PAIRS, volume.shape)[..., THICKNESS, :]
-        moved = (volume * arm * np.einsum("zenv,vzen->zen", rows, local.imag)).sum(axis=0)
-        return alpha - 1j * moved / (volume * arm**2 * rows[..., THICKNESS]).sum(axis=0)
+        return np.asarray(alpha + 1j * np.einsum("ken,ekn->en", rates, change.imag))
 
     def stress_of(
         self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False
@@ -246,8 +239,47 @@ class FullPointAssembly(AtPoints, FullAssembly):
     def section_force_gradient(
         self, q: np.ndarray, elements: np.ndarray, points: np.ndarray, weights: np.ndarray, part: Any = None
     ) -> np.ndarray:
-        raise InputError("SectionForce: section forces of laws at points have no derivative in theory 'full' yet; take "
-                         "theory 'kirchhoff', or another quantity")
+        geometry, theory, section = self.geometry, self.theory, self.section.at(points, elements)
+        now, before = geometry.local(q, elements), geometry.undeformed_local[elements]
+        change = theory.strains(now, points) - theory.strains(before, points)
+        heat = None if self.temperature is None else np.asarray(self.temperature(points))[:, elements]
+        alpha, rates = self._across_with_rates(change, points, heat, elements)
+        z, w, _ = section.through(self.resultant_points)
+        to_local, _ = covariant_to_local(theory.jets(before, points), geometry.tangents(points, elements), z)
+        arms, stresses = over_points(_arms(section, z)), np.zeros_like(change)
+        to_local[:, THICKNESS] += arms[:, None] * rates
+        depths, shares = over_points(z)[:, :, None], over_points(w)[:, :, None]
+        for height, depth, share, arm, rows in zip(z, depths, shares, arms, to_local, strict=True):
+            plane = share * (weights[:, :3] + depth * weights[:, 3:])
+            plane = plane - depth * np.einsum("enij,ein->ejn", self._shorter(points, elements), plane)
+            strains = np.einsum("vken,ekn->env", rows, change)
+            strains[..., THICKNESS] += arm * (alpha - np.einsum("ken,ekn->en", rates, change))
+            law = self._law_of(section, strains, height, heat)[..., IN_PLANE, :]
+            stresses += np.einsum("ecn,encv,vken->ekn", plane, law, rows, optimize=True)
+        return geometry.nodal(theory.strain_forces(now, points, stresses), elements)
+
+    def _law_of(self, section: Section, strains: np.ndarray, z: Any, heat: np.ndarray | None) -> np.ndarray:
+        """Derivative of :meth:`stress_of` by the strains, (m, n, 6, 6)."""
+        sheared = np.where(np.isin(np.arange(6), TRANSVERSE), self._sheared, 1.0)
+        C = np.moveaxis(strains * sheared, -1, 0).copy()
+        C[:3] = 1 + 2 * C[:3]
+        law = section.points_law
+        found = _respond(law, C.reshape(6, -1), _free_stretch(law, np.array([z]), heat))
+        return np.asarray(square(found.stiffness, PAIRS, strains.shape[:-1]) * np.multiply.outer(sheared, sheared))
+
+    def _across_with_rates(
+        self, change: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Factor of the strain across that is linear in z, (m, n), and its derivative by the 14 strains (m, 14, n) at points
+        of elements: (14, m, n)."""
+        P, volume = self._matrices(points, elements)
+        local = np.einsum("zvken,ekn->vzen", P, change, optimize=True)
+        section, heights = self._at(points, elements)
+        law, arm = section.points_law, over_points(_arms(section, heights))
+        alpha, found = self._balanced(law, arm, local, volume, _free_stretch(law, heights, temperature))
+        rows = square(found.stiffness, PAIRS, volume.shape)[..., THICKNESS, :]
+        moved = np.einsum("zen,zenv,zvken->ken", volume * arm, rows, P, optimize=True)
+        return alpha, -moved / (volume * arm**2 * rows[..., THICKNESS]).sum(axis=0)
 
 
 def _middle(section: Section) -> Any:

@@ -82,7 +82,7 @@ class AtPoints(CompiledAssembly):
         """That of the integration points."""
         return self.section.at(self.geometry.integration.local).points_law
 
-    def _law_of(self, e: int, p: int) -> PointLaw:
+    def _law_at_point(self, e: int, p: int) -> PointLaw:
         """The law of an integration point."""
         law: PointLaw = self.law.of(e * POINTS + p) if isinstance(self.law, LawsOfZones) else self.law
         return law
@@ -204,7 +204,7 @@ class AtPoints(CompiledAssembly):
         code, points = int(answers[0].code[height, e, p]), self.geometry.integration.local
         x, y = self.geometry.parameters(points if points.ndim == 2 else points[e], np.array([e]))[:, 0, p]
         strain = ", ".join(f"{value:.4g}" for value in self._membrane(answers[0], e, p))
-        z, law = self._heights[0], self._law_of(e, p)
+        z, law = self._heights[0], self._law_at_point(e, p)
         z = z[height] if z.ndim == 1 else z.reshape(len(z), -1, POINTS)[height, e, p]
         return (f"{name_of(law)} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {z:.4g}, membrane strain "
                 f"({strain}): {why(law, code)}")  # fmt: skip

@@ -1,70 +1,35 @@
-"""Checks of terms and laws of one's own, on demand.
+"""Checks of terms of one's own, on demand.
 
 A term with a force that is not the derivative of its energy, or a tangent that is not that of its force, seldom fails:
 Newton's method converges slowly, or to the wrong answer. :func:`check_term` finds it by differences, and says where.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from skancf.arguments import having, whole
+from skancf.conditions.check import STEPS
 from skancf.errors import InputError, finite, positive
 from skancf.history import Case
 from skancf.kernels.constants import AXES, BLOCK
 from skancf.linear import BlockMatrix, BlockPattern
-from skancf.materials.own_point_law import check_law
-from skancf.materials.point_check import WrongLaw
-from skancf.meshes import uniform
 from skancf.problem import Problem
 from skancf.system import System
 from skancf.terms.blocks import Blocks, SkewBlocks
 from skancf.terms.own import check_cells, check_energy, check_force
+from skancf.testing.shared import CASE, Report, blamed, mesh_of, pair, pattern_of, rotated, states_about
 from skancf.tolerances import ROUNDED_FORCE, ROUNDED_VALUE, SAME_VALUE
 from skancf.vectors import rotation
 
-__all__ = ["Report", "WrongLaw", "WrongTerm", "check_law", "check_term"]
-
-STEPS = (1e-3, 1e-4, 1e-5, 1e-6)
-"""Of differences, in the sizes of the unknowns; of several the best counts: large ones leave out what bends, small ones are
-rounding."""
-TURN = (0.7, -1.6, 1.1)
-"""Rotation vector of the turned state (rad)."""
-CASE = Case(factor=0.7, time=0.3)
 VECTORS = ("r", "r_x", "r_y", "the fourth vector")
 
 
 class WrongTerm(InputError, AssertionError):
     """A term that contradicts itself; the message says where, and by how much."""
-
-
-@dataclass
-class Report:
-    """What a check found.
-
-    Attributes
-    ----------
-    errors : dict
-        Largest relative difference of each thing that was checked.
-    unchanged : bool or None
-        Whether a motion of everything as a rigid body leaves the energy as it is; None without an energy.
-    """
-
-    errors: dict[str, float] = field(default_factory=dict)
-    unchanged: bool | None = None
-
-    def add(self, what: str, error: float) -> None:
-        self.errors[what] = max(error, self.errors.get(what, 0.0))
-
-    def __str__(self) -> str:
-        lines = [f"{what}: {error:.0e}" for what, error in self.errors.items()]
-        if self.unchanged is not None:
-            lines.append(f"rigid motions {'leave' if self.unchanged else 'change'} the energy")
-        return "\n".join(lines)
 
 
 def check_term(
@@ -108,49 +73,23 @@ def check_term(
     rng = np.random.default_rng(whole("seed", seed, least=0))
     check = _Check(bound, system, tolerance, rng, Report())
     check.blocks()
-    found = states if states is not None else list(_states(system.layout, positive("amount", amount), rng))
+    found = states if states is not None else list(states_about(system.layout, positive("amount", amount), rng))
     for q in (finite("state", each) for each in found):
         if q.shape != (system.n_dofs,):
             raise InputError(f"a state of shape {q.shape}: this system has {system.n_dofs} unknowns")
         check.at(q)
-    check.between(*_pair(system.layout, found, rng))
+    check.between(*pair(system.layout, found, rng))
     check.mass()
     check.rigid(found[0])
     return check.report
 
 
-@contextmanager
-def _blamed() -> Iterator[None]:
-    try:
-        yield
-    except InputError as wrong:
-        raise WrongTerm(str(wrong)) from wrong
-
-
 def _system(term: Any, given: Any, mesh: Any, theory: Any) -> Any:
     if isinstance(given, Problem):
         problem = given if hasattr(term, "force") or term in given.terms else replace(given, terms=(*given.terms, term))
-        return problem.on(uniform(problem.surface, 3, 4) if mesh is None else mesh, theory)  # type: ignore[arg-type]
+        return problem.on(mesh_of(problem, mesh), theory)
     having("system", given, ("layout", "shell", "terms"), "a system or a problem")
     return given
-
-
-def _states(layout: Any, amount: float, rng: np.random.Generator) -> Iterator[np.ndarray]:
-    for turn in (np.zeros(3), np.array(TURN)):
-        q = _turned(layout, layout.undeformed, rotation(turn)).ravel()
-        yield q + amount * layout.scales.ravel() * rng.uniform(-1, 1, q.size)
-
-
-def _turned(layout: Any, blocks: np.ndarray, R: np.ndarray) -> np.ndarray:
-    """Everything turned about its centre."""
-    out, centre = blocks @ R.T, layout.positions(blocks).mean(axis=0)
-    out[layout.moving, 0] += centre - R @ centre
-    return np.asarray(out)
-
-
-def _pair(layout: Any, states: Sequence[np.ndarray], rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    q = np.asarray(states[0], float)
-    return q, q + 0.01 * layout.scales.ravel() * rng.uniform(-1, 1, q.size)
 
 
 class _Check:
@@ -162,14 +101,12 @@ class _Check:
 
     @cached_property
     def _pattern(self) -> BlockPattern:
-        """Of the shell's blocks and the term's own."""
-        cells = tuple(each.T for each in (self.system.shell.cells, self.term.couples()) if each.size)
-        return BlockPattern.from_cells(cells, self.layout.n_blocks, BLOCK, self.layout.places.T)
+        return pattern_of(self.system, self.term)
 
     def blocks(self) -> None:
         """The cells are blocks of the layout, each once."""
         cells = self.term.couples()
-        with _blamed():
+        with blamed(WrongTerm):
             check_cells(cells, self.layout)
         ordered = np.sort(cells, axis=1)
         twice = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
@@ -190,13 +127,13 @@ class _Check:
 
     def _force(self, q: np.ndarray, v: np.ndarray | None, case: Case = CASE) -> np.ndarray:
         force = np.asarray(self.term.force(q.copy(), None if v is None else v.copy(), case))
-        with _blamed():
+        with blamed(WrongTerm):
             check_force(force, self.n)
         return force
 
     def _energy(self, q: np.ndarray) -> float | None:
         energy = self.term.energy(q.copy(), CASE)
-        with _blamed():
+        with blamed(WrongTerm):
             check_energy(energy)
         return None if energy is None else float(energy)
 
@@ -333,7 +270,7 @@ class _Check:
         energy = self._energy(q)
         if energy is None:
             return
-        turned = _turned(self.layout, np.reshape(q, self.layout.undeformed.shape), rotation(np.array([0.01, 0.02, -0.015])))
+        turned = rotated(self.layout, np.reshape(q, self.layout.undeformed.shape), rotation(np.array([0.01, 0.02, -0.015])))
         turned[self.layout.moving, 0] += 0.01 * self.layout.scales[0, 0]
         try:
             after = self._energy(turned.ravel()) or 0.0

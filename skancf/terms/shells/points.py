@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from skancf.errors import warn
-from skancf.kernels.constants import AXES, VECTORS
+from skancf.kernels.constants import AXES, POINTS, VECTORS
 from skancf.kernels.laws import add_law
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.point_law import FINE, PointLaw, why
+from skancf.materials.zone_laws import LawsOfZones
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.tolerances import NO_CHANGE
@@ -65,7 +67,7 @@ class AtPoints(CompiledAssembly):
     """
 
     linear = False
-    section: Section
+    section: Section | SectionsOnMesh
     heat: np.ndarray | None = None
     """Temperature change T0 and T1 at the integration points, (2, n_elements, 16), with which the law expands."""
     temperature: Heat | None = None
@@ -73,11 +75,16 @@ class AtPoints(CompiledAssembly):
     every_pair: Any
     """Entries (n_pairs, 2) of a law that is full."""
     _heights: tuple[np.ndarray, np.ndarray]
+    """Of the integration points, and their weights: (n_heights,) each, or of a field with axes of the places."""
 
-    @property
-    def law(self) -> PointLaw:
-        law = self.section.points_law
-        assert law is not None
+    @cached_property
+    def law(self) -> Any:
+        """That of the integration points."""
+        return self.section.at(self.geometry.integration.local).points_law
+
+    def _law_at_point(self, e: int, p: int) -> PointLaw:
+        """The law of an integration point."""
+        law: PointLaw = self.law.of(e * POINTS + p) if isinstance(self.law, LawsOfZones) else self.law
         return law
 
     def __init__(self, *place: Any) -> None:
@@ -222,24 +229,27 @@ class AtPoints(CompiledAssembly):
         code, points = int(answers[0].code[height, e, p]), self.geometry.integration.local
         x, y = self.geometry.parameters(points if points.ndim == 2 else points[e], np.array([e]))[:, 0, p]
         strain = ", ".join(f"{value:.4g}" for value in self._membrane(answers[0], e, p))
-        z = self._heights[0][height]
-        return (f"{self._name} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {z:.4g}, membrane strain "
-                f"({strain}): {why(self.law, code)}")  # fmt: skip
+        z, law = self._heights[0], self._law_at_point(e, p)
+        z = z[height] if z.ndim == 1 else z.reshape(len(z), -1, POINTS)[height, e, p]
+        return (f"{name_of(law)} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {z:.4g}, membrane strain "
+                f"({strain}): {why(law, code)}")  # fmt: skip
 
     def warn_of(self, code: np.ndarray) -> None:
         """Say that numbers that were asked for are none, where a law's codes are not 0."""
         if code.any():
             first = int(code[code != FINE][0])
-            warn(f"{self._name} has no stress at {np.count_nonzero(code)} of {code.size} places that were asked for, and "
+            names = " or ".join(dict.fromkeys(map(name_of, getattr(self.law, "laws", (self.law,)))))
+            warn(f"{names} has no stress at {np.count_nonzero(code)} of {code.size} places that were asked for, and "
                  f"what depends on it is not a number there: {why(self.law, first)}")  # fmt: skip
-
-    @property
-    def _name(self) -> str:
-        return type(getattr(self.law, "material", self.law)).__name__
 
     @abstractmethod
     def _membrane(self, answer: Answer, e: int, p: int) -> np.ndarray:
         """Membrane strain (3,) in the local frame at a point of an element."""
+
+
+def name_of(law: Any) -> str:
+    """That of its class, as the user knows it."""
+    return type(getattr(law, "material", law)).__name__
 
 
 def square(entries: np.ndarray, pairs: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:

@@ -152,7 +152,7 @@ def modes(
         pairs, cut, count = spectrum.lowest(n)
     first, values = pairs.of(slice(n)), pairs.values
     products = first.shapes @ np.array([spectrum.with_mass(v) for v in first.shapes]).T
-    checks = (pair_check(first.errors, first.allowed), orthogonality_check(products, "mass"), count)
+    checks: tuple[Check, ...] = (pair_check(first.errors, first.allowed), orthogonality_check(products, "mass"), count)
     n_rigid, n_unstable = int((values == 0).sum()), int((values < 0).sum())
     if at_rest and conditions_in(system):
         checks = (*checks, rigid_check(n_rigid, len(free_rigid_motions(system))))

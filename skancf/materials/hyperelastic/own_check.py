@@ -115,7 +115,8 @@ def _check_rest(law: Any, largest: float) -> None:
     scale = np.abs(D).max()
     if scale < SAME_VALUE * largest:
         raise InputError(f"energy: the undeformed state has no stiffness, {scale:.3g} Pa, and its derivatives elsewhere are "
-                         f"{largest:.3g}; it must grow with the square of small strains, as mu / 2 (I1 - 3) does")
+                         f"{largest:.3g}; it must grow with the square of small strains, as mu / 2 (I1 - 3) does "
+                         f"(parameters = {shown(law.parameters)})")  # fmt: skip
     slopes = {"C11": ga, "C22": gb, "C12": gd} | ({} if law.incompressible else {"C33": gc})
     if law.incompressible and not law.of_components:
         slopes = {"S11": found.stress[0, 0], "S22": found.stress[1, 0]}

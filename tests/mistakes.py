@@ -359,9 +359,9 @@ def add_meshes(add: Any, s: Scene) -> None:
     m = sk.meshes
     opening = [((0.0, 0.5), (0.0, 0.5))]
     zone = sk.Zone("a", ((0.0, 0.3), (0.0, 1.0)), thickness=0.02)
-    add("with_lines", m.with_lines, surface=s.surface, nx=2, ny=2, zones=[zone], x=[0.5], y=[0.5], openings=opening,
-        aliases={"nx": "elements", "ny": "elements"}, kinds={"zones": "items"},
-        takes="openings:empty,openings:nothing,y:half")  # fmt: skip
+    add("with_lines", m.with_lines, surface=s.surface, nx=2, ny=2, zones=[zone], beside=0.01, x=[0.5], y=[0.5],
+        openings=opening, aliases={"nx": "elements", "ny": "elements"}, kinds={"zones": "items"},
+        takes="openings:empty,openings:nothing,y:half,beside:none")  # fmt: skip
     add("uniform", m.uniform, surface=s.surface, nx=2, ny=2, openings=opening, aliases={"nx": "elements", "ny": "elements"},
         takes="openings:empty,openings:nothing")  # fmt: skip
     row = [0.0, 0.5, 1.0]

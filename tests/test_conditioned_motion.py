@@ -60,11 +60,11 @@ def drifts(ledger):
 
 @theories
 def test_energy_and_momenta_are_those_of_a_body_without_conditions(theory):
-    """Over two hundred steps, a rod that is there twice: what Newton's method leaves adds up to 2e-12."""
+    """Over a hundred steps, a rod that is there twice: what Newton's method leaves adds up to 2e-12."""
     system = tube(RODS, theory)
-    motion = run(system, 0.5, 2.5e-3, newton_rtol=1e-11)
+    motion = run(system, 0.25, 2.5e-3, newton_rtol=1e-11)
     ledger = motion.ledger
-    assert motion.ok and len(motion.steps) == 200 and not ledger.work[-1]
+    assert motion.ok and len(motion.steps) == 100 and not ledger.work[-1]
     assert np.ptp(ledger.energy) < 1e-10 * ledger.energy[0] and max(drifts(ledger)) < 1e-10, drifts(ledger)
     assert missed(motion) < 1e-12
     assert ledger.strain.max() > 0.2 * ledger.energy[0]
@@ -76,12 +76,12 @@ def test_energy_and_momenta_are_those_of_a_body_without_conditions(theory):
 
 
 @theories
-@pytest.mark.parametrize("dt", [5e-3, 0.04])
+@pytest.mark.parametrize("dt", [5e-3, 0.03])
 def test_the_dissipative_rule_keeps_momenta_and_never_gains_energy(dt, theory):
     """At long steps, which are halved where they do not converge, as at short ones."""
-    motion = run(tube(RODS, theory), 20 * dt, dt, rho_inf=0.8, newton_rtol=1e-11)
+    motion = run(tube(RODS, theory), 12 * dt, dt, rho_inf=0.8, newton_rtol=1e-11)
     energy = motion.ledger.energy
-    assert motion.ok and energy.max() == energy[0] and energy[-1] < 0.995 * energy[0]
+    assert motion.ok and energy.max() == energy[0] and energy[-1] < 0.999 * energy[0]
     assert max(drifts(motion.ledger)) < 1e-10 and missed(motion) < 1e-12
     balance = motion.ledger.balance
     assert np.abs(balance).max() < 1e-10 * energy[0]  # what is lost is booked as numerical
@@ -253,6 +253,32 @@ def test_supports_take_what_conditions_bring(held):
     assert max(drifts(ledger)) < 1e-8 and np.abs(ledger.balance).max() < 1e-8 * ledger.turnover[-1]
 
 
+RUBBER = {"kirchhoff": sk.NeoHooke(3.8e6, 1000.0), "full": sk.NeoHooke(3.8e6, 1000.0, bulk=8e6)}
+BACK, SIDE = (lambda x, y: abs(y - np.pi) < 1e-6), (0.0, np.pi / 4)
+COMPANY = {
+    "rubber": lambda theory: {"material": RUBBER[theory]},
+    "damping": lambda theory: {"thickness": lambda x, y: 0.02 + 0.01 * np.cos(y), "damping": sk.Damping(0.5, 1e-3),
+                               "supports": [sk.Dashpot(SIDE, (30.0, 20.0, 10.0))]},
+    "driven supports": lambda theory: {
+        "supports": [sk.Prescribed(BACK, (0, 0, 0.1), history=lambda t: np.sin(20 * t) ** 2), sk.Spring(SIDE, (30, 20, 9))],
+        "loads": [sk.FollowerPressure(10.0), sk.Gravity()]},
+}  # fmt: skip
+
+
+@theories
+@pytest.mark.parametrize("name", COMPANY)
+def test_the_ledger_balances_with_what_else_there_is(name, theory):
+    what = {"thickness": 0.02, "material": SOFT, "conditions": list(RODS)} | COMPANY[name](theory)
+    system = sk.Problem(TUBE, **what).on(sk.meshes.uniform(TUBE, 1, 8), theory)
+    velocity = None if name == "driven supports" else tumbling
+    motion = run(system, 0.05, 5e-3, velocity=velocity, newton_rtol=1e-11)
+    ledger = motion.ledger
+    assert motion.ok and missed(motion) < 1e-12 and max(drifts(ledger)) < 1e-10
+    assert np.abs(ledger.balance).max() < 1e-10 * ledger.turnover[-1]
+    sources = {"damping": ledger.dissipation, "driven supports": ledger.work}
+    assert np.abs(sources.get(name, ledger.strain)).max() > 0.01 * ledger.turnover[-1]
+
+
 # --- multipliers over time -------------------------------------------------------------------------------------------
 
 
@@ -397,7 +423,7 @@ def test_rules_and_controls(way):
 
 
 def test_the_error_is_estimated():
-    motion, best = run(tube(), 0.1, 5e-3, check=True, rho_inf=0.8), run(tube(), 0.1, 5e-4, rho_inf=0.8)
+    motion, best = run(tube(), 0.05, 2.5e-3, check=True, rho_inf=0.8), run(tube(), 0.05, 5e-4, rho_inf=0.8)
     apart = motion.system.layout.positions(motion.q[-1] - best.q[-1])
     mass = motion.system.inertia.shares[: len(apart), 0]
     true = np.sqrt((mass @ (apart**2).sum(axis=1)) / mass.sum())

@@ -156,7 +156,7 @@ def test_what_is_no_energy_is_refused(energy, message):
 
 @pytest.mark.parametrize("parameters", ["mu", ("a",), ("1e6",), {"mu": 1.0}, None, (np.nan,), (1j,), [[1.0]]])
 def test_parameters_that_are_no_row_of_numbers(parameters):
-    with pytest.raises(InputError, match="parameters.* = |parameters of shape"):
+    with pytest.raises(InputError, match=r"parameters.* = |parameters of shape"):
         Hyperelastic(linear, parameters, RHO)
 
 
@@ -176,7 +176,7 @@ def test_an_array_from_around_an_energy_is_that_of_the_time_it_was_compiled():
     assert law.in_plane_stiffness()[2, 2] == pytest.approx(2.0, rel=1e-12)
     moduli[0] = 5.0
     assert law.in_plane_stiffness()[2, 2] == pytest.approx(2.0, rel=1e-12)
-    with pytest.raises(InputError, match="compiled it is .* has changed since it was compiled; hand such"):
+    with pytest.raises(InputError, match=r"compiled it is .* has changed since it was compiled; hand such"):
         Hyperelastic(energy, (0.0,), RHO)
 
 

@@ -442,7 +442,7 @@ def test_a_law_without_a_guess_and_one_of_another_small_strain():
     told.matrix = section_of(Square(), 0.1).stiffness[0]
     assert section_of(told, 0.1).abd() == pytest.approx(section_of(Square(), 0.1).abd(), rel=1e-12)
     told.matrix = 1.01 * told.matrix
-    with pytest.raises(sk.InputError, match="its entry 11, 11 is .* and that of plane_stress at the undeformed state"):
+    with pytest.raises(sk.InputError, match=r"its entry 11, 11 is .* and that of plane_stress at the undeformed state"):
         section_of(told, 0.1)
     told.matrix = np.eye(3)
     with pytest.raises(sk.InputError, match=r"stiffness\(\) of shape \(3, 3\): a law is a 6 x 6 matrix"):

@@ -7,6 +7,7 @@ From the folder of the repository, in a minute:
 """
 
 import warnings
+from typing import Any
 
 import numpy as np
 from tables import write
@@ -63,14 +64,27 @@ def iterations(thickness: float, stiffness: float, theory: str) -> str:
     return " ".join(str(result.iterations) for _, result in found.attempts) if found.ok else "fails"
 
 
-def along(n: int, theory: str) -> np.ndarray:
-    """Force per length along a hinge with a load that varies along it."""
+SEGMENTS, FINEST = (4, 8, 16), 32
+
+
+def hinge_force(n: int, theory: str, around: int) -> Any:
+    """Along a hinge with a load that varies along it."""
     tube = sk.CylinderSector(RADIUS, 1.0, 2 * np.pi)
     load = sk.EdgeLoad("start", lambda x, y: [0 * x, -np.sin(2 * x) - x, 0.2 * x**2])
     problem = sk.Problem(tube, 0.1, sk.Isotropic(YOUNG, 0.3, 7800.0), [sk.Clamp(opposite)], [load],
                          conditions=[sk.Hinge("start", "end")])  # fmt: skip
-    answer = sk.solve_linear(problem.on(sk.meshes.uniform(tube, n, 16), theory))
-    return np.asarray(answer.conditions["hinge"].per_length(np.linspace(0.26, 0.74, 65)))
+    return sk.solve_linear(problem.on(sk.meshes.uniform(tube, n, around), theory)).conditions["hinge"]
+
+
+def along(found: dict[int, Any], places: int) -> list[float]:
+    """Errors of the force per length in the middle half, of means over so many places in each segment."""
+    errors, limit = [], found[FINEST]
+    for n in SEGMENTS:
+        s = (np.arange(n * 64) + 0.5) / (n * 64)
+        s = s[(s > 0.25) & (s < 0.75)]
+        one, two = (hinge.per_length(s).reshape(-1, places, 3).mean(axis=1) for hinge in (found[n], limit))
+        errors.append(np.sqrt(((one - two) ** 2).mean() / (two**2).mean()))
+    return errors
 
 
 def estimated(n: int, theory: str, beside: bool) -> list[str]:
@@ -97,11 +111,13 @@ def main() -> None:
            for t in THICKNESSES[1:] for theory in ("kirchhoff", "full")])  # fmt: skip
     rows = []
     for theory in ("kirchhoff", "full"):
-        found = {n: along(n, theory) for n in (4, 8, 16, 48)}
-        size = np.sqrt((found[48] ** 2).mean())
-        off = [np.sqrt(((found[n] - found[48]) ** 2).mean()) / size for n in (4, 8, 16)]
-        rows.append([theory, *(f"{each:.2g}" for each in off), f"{np.log2(off[1] / off[2]):.2f}"])
-    write("conditions_force.csv", "theory; 4 elements along the hinge; 8; 16; order", rows)
+        for around in ("four times as many", "16"):
+            found = {n: hinge_force(n, theory, 16 if around == "16" else 4 * n) for n in (*SEGMENTS, FINEST)}
+            for what, places in (("at places", 1), ("means of segments", 64)):
+                off = along(found, places)
+                rows.append([theory, around, what, *(f"{each:.2g}" for each in off), f"{np.log2(off[1] / off[2]):.2f}"])
+    heads = "theory; elements around; force per length; 4 elements along the hinge; 8; 16; order"
+    write("conditions_force.csv", heads, rows)
     write("conditions_estimate.csv", "theory; beside the hinge; 2 elements along it: error; estimate / error; "
           "4 elements: error; estimate / error",
           [[theory, "half as long on one side" if beside else "alike", *estimated(2, theory, beside),

@@ -88,6 +88,56 @@ def bisected(function: Callable[[float], float], low: float, high: float) -> flo
     return (low + high) / 2
 
 
+def bent(law: Any, thickness: float, mixed: bool) -> int:
+    """Iterations that roll a strip to half a circle by a moment at its end, of shear modulus 0.4225 MPa."""
+    surface, value = sk.Rectangle(1.0, 0.1), 4 * 4.225e5 * thickness**3 / 12 * np.pi
+    supports, load = [sk.Clamp("left"), sk.Symmetry(["top", "bottom"])], sk.EdgeMoment("right", (0.0, -value, 0.0))
+    problem = sk.Problem(surface, thickness, law, supports, [load])
+    result = sk.solve(problem.on(sk.meshes.uniform(surface, 8, 1), "kirchhoff"), mixed=mixed, rtol=1e-8)
+    result.unwrap()
+    return int(result.iterations)
+
+
+def softest(law: Any, stretch: float) -> float:
+    """Smallest eigenvalue of the stiffness D of a sheet stretched in both directions, over the shear modulus."""
+    found = law.plane_stress([[stretch**2], [stretch**2], [0.0]]).stiffness[:, 0]
+    D = np.array([[found[0], found[3], found[4]], [found[3], found[1], found[5]], [found[4], found[5], found[2]]])
+    return float(np.linalg.eigvalsh(D)[0] / law.shear_modulus)
+
+
+def sheet(load: float, n: int) -> Any:
+    """A quarter of a square sheet 1 m wide and 1 cm thick, held along its edges, under a load across (Pa)."""
+    surface = sk.Rectangle(0.5, 0.5)
+    supports = [sk.Symmetry(["left", "bottom"]), sk.SimpleSupport(["right", "top"])]
+    law = sk.NeoHooke(1e6, 1000.0, poisson=0.45)
+    problem = sk.Problem(surface, 0.01, law, supports, [sk.SurfaceLoad((0.0, 0.0, load))])
+    return sk.solve(problem.on(sk.meshes.quadtree(sk.meshes.uniform(surface, n, n)), "kirchhoff")).unwrap()
+
+
+def estimates() -> list[list[str]]:
+    """Estimates over true errors, which are those against 8 x 8 and 16 x 16 elements, extrapolated by the order 4."""
+    deflection, energy = sk.Displacement((0.0, 0.0), (0.0, 0.0, 1.0)), sk.StrainEnergy()
+    rows = []
+    for load in (60e3, 130e3):
+        states = {n: sheet(load, n) for n in (2, 4, 8, 16)}
+
+        def limit(number: Callable[[Any], float], states: dict[int, Any] = states) -> float:
+            coarse, fine = number(states[8]), number(states[16])
+            return fine + (fine - coarse) / 15
+
+        def potential(state: Any) -> float:
+            return float(state.strain_energy - state.work)
+
+        strain = states[16].strains(np.zeros((2, 1)), "middle")[0, 0, 0]
+        for n in (2, 4):
+            state, true = states[n], potential(states[n]) - limit(potential)
+            parts = [sk.goal_estimate(state, each).error / (limit(each.value) - each.value(state))
+                     for each in (deflection, energy)]  # fmt: skip
+            parts += [float(each(state).sum()) / true for each in (sk.recovery_indicator, sk.residual_indicator)]
+            rows.append([f"{load / 1e3:.0f}", f"{strain:.2f}", f"{n} x {n}", *(f"{part:.2f}" for part in parts)])
+    return rows
+
+
 def main() -> None:
     small, stiff = rubbers(MU, poisson=0.45), rubbers(4.225e5)
     rows = []
@@ -104,6 +154,15 @@ def main() -> None:
         rows.append([f"{angle:g}", f"{exact:.6f}", f"{100 * linear:.2f}", *(f"{100 * each:.3f}" for each in errors)])
     tables.write("laws_flexure.csv", "h / R; M / mu h^2; eps + z kappa (%); C(z), 2 points (%); 3 points (%); 4 points (%); "
                  "30 points (%)", rows)  # fmt: skip
+    laws = {**stiff, "linear": sk.Isotropic(3 * 4.225e5, 0.4999, RHO)}
+    kinds = [(t, mixed) for t in (0.02, 0.005) for mixed in (True, False)]
+    rows = [[name, *(str(bent(law, *kind)) for kind in kinds)] for name, law in laws.items()]
+    tables.write("laws_newton.csv", "law; t / L = 0.02, mixed; plain; t / L = 0.005, mixed; plain", rows)
+    stretches = (1.0, 1.25, 1.5, 2.0, 3.0)
+    rows = [[name, *(f"{softest(law, stretch):.3f}" for stretch in stretches)] for name, law in stiff.items()]
+    tables.write("laws_softest.csv", "law; stretch 1; 1.25; 1.5; 2; 3", rows)
+    tables.write("laws_errors.csv", "load (kPa); strain of the middle; elements; deflection; energy; recovery indicator; "
+                 "residual indicator", estimates())  # fmt: skip
     rows = [[row.name, f"{row.by_hand:.3f}", f"{row.own:.3f}", f"{row.own / row.by_hand:.1f}"] for row in costs.measure()]
     tables.write("laws_cost.csv", "energy; by hand (us); own (us); ratio", rows)
 

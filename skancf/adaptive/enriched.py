@@ -153,13 +153,13 @@ class Enriched(Refined):
         """K^-1 force on the free coordinates, after the step; with conditions the motion that keeps them."""
         return self.solve_both(force)[0]
 
-    def solve_both(self, force: np.ndarray, values: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    def solve_both(self, force: np.ndarray, values: np.ndarray = NONE) -> tuple[np.ndarray, np.ndarray]:
         """The same, and the multipliers (n,) of it; the motion may also change the conditions by some values (n,)."""
         _ = self._answer
         tangent: Any = self._tangent
         if not self.multipliers.size:
             return self._direct.solve(force), NONE
-        values = np.zeros(self.multipliers.size) if values is None else values
+        values = values if values.size else np.zeros(self.multipliers.size)
         x, pulls = tangent.symmetric().solve_both(force, values)
         return x, pulls
 

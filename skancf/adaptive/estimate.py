@@ -1,6 +1,6 @@
 """The error of a quantity of interest by its dual weight, and indicators of where the residual is large."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -109,6 +109,7 @@ def goal_estimate(
     left there: a sixteenth in theory `kirchhoff` and a quarter in `full`, more in elements at singular points where energies
     in rings about them say so. The difference of the two values contains all of the step that the linear
     weight :math:`-z \cdot R` has, and the terms of second order, which are all there is where the quantity is the energy.
+    Conditions, of hinges and links, are met by the refined answer and by z; R is with their forces.
 
     Parameters
     ----------
@@ -137,7 +138,7 @@ def goal_estimate(
         better = enriched.corrected
         gradient = gradient_of(quantity, better)
         lift = quantity.lift(better) if hasattr(quantity, "lift") else None
-        weight, pulls = enriched.solve_both(gradient, None if lift is None else enriched.rows(lift))
+        weight, pulls = enriched.solve_both(gradient, given_way(quantity, better, lift, enriched.rows))
         smooth = weight if lift is None else weight - lift
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
         if pulls.size:
@@ -177,6 +178,20 @@ def residual_indicator(state: Solution, *, backend: str = "auto") -> np.ndarray:
 def value_of(quantity: Quantity, state: Solution) -> float:
     """The number that a quantity is in a state, also one of the user's own."""
     return number("quantity.value", called("quantity.value", quantity.value, state))
+
+
+def given_way(
+    quantity: Any, state: Solution, lift: np.ndarray | None, rows: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    r"""By how much the dual weight changes the conditions, (n,): as the motion ``lift`` of supports does, by ``rows``, and
+    by :math:`\partial J / \partial \lambda` of a quantity that depends on their multipliers."""
+    out = np.zeros(state.system.conditions.n)
+    if lift is not None and out.size:
+        out = out + rows(lift)
+    if hasattr(quantity, "by_multipliers"):
+        name = "quantity.by_multipliers"
+        out = out + vector(name, called(name, quantity.by_multipliers, state), out.size)
+    return out
 
 
 def gradient_of(quantity: Quantity, state: Solution) -> np.ndarray:

@@ -75,7 +75,8 @@ def adapt(
     ----------
     problem : Problem
     quantity : Quantity
-        :class:`Displacement`, :class:`Rotation`, :class:`SectionForce`, :class:`Reaction`, :class:`StrainEnergy`,
+        :class:`Displacement`, :class:`Rotation`, :class:`SectionForce`, :class:`Reaction`,
+        :class:`ConditionForce`, :class:`StrainEnergy`,
         :class:`Eigenfrequency`, :class:`BucklingLoad`, or an object with ``unit``, ``value`` and ``gradient``.
     rtol, atol : float
         The asked accuracy, relative to the value and absolute (in the unit of the quantity).

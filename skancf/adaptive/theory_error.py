@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.adaptive.estimate import check_quantity, gradient_of, value_of
+from skancf.adaptive.estimate import check_quantity, given_way, gradient_of, value_of
 from skancf.adaptive.interpolation import multipliers_on
 from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
 from skancf.arguments import STATE, instance
@@ -139,7 +139,7 @@ def _dual(form: ShearForm, state: Solution, quantity: Any, backend: str) -> Fiel
         weight = state.change
     else:
         lift = quantity.lift(state) if hasattr(quantity, "lift") else None
-        weight = _weight(state, gradient_of(quantity, state), lift, backend)
+        weight = _weight(state, quantity, lift, backend)
         if lift is not None:
             weight = weight - lift
     fields = form.fields(moment_rates(system, at, weight))
@@ -155,7 +155,7 @@ def _is_loaded_alone(state: Solution) -> bool:
     return state.linear and not moved and not system.shell.heats
 
 
-def _weight(state: Solution, gradient: np.ndarray, lift: np.ndarray | None, backend: str) -> np.ndarray:
+def _weight(state: Solution, quantity: Any, lift: np.ndarray | None, backend: str) -> np.ndarray:
     """With conditions a motion that keeps them, or that changes them as a motion ``lift`` of supports does."""
     system, model, x = state.system, state.model, state.unknowns
     tangent, skew = model.tangent(x, state.case), skew_part(model, x, state.load_factor)
@@ -163,8 +163,8 @@ def _weight(state: Solution, gradient: np.ndarray, lift: np.ndarray | None, back
         tangent = curved(system, tangent, x, multipliers_on(state, system))
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         factors = factored_about(system, solver, tangent, None if skew is None else -skew, state.about)
-        values = np.zeros(system.conditions.n) if lift is None else rows_of(factors, lift)
-        return solved(factors, gradient, values)[0]
+        values = given_way(quantity, state, lift, lambda change: rows_of(factors, change))
+        return solved(factors, gradient_of(quantity, state), values)[0]
 
 
 def _stretched(state: Solution) -> str:

@@ -79,6 +79,22 @@ class Condition:
                              "carried(multipliers, onto) which multipliers are the same forces there")  # fmt: skip
         return multipliers
 
+    def resultant(self, direction: np.ndarray | None) -> np.ndarray:
+        """Weights (n,) by which its multipliers make one force (N): along a direction of space (3,), or, of a condition that
+        has a direction of its own, without one.
+
+        Default: the multiplier itself, where there is one.
+
+        Raises
+        ------
+        InputError
+            For a direction where it has its own, and for none where it needs one.
+        """
+        if direction is not None or self.n != 1:
+            raise InputError(f"condition {self.name!r}: it has {self.n} multipliers, and its class does not say by which "
+                             "weights they make a force; let it have a method resultant(direction)")  # fmt: skip
+        return np.ones(1)
+
     def forces(self, multipliers: np.ndarray) -> Any:
         """Its multipliers (n,) as a user reads them. Default: as they are."""
         return multipliers

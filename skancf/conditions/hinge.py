@@ -195,6 +195,14 @@ class Gap(Condition):
         projected = (tests @ (legendre(s, here).T @ of_segments)) / norms[:, None]
         return np.concatenate([projected, at_ends]).ravel()
 
+    def resultant(self, direction: np.ndarray | None) -> np.ndarray:
+        """As :attr:`HingeForce.total`."""
+        if direction is None:
+            raise InputError(f"condition {self.name!r}: the force of a hinge has three components; give a direction")
+        weights, n = np.zeros(self.n // AXES), len(self.seam.ends) - 1
+        weights[: 2 * n : 2], weights[2 * n :] = np.diff(self.seam.ends), 1.0
+        return -np.outer(weights, direction).ravel()
+
     def forces(self, multipliers: np.ndarray) -> "HingeForce":
         return HingeForce(self.seam.ends, multipliers.reshape(-1, AXES))
 

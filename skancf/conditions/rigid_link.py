@@ -109,6 +109,11 @@ class Distance(Condition):
         """A force at both ends, along the undeformed rod."""
         return [Singularity("force", self._ends, "a RigidLink", vector=self._way)]
 
+    def resultant(self, direction: np.ndarray | None) -> np.ndarray:
+        if direction is not None:
+            raise InputError(f"condition {self.name!r}: the force of a rod is along it; leave the direction out")
+        return np.ones(1)
+
     def forces(self, multipliers: np.ndarray) -> float:
         """The force in the rod (N), positive if it pulls."""
         return float(multipliers[0])

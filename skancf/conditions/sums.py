@@ -93,6 +93,12 @@ class Conditions(Sequence[Condition]):
         parts = zip(self.names, self, self._slices, strict=True)
         return {name: each.forces(multipliers[part]) for name, each, part in parts}
 
+    def resultant(self, name: str, direction: np.ndarray | None) -> np.ndarray:
+        """Weights (n,) of all multipliers that make the force of one condition, see :meth:`Condition.resultant`."""
+        k, out = self.names.index(name), np.zeros(self.n)
+        out[self._slices[k]] = self[k].resultant(direction)
+        return out
+
     def carried(self, multipliers: np.ndarray, onto: "Conditions") -> np.ndarray:
         """Multipliers (n,) for the same conditions on another mesh, (onto.n,)."""
         pairs = zip(self, onto, self._slices, strict=True)

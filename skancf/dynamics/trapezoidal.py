@@ -12,6 +12,7 @@ class Trapezoidal(Newmark):
     .. math:: M a_{n+1} + f_{int}(q_{n+1}) = f_{ext}(q_{n+1}, t_{n+1})
 
     It damps nothing and is stable without limit in linear problems; in large rotations its energy grows and a run blows up.
+    With conditions it is refused: their multipliers would alternate from step to step, and grow.
     """
 
     alpha_m = 0.0

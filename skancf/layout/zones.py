@@ -44,6 +44,11 @@ class SectionsOnMesh:
         zones = self.zones if elements is None else self.zones[elements]
         return self.field.at(self.geometry.parameters(points, elements), zones[:, None])
 
+    @property
+    def points_law(self) -> Any:
+        """As :attr:`skancf.materials.field.SectionField.points_law`."""
+        return self.field.points_law
+
     def at_places(self, places: Any) -> Section:
         """Sections at places (2, n) of the parameter plane: with an axis (n,)."""
         places = np.asarray(places, dtype=float)

@@ -17,6 +17,9 @@ from skancf.terms.protocols import Assembly
 class Temperature:
     r"""A temperature change :math:`T(x, y, z) = T_0 + z T_1`, which strains the material by its ``expansion``.
 
+    Of linear laws :math:`\alpha T` is a part of Green's strain; a law at a point is stretched by :math:`1 + \alpha T`, see
+    :mod:`skancf.materials.free_stretch`.
+
     Parameters
     ----------
     change : float or callable

@@ -5,7 +5,7 @@ the functions there: no polynomial stands between. Integration points ask once, 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +13,9 @@ import numpy as np
 from skancf.errors import InputError, number, shown
 from skancf.functions import ONE_POINT, Noted, is_function, values_at
 from skancf.materials.made import section_of
+from skancf.materials.point_law import PointLaw, is_point_law
 from skancf.materials.section import Section
+from skancf.materials.zone_laws import LawsOfZones, LinearAtPoints
 from skancf.materials.zones import Zone
 
 
@@ -33,6 +35,8 @@ class Given:
     material: Any
     thickness: Any
     offset: Any
+    law: PointLaw | None = field(default=None, init=False)
+    """The material as a law at points; None of others."""
 
     def __post_init__(self) -> None:
         with self._noted():
@@ -40,7 +44,8 @@ class Given:
                 number("offset", self.offset)
             if not is_function(self.material):
                 any_will_do = is_function(self.thickness) and not brings_thickness(self.material)
-                section_of(self.material, 1.0 if any_will_do else self.thickness)
+                made = section_of(self.material, 1.0 if any_will_do else self.thickness)
+                object.__setattr__(self, "law", made.points_law)
 
     @property
     def varies(self) -> bool:
@@ -76,7 +81,7 @@ class Given:
         """Layers of all the materials in a part, of the thickness 1 where it is a law, and which of them is at each place
         (n,)."""
         if not is_function(self.material):
-            return [self._made(self.material)], np.zeros(places.shape[1], dtype=int)
+            return [self._made(self.material if self.law is None else self.law)], np.zeros(places.shape[1], dtype=int)
         known: dict[Any, int] = {}
         materials: list[Any] = []
         found: list[Layers] = []
@@ -88,6 +93,9 @@ class Given:
             if which[k] == len(found):
                 materials.append(material)  # so that no other one has its id
                 with _Said(after=_at(x, y)):
+                    if is_point_law(material):
+                        raise InputError(f"material: {type(material).__name__} is a law at points; a function of place "
+                                         "gives linear laws or laminates, take zones for laws at points")  # fmt: skip
                     found.append(self._made(material))
         return filled_up(found), which
 
@@ -125,14 +133,22 @@ class SectionField:
         For what is missing, with the name of the zone.
     """
 
-    points_law = None
-    """Laws at points are refused, see :meth:`Layers.of`."""
-
     def __init__(self, material: Any, thickness: Any, offset: Any, zones: Sequence[Zone] = ()):
         self.zones = tuple(zones)
         made = [Given(*_of_zone(zone, material, thickness, offset)) for zone in zones]
         self.covers = material is not None and (thickness is not None or brings_thickness(material) or not zones)
         self.given = [*made, *([Given("", material, thickness, offset)] if self.covers or not zones else [])]
+        self._laws = laws_of(self.given)
+
+    @property
+    def points_law(self) -> Any:
+        """The law at points, or those of all zones; None where all are linear."""
+        return self._law_at(np.arange(len(self.given)))
+
+    def _law_at(self, zones: np.ndarray) -> Any:
+        """The law at places in zones of these numbers."""
+        laws = self._laws
+        return laws[0] if len(set(map(id, laws))) == 1 else LawsOfZones(laws, zones.ravel()) if laws else None
 
     @property
     def varies(self) -> bool:
@@ -156,7 +172,7 @@ class SectionField:
             arrays = Layers(*(np.concatenate(each)[order] for each in zip(*found, strict=True)))
         shaped = (each.reshape(*places.shape[1:], *each.shape[1:]) for each in arrays)
         z, stiffness, density, expansion, thinning = shaped
-        return Section(z, stiffness, density, expansion, thinning, places=places)
+        return Section(z, stiffness, density, expansion, thinning, self._law_at(zones), places=places)
 
 
 class Layers(NamedTuple):
@@ -170,10 +186,6 @@ class Layers(NamedTuple):
 
     @classmethod
     def of(cls, section: Section) -> "Layers":
-        if section.points_law is not None:
-            raise InputError(f"material: {type(section.points_law).__name__} is a law at points, of which a plate has one, "
-                             "of one thickness everywhere; leave the zones and functions of place out, or take a linear "
-                             "law")  # fmt: skip
         return cls(*(getattr(section, name) for name in cls._fields))
 
     def with_layers(self, n: int) -> "Layers":
@@ -194,6 +206,28 @@ def filled_up(sections: Sequence[Layers]) -> list[Layers]:
     """All with as many layers as that of the most."""
     most = max((one.density.shape[-1] for one in sections), default=1)
     return [one.with_layers(most) for one in sections]
+
+
+def laws_of(parts: Sequence[Given]) -> tuple[PointLaw, ...]:
+    """Laws at points of all parts, equal ones as one; linear ones are asked at points too. None where all are linear.
+
+    Raises
+    ------
+    InputError
+        For a laminate, and for a material that is a function of place, beside a law at points.
+    """
+    known: dict[Any, PointLaw] = {}
+    first = next((part for part in parts if part.law is not None), None)
+    if first is None:
+        return ()
+    for part in parts:
+        if brings_thickness(part.material) or is_function(part.material):
+            name = f"zone {part.name!r}" if part.name else "the rest of the plate"
+            what = "a laminate" if brings_thickness(part.material) else "a material that is a function of place"
+            raise InputError(f"material: {name} has {what}, and {type(first.material).__name__} is a law at points, beside "
+                             "which each zone has one law; give it one that is linear or a law at points")  # fmt: skip
+        known.setdefault(_key(part.material), part.law or LinearAtPoints(part.material))
+    return tuple(known[_key(part.material)] for part in parts)
 
 
 def brings_thickness(material: Any) -> bool:

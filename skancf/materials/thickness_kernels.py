@@ -30,12 +30,13 @@ def mixed(eps, kappa, curvature, k):
 
 @compiled(**OPTIONS)
 def deformations(z, eps, kappa, curvature, out):
-    """C11, C22, C12 at heights z (m,) of n points: (3, m * n), heights one after the other."""
-    n = eps.shape[1]
+    """C11, C22, C12 at heights z (m, n), or (m, 1) of all, of n points: (3, m * n), heights one after the other."""
+    n, own = eps.shape[1], z.shape[1] > 1
     for k in range(n):
         _, _, f = mixed(eps, kappa, curvature, k)
-        for j in range(z.size):
-            h = z[j]
+        place = k if own else 0
+        for j in range(z.shape[0]):
+            h = z[j, place]
             e1 = 2.0 * (eps[0, k] + h * kappa[0, k]) + h * h * f[0]
             e2 = 2.0 * (eps[1, k] + h * kappa[1, k]) + h * h * f[1]
             e12 = eps[2, k] + h * kappa[2, k] + h * h * f[2]
@@ -91,16 +92,16 @@ def set_powers(z, weights, curvature, k, n, energy, stress, stiffness, T, D, s, 
     """Integrals of energy, of stresses s (3, 3) times 1, z, z^2, and of stiffnesses d (5, 3, 3) times 1 to z^4."""
     s[:] = 0.0
     d[:] = 0.0
-    total = 0.0
-    for j in range(z.size):
-        at, h = j * n + k, z[j]
+    total, place = 0.0, k if z.shape[1] > 1 else 0
+    for j in range(z.shape[0]):
+        at, h = j * n + k, z[j, place]
         s1, s2, s12, area = inverse_shifter(curvature[0, k], curvature[1, k], curvature[2, k], h)
         to_surface(s1, s2, s12, T)
         D[0, 0], D[1, 1], D[2, 2] = stiffness[0, at], stiffness[1, at], stiffness[2, at]
         D[0, 1] = D[1, 0] = stiffness[3, at]
         D[0, 2] = D[2, 0] = stiffness[4, at]
         D[1, 2] = D[2, 1] = stiffness[5, at]
-        w = weights[j] * area
+        w = weights[j, place] * area
         total += w * energy[at]
         for a in range(3):
             own = w * (T[0, a] * stress[0, at] + T[1, a] * stress[1, at] + T[2, a] * stress[2, at])
@@ -141,7 +142,7 @@ def set_stiffness(d, P, R, full):
 @compiled(**OPTIONS)
 def resultants(z, weights, eps, kappa, curvature, energy, stress, stiffness, out_energy, out_forces, out_stiffness):
     """Energy (n,), forces and moments (6, n) and stiffness (21, n) per area, from energy (m * n,), stress (3, m * n) and
-    stiffness (6, m * n) at the heights."""
+    stiffness (6, m * n) at the heights (m, n), or (m, 1) of all."""
     n = eps.shape[1]
     T, D, s, d = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((5, 3, 3))
     P, R, W, full = np.empty((3, 3)), np.empty((3, 3)), np.empty((4, 6)), np.empty((6, 6))

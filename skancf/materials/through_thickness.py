@@ -77,9 +77,12 @@ class SectionResponse:
 
 
 def heights(section: Section, points: int = POINTS) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss points of a section, (n_heights,) (m), and their weights (m)."""
+    """Gauss points of a section, (n_heights,) (m), and their weights (m); of sections at n places (n_heights, n)."""
     z, w, _ = section.points(points)
-    return z, w
+    if section.places is None:
+        return z, w
+    n = z.shape[-1]
+    return np.moveaxis(z, -1, 0).reshape(n, -1), np.moveaxis(w, -1, 0).reshape(n, -1)
 
 
 def through_thickness(
@@ -91,7 +94,7 @@ def through_thickness(
     Parameters
     ----------
     law : PointLaw
-    z, weights : (n_heights,) arrays
+    z, weights : (n_heights,) or (n_heights, n) arrays
         Heights above the surface and their weights (m), of :func:`heights`.
     eps : (3, n) array
         Membrane strain, Green's, 11, 22, 12 (doubled).
@@ -111,7 +114,8 @@ def through_thickness(
     """
     n = eps.shape[1]
     eps, kappa, curvature = (np.ascontiguousarray(each) for each in (eps, kappa, curvature))
-    C = np.empty((3, z.size * n))
+    z, weights = (np.ascontiguousarray(_columns(each)) for each in (z, weights))
+    C = np.empty((3, len(z) * n))
     deformations(z, eps, kappa, curvature, C)
     start = None if guess is None else np.ascontiguousarray(guess).reshape(-1)
     past = None if history is None else np.ascontiguousarray(history).reshape(len(history), -1)
@@ -120,7 +124,7 @@ def through_thickness(
     found = law.respond(C, start, past) if free is None else free.respond(law.respond, C, start, past)
     energy, forces, full = np.empty(n), np.empty((6, n)), np.empty((21, n))
     resultants(z, weights, eps, kappa, curvature, found.energy, found.stress, found.stiffness, energy, forces, full)
-    shape = (z.size, n)
+    shape = (len(z), n)
     return SectionResponse(energy, forces, full, found.stretch33.reshape(shape), found.code.reshape(shape),
                            found.history.reshape(-1, *shape))  # fmt: skip
 
@@ -141,8 +145,8 @@ def heated_through_thickness(
     by the same everywhere has no stress, whatever its curvature, and a flat one none where it bends freely with T1.
     """
     grown, eps, kappa = _in_grown_lengths(law, eps, kappa, curvature, middle)
-    change = (middle + np.multiply.outer(z, gradient)).reshape(-1)
-    free = free_stretch(law.thermal_strain(), change, plane=True, over=np.tile(grown, z.size))
+    change = (middle + _columns(z) * gradient).reshape(-1)
+    free = free_stretch(law.thermal_strain(), change, plane=True, over=np.tile(grown, len(z)))
     found = through_thickness(law, z, weights, eps, kappa, curvature, free=free)
     powers = np.array([1, 1, 1, 2, 2, 2])
     of_pairs = np.array([powers[k] + powers[l] - 3 for k in range(6) for l in range(k, 6)])
@@ -162,14 +166,21 @@ def _in_grown_lengths(
 
 
 def deformation_at(
-    law: PointLaw, z: Any, eps: np.ndarray, kappa: np.ndarray, curvature: np.ndarray, middle: np.ndarray | None
+    law: Any, z: Any, eps: np.ndarray, kappa: np.ndarray, curvature: np.ndarray, middle: np.ndarray | None
 ) -> np.ndarray:
-    """C11, C22, C12 (3, n) at a height, of strains as those of :func:`through_thickness`, with T0 (n,) or without heat."""
+    """C11, C22, C12 (3, n) at a height, or one for each place, of strains as those of :func:`through_thickness`, with T0
+    (n,) or without heat."""
     C, grown = np.empty((3, eps.shape[1])), np.ones(1)
     if middle is not None:
         grown, eps, kappa = _in_grown_lengths(law, eps, kappa, curvature, middle)
-    deformations(np.array([z], dtype=float), *(np.ascontiguousarray(part) for part in (eps, kappa, curvature)), C)
+    parts = (np.ascontiguousarray(part) for part in (eps, kappa, curvature))
+    deformations(np.array(z, dtype=float).reshape(1, -1), *parts, C)
     return C if middle is None else C * grown**2
+
+
+def _columns(z: np.ndarray) -> np.ndarray:
+    """Heights of all places as those of each, (n_heights, 1)."""
+    return z if z.ndim > 1 else z[:, None]
 
 
 def require_one_side(z: np.ndarray, curvature: np.ndarray) -> None:

@@ -158,6 +158,6 @@ class ConditionedTangents(Tangents):
         return np.concatenate([change, more, [step]]), work(change, tangent.multiply(change))
 
     def step(self, x: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
-        along = x[: self.n], change[: self.n], float(x[-1])
+        along = x[: self.n], change[: self.n], float(x[-1] + change[-1])
         self.stresses = stresses_along(self.system, *along) if self.mixed else None
         return x + change

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from skancf.history import FULL, Case
 from skancf.linear import BlockMatrix, BlockPattern, Constraints, DirectSolver, SkewSolver
 from skancf.statics.stopping import Constraint, Pull, work
+from skancf.terms.shell import is_heated
 
 NONE = np.zeros(0)
 """Multipliers of a system without conditions."""
@@ -65,27 +66,27 @@ def factored(
     return SkewSolver(matrix, skew_part(system, q, load_factor), solver)
 
 
-def internal_force(system: Any, q: np.ndarray, load_factor: float) -> np.ndarray:
-    """That of the structure; heat inside a law is in it, at a load factor."""
-    force: np.ndarray = system.internal_force(q, None, Case(load_factor)) if is_heated(system) else system.internal_force(q)
-    return force
+def internal_force(system: Any, q: np.ndarray, load_factor: float, stresses: Any = None) -> np.ndarray:
+    """That of the structure; heat inside a law is in it, at a load factor. With ``stresses`` of :func:`stresses_along` of a
+    law at points, that of the law linearised about them."""
+    case = Case(load_factor) if is_heated(system) else FULL
+    if getattr(stresses, "answer", None) is not None:
+        force: np.ndarray = system.shell.mixed_force(q, stresses, case)
+        return force + system.others.force(q, None, case) if system.others else force
+    return np.asarray(system.internal_force(q, None, case) if is_heated(system) else system.internal_force(q))
 
 
-def stresses_along(system: Any, q: np.ndarray, change: np.ndarray, load_factor: float) -> np.ndarray:
-    """Stresses extrapolated along a change, at a load factor."""
-    case = [Case(load_factor)] if is_heated(system) else []
-    return np.asarray(system.stresses(q, change, *case))
+def stresses_along(system: Any, q: np.ndarray, change: np.ndarray, load_factor: float) -> Any:
+    """Stresses extrapolated along a change, at a load factor; of laws at points what these say of extrapolated strains."""
+    if getattr(getattr(system, "shell", None), "at_points", False):
+        return system.shell.extrapolated(q, change, Case(load_factor))
+    return system.stresses(q, change)
 
 
 def load_rate(system: Any, q: np.ndarray, load_factor: float) -> np.ndarray:
     """Derivative of the loads with respect to the load factor, with the forces of heat inside a law: (n_dofs,)."""
-    force: np.ndarray = system.external_force(q)
-    return force + system.shell.load_rate(q, load_factor) if is_heated(system) else force
-
-
-def is_heated(system: Any) -> bool:
-    """Whether heat is inside a law, so that forces are not linear in the load factor."""
-    return bool(getattr(getattr(system, "shell", None), "heated", False))
+    force = system.external_force(q)
+    return np.asarray(force + system.shell.load_rate(q, load_factor) if is_heated(system) else force)
 
 
 def along_load(system: StaticSystem, q: np.ndarray, load_factor: float, tangent: SkewSolver) -> np.ndarray:
@@ -127,7 +128,7 @@ class Tangents:
     def residual(self, x: np.ndarray) -> np.ndarray:
         q, load_factor = x[:-1], float(x[-1])
         self.force = load_factor * self.system.external_force(q)
-        residual = internal_force(self.system, q, load_factor) - self.force
+        residual = internal_force(self.system, q, load_factor, self.stresses) - self.force
         return residual + self.pull.force(q) if self.pull else residual
 
     def correction(self, x: np.ndarray, residual: np.ndarray) -> tuple[np.ndarray, float]:
@@ -146,5 +147,6 @@ class Tangents:
         return np.append(change, more), work(change, tangent.multiply(change))
 
     def step(self, x: np.ndarray, residual: np.ndarray, change: np.ndarray) -> np.ndarray:
-        self.stresses = stresses_along(self.system, x[:-1], change[:-1], float(x[-1])) if self.mixed else None
+        along = x[:-1], change[:-1], float(x[-1] + change[-1])
+        self.stresses = stresses_along(self.system, *along) if self.mixed else None
         return x + change

@@ -152,9 +152,10 @@ def modes(
         pairs, cut, count = spectrum.lowest(n)
     first, values = pairs.of(slice(n)), pairs.values
     products = first.shapes @ np.array([spectrum.with_mass(v) for v in first.shapes]).T
+    checks: tuple[Check, ...] = (pair_check(first.errors, first.allowed), orthogonality_check(products, "mass"), count)
     n_rigid, n_unstable = int((values == 0).sum()), int((values < 0).sum())
-    free = (rigid_check(n_rigid, len(free_rigid_motions(system))),) if at_rest and conditions_in(system) else ()
-    checks = (pair_check(first.errors, first.allowed), orthogonality_check(products, "mass"), count, *free)
+    if at_rest and conditions_in(system):
+        checks = (*checks, rigid_check(n_rigid, len(free_rigid_motions(system))))
     warn_of_failures(checks)
     note = group_note("mode", values, n, gap_after(values, n) or cut)
     found = Modes(first.values, first.shapes, n_rigid, n_unstable, state, note, checks)

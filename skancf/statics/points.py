@@ -108,7 +108,7 @@ class Follower:
         return Constraint(row, 0.0, float(row @ a.q) + length, a.q)
 
     def _solve(self, a: Point, q: np.ndarray, load_factor: float, constraint: Constraint) -> NewtonResult:
-        stresses = stresses_along(self.system, a.q, q - a.q, a.load_factor) if self.mixed else None
+        stresses = stresses_along(self.system, a.q, q - a.q, load_factor) if self.mixed else None
         return newton(
             self.system, q, self.solver, load_factor=load_factor, rtol=self.rtol, max_steps=self.max_iterations,
             mixed=self.mixed, constraint=constraint, stresses=stresses,

@@ -4,6 +4,7 @@ from typing import Any
 
 from skancf.history import Case
 from skancf.linear import BlockMatrix
+from skancf.terms.shell import is_heated
 
 
 def pretension(system: Any) -> BlockMatrix:
@@ -15,5 +16,6 @@ def pretension(system: Any) -> BlockMatrix:
     """
     start = system.undeformed
     cold = Case(0.0)
-    dilated = system.stresses(start, start, cold) - system.stresses(start, None, cold)
+    case = [cold] if is_heated(system) else []
+    dilated = system.stresses(start, start, *case) - system.stresses(start, None, *case)
     return BlockMatrix(system.pattern, system.tangent(start, cold, dilated).values - system.stiffness().values)

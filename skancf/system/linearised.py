@@ -12,6 +12,7 @@ from skancf.history import FULL, Case
 from skancf.linear import BlockMatrix
 from skancf.system.system import System
 from skancf.system.unstressed import derivative, of_change
+from skancf.terms.shell import is_heated
 
 STEP = 1e-5
 """Of a difference, relative to the size of the body: its square, and rounding over it, are small."""
@@ -216,9 +217,10 @@ class Linearised(Model):
         return force if self._skew is None else force + self._skew @ x
 
     def external_force(self, x: np.ndarray, case: Case = FULL) -> np.ndarray:
-        start = self.system.undeformed
-        applied, initial = self.system.applied_force(start), self.system.shell.initial_stress_force(start, FULL, small=True)
-        return case.factor * (applied if initial is None else applied + initial)
+        start, force = self.system.undeformed, self.system.external_force(self.system.undeformed)
+        if is_heated(self.system):
+            force = self.system.applied_force(start) + self.system.shell.initial_stress_force(start, FULL, small=True)
+        return case.factor * force
 
     def others_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
         force, springs = self.system.others.force(self.system.undeformed, None, case), self.system.foundation
@@ -284,14 +286,15 @@ def geometric_stiffness(system: System, change: np.ndarray, load_factor: float =
     """
     start, size = system.undeformed, float(np.abs(change).max(initial=0.0))
     power = int(np.frexp(np.abs(start).max())[1] - np.frexp(size)[1]) if size else 0
-    cold, case = Case(0.0), Case(float(np.ldexp(load_factor, power)))
-    stresses = system.stresses(start, np.ldexp(change, power), cold) - system.stresses(start, None, cold)
-    if system.shell.heated:  # to first order
+    case, moved = Case(float(np.ldexp(load_factor, power))), np.ldexp(change, power)
+    if is_heated(system):  # to first order
+        cold = Case(0.0)
+        stresses = system.stresses(start, moved, cold) - system.stresses(start, None, cold)
         initial = system.shell.initial_stresses(case, small=True)
         scaled, loads = system.tangent(start, cold, stresses - initial), system.loads.tangent(start, case)
         values = scaled.values - system.stiffness().values + (0.0 if loads is None else loads.values)
     else:
-        scaled = system.tangent(start, case, stresses)
+        scaled = system.tangent(start, case, system.stresses(start, moved) - system.stresses(start))
         values = scaled.values - system.stiffness().values
     if others := _change_of_others(system, np.ldexp(change, power)):
         values += others.values

@@ -45,6 +45,9 @@ class Shell(Term):
         self.cells = self.geometry.nodes + layout.part(name).start
         self.nodal, self.flat = partial(layout.nodal, name=name), partial(layout.flat, name=name)
 
+    at_points = False
+    """Whether the law is one of points, which is not linear, see :mod:`skancf.terms.shell_at_points`."""
+
     @property
     def heated(self) -> bool:
         """Whether heat is inside the law, so that forces are not linear in it."""
@@ -201,3 +204,8 @@ def total(parts: Any) -> Any:
     """Sum of the parts that are there; None if none is."""
     found = [part for part in parts if part is not None]
     return sum(found[1:], found[0]) if found else None
+
+
+def is_heated(system: Any) -> bool:
+    """Whether heat is inside the law of a system, so that forces are not linear in the load factor."""
+    return bool(getattr(getattr(system, "shell", None), "heated", False))

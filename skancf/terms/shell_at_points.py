@@ -1,5 +1,6 @@
 """A shell with laws at points, which are not linear: heat is in the law, and damping has the law of small strain."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,14 @@ STEP = 1e-4
 """Of a difference by the load factor: its square is small, and so is rounding over it."""
 
 
+@dataclass(frozen=True)
+class Extrapolated:
+    """What a law says of strains that were extrapolated, and its stresses on all strains."""
+
+    answer: Any
+    stresses: np.ndarray
+
+
 class ShellAtPoints(Shell):
     """See :class:`~skancf.terms.shell.Shell`.
 
@@ -27,6 +36,8 @@ class ShellAtPoints(Shell):
         self._warm = tuple(heat for heat in self.heats if heat.temperature(CORNERS.T, FULL) is not None)
         self._other = tuple(heat for heat in self.heats if heat not in self._warm)
         self._known: list[tuple[tuple[float, ...], Any]] = []
+
+    at_points = True
 
     @property
     def heated(self) -> bool:
@@ -68,16 +79,30 @@ class ShellAtPoints(Shell):
         return np.asarray(0.5 * (before.exact_work(one, two) + after.exact_work(one, two)) + 0.25 * sum(mixed))
 
     def add_tangent(
-        self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Any, stresses: np.ndarray | None = None,
+        self, q: np.ndarray, v: np.ndarray | None, case: Case, blocks: Any, stresses: Any = None,
         stiffer: float = 1.0,
     ) -> None:  # fmt: skip
-        """What the law counts more is that of small strain."""
+        """What the law counts more is that of small strain; ``stresses`` may be :class:`Extrapolated`."""
         if blocks.skew:
             return
+        answer = None
+        if isinstance(stresses, Extrapolated):
+            answer, stresses = stresses.answer, stresses.stresses
         stresses = self.stresses(q, None, case) if stresses is None else stresses
         initial = self.initial_stresses(case)
         stresses = stresses if initial is None else stresses - initial
-        self.at(case).tangent(self.nodal(q), stresses, blocks.slots_of(self.cells), blocks.values, viscous=stiffer - 1.0)
+        self.at(case).tangent(self.nodal(q), stresses, blocks.slots_of(self.cells), blocks.values, viscous=stiffer - 1.0,
+                              of=answer)  # fmt: skip
+
+    def extrapolated(self, q: np.ndarray, change: np.ndarray, case: Case) -> Extrapolated:
+        """For a mixed iteration, see :meth:`skancf.terms.shells.points.AtPoints.extrapolated`."""
+        assembly = self.at(case)
+        answer = assembly.extrapolated(self.nodal(q), self.nodal(change))
+        return Extrapolated(answer, assembly.stresses_of(answer))
+
+    def mixed_force(self, q: np.ndarray, known: Extrapolated, case: Case) -> np.ndarray:
+        """Internal force (n_dofs,) of the law linearised about it."""
+        return self.flat(self.at(case).mixed_force(self.nodal(q), known.answer))
 
     def stresses_with_rate(self, q: np.ndarray, change: np.ndarray | None, rate: np.ndarray, case: Case) -> np.ndarray:
         return self.stresses(q, change, case) + self._retarding(q, rate)

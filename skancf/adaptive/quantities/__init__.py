@@ -1,5 +1,6 @@
 """Quantities of interest: single numbers of a state, with their derivatives by the nodal coordinates."""
 
+from skancf.adaptive.quantities.condition_force import ConditionForce
 from skancf.adaptive.quantities.displacement import Displacement
 from skancf.adaptive.quantities.energy import StrainEnergy
 from skancf.adaptive.quantities.quantity import Quantity
@@ -7,4 +8,4 @@ from skancf.adaptive.quantities.reaction import Reaction
 from skancf.adaptive.quantities.rotation import Rotation
 from skancf.adaptive.quantities.section_force import SectionForce
 
-__all__ = ["Displacement", "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy"]
+__all__ = ["ConditionForce", "Displacement", "Quantity", "Reaction", "Rotation", "SectionForce", "StrainEnergy"]

@@ -13,7 +13,8 @@ class Quantity(Protocol):
     """A number J(q) of a state, and how it changes with the nodal coordinates.
 
     A quantity that is a residual on held coordinates also has ``lift(state)``, the field (n_dofs,) that it multiplies there.
-    One that may be zero may have ``scale(state)``, a size to compare it with.
+    One that may be zero may have ``scale(state)``, a size to compare it with. One that depends on the multipliers of
+    conditions has ``by_multipliers(state)``, its derivative with respect to them.
 
     For a small-deflection answer both are of first order about the undeformed state, as its fields are: the gradient is
     the one there, and the value the one there plus its product with the change. (The strain energy is of second order.)

@@ -69,7 +69,7 @@ def _try_in_python(law: Any, row: np.ndarray) -> None:
                          ) from wrong  # fmt: skip
     except Exception:
         return  # the compiler says what is wrong, or nothing is
-    compiled = _complex(law, row)
+    compiled = _complex(law, row.tolist())
     if abs(compiled - value) > SAME_VALUE * abs(value):
         raise InputError(f"energy: compiled it is {compiled.real:.9g}, and as it stands {value.real:.9g}, at the same "
                          "deformation: an array or a number that it takes from around it has changed since it was compiled; "

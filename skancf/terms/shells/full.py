@@ -88,7 +88,7 @@ class FullAssembly(CompiledAssembly):
         free = np.stack([section.thermal_strain_of_one_director(depth, middle, gradient) for depth in z])
         jets = geometry.theory.jets(geometry.undeformed_local, points)
         to_local, volume = covariant_to_local(jets, geometry.tangents(points), z)
-        return free, laws, to_local, volume * weights * _over_points(thicknesses)
+        return free, laws, to_local, volume * weights * over_points(thicknesses)
 
     def section_forces(
         self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, small: bool = False
@@ -108,8 +108,8 @@ class FullAssembly(CompiledAssembly):
         z, w, _ = section.through(self.resultant_points)
         stress = [self.stress_of(strains(depth), section, depth, temperature, small) for depth in z]
         plane = np.stack(stress)[..., IN_PLANE]
-        plane = plane - _over_points(z)[..., None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
-        return np.concatenate([np.einsum("zep,zepi->eip", _over_points(w * z**k), plane) for k in (0, 1)], axis=1)
+        plane = plane - over_points(z)[..., None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
+        return np.concatenate([np.einsum("zep,zepi->eip", over_points(w * z**k), plane) for k in (0, 1)], axis=1)
 
     def _shorter(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
         """What lengths at a height take from a stress 11, 22, 12 per length of the reference surface: (m, n, 3, 3) (1/m)."""
@@ -131,7 +131,7 @@ class FullAssembly(CompiledAssembly):
         z, w, laws = self.section.at(points, elements).through(2)
         jets = theory.jets(geometry.undeformed_local[elements], points)
         to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), z)
-        depths, shares = _over_points(z)[:, :, None], _over_points(w)[:, :, None]
+        depths, shares = over_points(z)[:, :, None], over_points(w)[:, :, None]
         plane = shares * (weights[:, :3] + depths * weights[:, 3:])
         plane = plane - depths * np.einsum("enij,zein->zejn", self._shorter(points, elements), plane)
         stresses, rows = np.zeros((len(elements), N_STRAINS, points.shape[1])), laws[..., IN_PLANE, :]
@@ -166,7 +166,7 @@ def _of(laws: np.ndarray, places: str = "ev") -> str:
     return places if laws.ndim > 3 else ""
 
 
-def _over_points(values: np.ndarray) -> np.ndarray:
+def over_points(values: np.ndarray) -> np.ndarray:
     """Values through the thickness (k,) of all places, or of each, (k, m, n), as (k, 1, 1) or (k, m, n)."""
     return values.reshape(len(values), *(values.shape[1:] or (1, 1)))
 

@@ -7,12 +7,14 @@ import numpy as np
 from skancf.kernels.constants import POINTS
 from skancf.kernels.schedule import Schedule
 from skancf.layout.geometry import Geometry
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.curved import CurvedSection
 from skancf.materials.free_stretch import free_stretch
 from skancf.materials.law import IN_PLANE, THICKNESS
 from skancf.materials.parallel import strains_at
 from skancf.materials.point_law import PointResponse
+from skancf.materials.section import stress_of
 from skancf.materials.through_thickness import (
     SectionResponse,
     deformation_at,
@@ -27,6 +29,7 @@ from skancf.theories.kirchhoff.kernels import N_MEMBRANE, N_STRAINS
 
 EVERY_PAIR = np.array([(k, l) for k in range(N_STRAINS) for l in range(k, N_STRAINS)])
 
+
 class ThinPointAssembly(AtPoints, ThinAssembly):
     """See :class:`skancf.terms.protocols.Assembly`; classes of equal undeformed elements share all but the law.
 
@@ -35,7 +38,7 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
 
     every_pair = EVERY_PAIR
 
-    def __init__(self, geometry: Geometry, section: Section, schedule: Schedule):
+    def __init__(self, geometry: Geometry, section: Section | SectionsOnMesh, schedule: Schedule):
         super().__init__(geometry, section, schedule)
         sections, n = self.sections, geometry.n_elements
         turn, shape = sections.turn, sections.shape
@@ -47,7 +50,7 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
             np.arange(n, dtype=shape.dtype), sections.points[shape], np.empty((0, 0, 0)), np.empty((0, 0, 0)),
             sections.assumed[shape], rest[shape],
         )  # fmt: skip
-        self._heights = heights(section)
+        self._heights = heights(section.at(geometry.integration.local))
         self._curvature = np.ascontiguousarray(np.moveaxis(sections.curvature[shape], -1, 0)).reshape(3, -1)
 
     def _law_of_rest(self) -> np.ndarray:
@@ -59,10 +62,10 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
                 out[:, k, l] = out[:, l, k] = (sections.rest[:, k] * sections.rest[:, l])[:, None] * sections.law[:, m]
         return out
 
-    def _ask(self, q: np.ndarray) -> Answer:
-        everything, hat, local = self._all_strains(q, NOWHERE)
+    def _ask(self, q: np.ndarray, change: np.ndarray = NOWHERE) -> Answer:
+        everything, hat, local = self._all_strains(q, change)
         n = len(hat)
-        found = self._through_thickness(local.reshape(N_STRAINS, -1), self._curvature, self.heat)
+        found = _through_thickness(self.law, self._heights, local.reshape(N_STRAINS, -1), self._curvature, self.heat)
         stress, law = np.empty((n, N_STRAINS, POINTS)), np.empty((n, len(EVERY_PAIR), POINTS))
         forces, stiffness = found.forces.reshape(-1, n, POINTS), found.stiffness.reshape(-1, n, POINTS)
         self.schedule.run(
@@ -70,13 +73,6 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         )
         energy, code = self.areas * found.energy.reshape(n, POINTS), found.code.reshape(-1, n, POINTS)
         return Answer(q.copy(), self.heat, everything, hat, energy, stress, law, code)
-
-    def _through_thickness(
-        self, strains: np.ndarray, curvature: np.ndarray, heat: np.ndarray | None
-    ) -> SectionResponse:
-        """Of strains (6, n) in the local frame, with a temperature change (2, ...) of the n places."""
-        place = (self.law, *self._heights, strains[:3], strains[3:], curvature)
-        return through_thickness(*place) if heat is None else heated_through_thickness(*place, *heat.reshape(2, -1))
 
     def _warmed(self) -> None:
         """Membrane strains of the free expansion that assumed ones do not hold are no strain of the rest."""
@@ -93,20 +89,22 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         return np.concatenate([of_places(free, np.empty((*middle.shape, 1))), np.zeros((*middle.shape, 3))], axis=-1)
 
     def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self._all_strains(q, change)[:2]
+        return self._all_strains(q, change, in_local_frame=False)[:2]
 
-    def _all_strains(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """All strains, those that the law sees, and without a change these in the local frame."""
+    def _all_strains(
+        self, q: np.ndarray, change: np.ndarray, in_local_frame: bool = True
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """All strains, those that the law sees, and, if asked, these in the local frame."""
         n = self.geometry.n_elements
         everything = np.empty((n, *self.sections.reference.shape[1:]))
-        hat, local = np.empty((n, N_STRAINS, POINTS)), np.empty((N_STRAINS, 0 if len(change) else n, POINTS))
+        hat, local = np.empty((n, N_STRAINS, POINTS)), np.empty((N_STRAINS, n * in_local_frame, POINTS))
         self.schedule.run(
             point_kernels.strains, q, change, self._tables, self.geometry.maps, self._elements, self._places, everything,
             hat, local,
         )  # fmt: skip
         if self.heat is not None:
             everything[:, :N_MEMBRANE] -= self._unheld
-            if not len(change):
+            if in_local_frame:
                 local[:N_MEMBRANE] += self._unheld_local
         return everything, hat, local
 
@@ -136,18 +134,23 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         if small and temperature is not None:
             return super().section_forces(q, points, temperature, elements)
         (strains, b), curved = self.section_strains(q, points, elements), self.curved_at(points, elements)
-        return np.asarray(curved.forces(b, self._of_law(strains, b, temperature)).swapaxes(1, 2))
+        return np.asarray(curved.forces(b, self._of_law(curved.section, strains, b, temperature)).swapaxes(1, 2))
 
-    def _at_places(self, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None) -> SectionResponse:
-        """What the section says of local strains (m, n, 6) where the undeformed curvatures are b."""
+    def _at_places(
+        self, section: Section, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None
+    ) -> SectionResponse:
+        """What a section says of local strains (m, n, 6) where the undeformed curvatures are b."""
         curvature = np.ascontiguousarray(np.moveaxis(b, -1, 0)).reshape(3, -1)
-        found = self._through_thickness(np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1), curvature, heat)
+        flat = np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1)
+        found = _through_thickness(section.points_law, heights(section), flat, curvature, heat)
         self.warn_of(found.code)
         return found
 
-    def _of_law(self, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None) -> np.ndarray:
+    def _of_law(
+        self, section: Section, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None
+    ) -> np.ndarray:
         """Forces and moments that do work on local strains, both (m, n, 6)."""
-        found = self._at_places(strains, b, heat)
+        found = self._at_places(section, strains, b, heat)
         forces = np.moveaxis(found.forces.reshape(N_STRAINS, *b.shape[:-1]), 0, -1)
         if not np.iscomplexobj(strains):
             return forces
@@ -157,7 +160,7 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         self, curved: CurvedSection, q: np.ndarray, points: np.ndarray, elements: np.ndarray, b: np.ndarray
     ) -> np.ndarray:
         heat = None if self.temperature is None else np.asarray(self.temperature(points))[:, elements]
-        found = self._at_places(self.section_strains(q, points, elements)[0], b, heat)
+        found = self._at_places(curved.section, self.section_strains(q, points, elements)[0], b, heat)
         return square(found.stiffness, EVERY_PAIR, b.shape[:-1])
 
     def strains(
@@ -165,27 +168,20 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
     ) -> np.ndarray:
         if small and temperature is not None:
             return super().strains(q, points, z, temperature)
-        parts, b = self.section_strains(q, points)
+        (parts, b), section = self.section_strains(q, points), self.section.at(points)
         out = np.zeros((*b.shape[:-1], 6), parts.dtype)
         if np.iscomplexobj(parts):  # a small change of the undeformed state
             out[..., IN_PLANE] = (strains_at(b, z)[..., :3, :] @ parts[..., None])[..., 0]
-            section = self.section.at(points)
-            out[..., THICKNESS] = out[..., IN_PLANE] @ section.thinning[section.layer_at(z)]
+            row = section.of_layer(section.thinning, z)
+            out[..., THICKNESS] = out[..., IN_PLANE] @ row if row.ndim == 1 else (out[..., IN_PLANE] * row).sum(axis=-1)
             return out
         flat = np.ascontiguousarray(np.moveaxis(np.concatenate([parts, b], axis=-1), -1, 0)).reshape(9, -1)
         middle = None if temperature is None else temperature[0].reshape(-1)
-        C = deformation_at(self.law, z, flat[:3], flat[3:6], flat[6:], middle)
-        across = self._respond(C, z, temperature).stretch33
+        C = deformation_at(section.points_law, z, flat[:3], flat[3:6], flat[6:], middle)
+        across = _respond(section.points_law, C, z, temperature).stretch33
         out[..., IN_PLANE] = of_places(np.stack([C[0] - 1, C[1] - 1, 2 * C[2]]) / 2, b)
         out[..., THICKNESS] = of_places(across[None] - 1, b)[..., 0] / 2
         return out
-
-    def _respond(self, C: np.ndarray, z: Any, temperature: np.ndarray | None) -> PointResponse:
-        """What the law says of C (3, n) at a height, where the temperature change is (2, ...)."""
-        if temperature is None:
-            return self.law.respond(C)
-        change = (temperature[0] + z * temperature[1]).reshape(-1)
-        return free_stretch(self.law.thermal_strain(), change, plane=True).respond(self.law.respond, C)
 
     def stress_of(
         self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False
@@ -193,10 +189,28 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         out = np.zeros_like(strains)
         if small:
             free = 0.0 if temperature is None else section.thermal_strain(z, *temperature)
-            out[..., IN_PLANE] = (strains - free)[..., IN_PLANE] @ section.in_plane()[section.layer_at(z)]
+            out[..., IN_PLANE] = stress_of(section.of_layer(section.in_plane(), z), (strains - free)[..., IN_PLANE])
             return out
         plane = np.moveaxis(strains[..., IN_PLANE], -1, 0).reshape(3, -1)
-        found = self._respond(np.stack([1 + 2 * plane[0], 1 + 2 * plane[1], plane[2]]), z, temperature)
+        C = np.stack([1 + 2 * plane[0], 1 + 2 * plane[1], plane[2]])
+        found = _respond(section.points_law, C, z, temperature)
         self.warn_of(found.code)
         out[..., IN_PLANE] = of_places(found.stress, strains)
         return out
+
+
+def _through_thickness(
+    law: Any, z: tuple[np.ndarray, np.ndarray], strains: np.ndarray, curvature: np.ndarray, heat: np.ndarray | None
+) -> SectionResponse:
+    """Of strains (6, n) in the local frame, with a temperature change (2, ...) of the n places."""
+    place = (law, *z, strains[:3], strains[3:], curvature)
+    return through_thickness(*place) if heat is None else heated_through_thickness(*place, *heat.reshape(2, -1))
+
+
+def _respond(law: Any, C: np.ndarray, z: Any, temperature: np.ndarray | None) -> PointResponse:
+    """What a law says of C (3, n) at a height, where the temperature change is (2, ...)."""
+    if temperature is None:
+        found: PointResponse = law.respond(C)
+        return found
+    change = (temperature[0] + z * temperature[1]).reshape(-1)
+    return free_stretch(law.thermal_strain(), change, plane=True).respond(law.respond, C)

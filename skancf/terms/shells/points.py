@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 
 from skancf.errors import warn
-from skancf.kernels.constants import AXES, VECTORS
+from skancf.kernels.constants import AXES, POINTS, VECTORS
 from skancf.kernels.laws import add_law
+from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.point_law import FINE, PointLaw, why
+from skancf.materials.zone_laws import LawsOfZones
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.tolerances import NO_CHANGE
@@ -65,7 +67,7 @@ class AtPoints(CompiledAssembly):
     """
 
     linear = False
-    section: Section
+    section: Section | SectionsOnMesh
     heat: np.ndarray | None = None
     """Temperature change T0 and T1 at the integration points, (2, n_elements, 16), with which the law expands."""
     temperature: Heat | None = None
@@ -73,16 +75,22 @@ class AtPoints(CompiledAssembly):
     every_pair: Any
     """Entries (n_pairs, 2) of a law that is full."""
     _heights: tuple[np.ndarray, np.ndarray]
+    """Of the integration points, and their weights: (n_heights,) each, or of a field with axes of the places."""
 
-    @property
-    def law(self) -> PointLaw:
-        law = self.section.points_law
-        assert law is not None
+    @cached_property
+    def law(self) -> Any:
+        """That of the integration points."""
+        return self.section.at(self.geometry.integration.local).points_law
+
+    def _law_at_point(self, e: int, p: int) -> PointLaw:
+        """The law of an integration point."""
+        law: PointLaw = self.law.of(e * POINTS + p) if isinstance(self.law, LawsOfZones) else self.law
         return law
 
     def __init__(self, *place: Any) -> None:
         super().__init__(*place)
         self._answers: list[Answer] = []
+        self._last: list[Answer] = []
 
     def heated(self, temperature: Heat) -> "AtPoints":
         """The same under a temperature change T0 + z T1; they remember together."""
@@ -102,14 +110,38 @@ class AtPoints(CompiledAssembly):
         for k, known in enumerate(answers):
             if known.heat is self.heat and np.array_equal(known.q, q):
                 answers.insert(0, answers.pop(k))
+                self._last[:] = [known]
                 return known
         del answers[REMEMBERED - 1 + (0 if self.heat is None else WARM) :]
         answers.insert(0, self._ask(q))
+        self._last[:] = answers[:1]
         return answers[0]
 
+    def extrapolated(self, q: np.ndarray, change: np.ndarray) -> Answer:
+        r"""What the law says of strains that are extrapolated linearly along a change.
+
+        Newton's method for strains e as unknowns beside q, with :math:`f(q) = B^T S(e)` and :math:`e = \varepsilon(q)`,
+        takes the change of q from the tangent with S(e) and D(e), and the force of
+        :math:`S(e) + D(e) (\varepsilon(q) - e)`. So the law never sees the membrane strains that a rotation of finite size
+        makes of a linear step, and at the end e is the strain.
+        """
+        self._last[:] = [self._ask(q, change)]
+        return self._last[0]
+
+    def stresses_of(self, answer: Answer) -> np.ndarray:
+        """On all strains."""
+        return self._on_all(answer.stress, answer.everything, answer.seen)
+
+    def mixed_force(self, q: np.ndarray, answer: Answer) -> np.ndarray:
+        """Force of the law linearised about an answer."""
+        everything, seen = self._seen(q, NOWHERE)
+        stress, own = answer.stress.copy(), np.arange(len(answer.stress))
+        self.schedule.run(add_law, answer.law, own, self.every_pair, seen - answer.seen, stress)
+        return self.force_of(q, self._on_all(stress, everything, seen))
+
     @abstractmethod
-    def _ask(self, q: np.ndarray) -> Answer:
-        """Ask the law."""
+    def _ask(self, q: np.ndarray, change: np.ndarray = NOWHERE) -> Answer:
+        """Ask the law about the strains of a state, extrapolated along a change."""
 
     @abstractmethod
     def _seen(self, q: np.ndarray, change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -164,10 +196,10 @@ class AtPoints(CompiledAssembly):
 
     def tangent(
         self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False,
-        viscous: float = 0.0,
+        viscous: float = 0.0, of: Answer | None = None,
     ) -> None:  # fmt: skip
-        """With ``viscous`` times the law of small strain besides."""
-        law = self.answer(q).law
+        """With ``viscous`` times the law of small strain besides; ``of`` an answer, or that of q."""
+        law = (self.answer(q) if of is None else of).law
         tables, elements = self._elements_with(law + viscous * self._small_law if viscous else law, plain)
         kernel = type(self).tangent_kernel
         self.schedule.run(kernel, q, stresses, tables, self.geometry.maps, elements, slots, out)
@@ -190,31 +222,34 @@ class AtPoints(CompiledAssembly):
         return 0.0
 
     def refusal(self) -> str | None:
-        answers = self._answers
+        answers = self._last
         if not answers or not answers[0].code.any():
             return None
         height, e, p = (int(at[0]) for at in np.nonzero(answers[0].code))
         code, points = int(answers[0].code[height, e, p]), self.geometry.integration.local
         x, y = self.geometry.parameters(points if points.ndim == 2 else points[e], np.array([e]))[:, 0, p]
         strain = ", ".join(f"{value:.4g}" for value in self._membrane(answers[0], e, p))
-        z = self._heights[0][height]
-        return (f"{self._name} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {z:.4g}, membrane strain "
-                f"({strain}): {why(self.law, code)}")  # fmt: skip
+        z, law = self._heights[0], self._law_at_point(e, p)
+        z = z[height] if z.ndim == 1 else z.reshape(len(z), -1, POINTS)[height, e, p]
+        return (f"{name_of(law)} has no stress in element {e} at (x, y) = ({x:.4g}, {y:.4g}), z = {z:.4g}, membrane strain "
+                f"({strain}): {why(law, code)}")  # fmt: skip
 
     def warn_of(self, code: np.ndarray) -> None:
         """Say that numbers that were asked for are none, where a law's codes are not 0."""
         if code.any():
             first = int(code[code != FINE][0])
-            warn(f"{self._name} has no stress at {np.count_nonzero(code)} of {code.size} places that were asked for, and "
+            names = " or ".join(dict.fromkeys(map(name_of, getattr(self.law, "laws", (self.law,)))))
+            warn(f"{names} has no stress at {np.count_nonzero(code)} of {code.size} places that were asked for, and "
                  f"what depends on it is not a number there: {why(self.law, first)}")  # fmt: skip
-
-    @property
-    def _name(self) -> str:
-        return type(getattr(self.law, "material", self.law)).__name__
 
     @abstractmethod
     def _membrane(self, answer: Answer, e: int, p: int) -> np.ndarray:
         """Membrane strain (3,) in the local frame at a point of an element."""
+
+
+def name_of(law: Any) -> str:
+    """That of its class, as the user knows it."""
+    return type(getattr(law, "material", law)).__name__
 
 
 def square(entries: np.ndarray, pairs: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:

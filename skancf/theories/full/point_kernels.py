@@ -38,17 +38,18 @@ def to_local(start, stop, order, eps, shape, P, out):
 @compiled(**OPTIONS)
 def integrate(start, stop, order, stress, stiffness, heights, shape, P, volume, stress_out, law_out):
     """Stresses (n_elements, 14, 16) and entries of their law (n_elements, 105, 16), from local stresses (6, n_z, n_elements,
-    16) and their stiffness (21, n_z, n_elements, 16), with ``volume`` (n_shapes, n_z, 16), the weights included."""
+    16) and their stiffness (21, n_z, n_elements, 16), with ``heights`` above the middle, and ``volume`` with the weights,
+    both (n_shapes, n_z, 16)."""
     C, CP = np.empty((LOCAL_STRAINS, LOCAL_STRAINS)), np.empty((LOCAL_STRAINS, N_STRAINS))
     S, D, g = np.empty(N_STRAINS), np.empty((N_STRAINS, N_STRAINS)), np.empty(N_STRAINS)
     for index in range(start, stop):
         e = order[index]
-        own, weights = P[shape[e]], volume[shape[e]]
+        own, weights, arms = P[shape[e]], volume[shape[e]], heights[shape[e]]
         for p in range(POINTS):
             S[:], D[:], g[:] = 0.0, 0.0, 0.0
             across = left = 0.0
-            for z in range(heights.size):
-                w, h, m = weights[z, p], heights[z], 0
+            for z in range(own.shape[0]):
+                w, h, m = weights[z, p], arms[z, p], 0
                 left += h * w * stress[ACROSS, z, e, p]
                 for k in range(LOCAL_STRAINS):
                     for l in range(k, LOCAL_STRAINS):

@@ -1,0 +1,71 @@
+"""The force of a condition: in a link, or of a whole hinge along a direction."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from skancf.arguments import STATE, instance, plain, text
+from skancf.errors import InputError, unit_vector
+from skancf.solution import Solution
+
+
+@dataclass(frozen=True)
+class ConditionForce:
+    r"""The force of a condition (N), by its multipliers: :math:`w \cdot \lambda`.
+
+    Its dual weight is the answer to a condition that gives way, :math:`K z + G^T \mu = 0` with :math:`G z = w`: to a rod
+    that is longer by one, or a hinge whose sides are apart by one along the direction.
+
+    Parameters
+    ----------
+    name : str
+        Of the condition, as in :attr:`Solution.conditions <skancf.Solution.conditions>`.
+    direction : (3,), optional
+        Of any length: of a :class:`~skancf.Hinge` the part of the whole force along it, which the second edge exerts on the
+        first. Not of a :class:`~skancf.RigidLink`, whose force is along it, and positive if it pulls.
+
+    Raises
+    ------
+    InputError
+        For a direction of length zero; with a state, for a name that no condition has, a direction that it cannot have, and
+        a state without multipliers.
+
+    Examples
+    --------
+    >>> result = sk.adapt(problem, sk.ConditionForce("rod"), rtol=1e-3)
+    """
+
+    name: str
+    direction: tuple[float, float, float] | None = None
+
+    unit: ClassVar[str] = "N"
+
+    def __post_init__(self) -> None:
+        plain(self)
+        text("name", self.name)
+        if self.direction is not None:
+            unit_vector("direction", self.direction)
+
+    def value(self, state: Solution) -> float:
+        """The force."""
+        instance("state", state, Solution, STATE)
+        weights = self.by_multipliers(state)
+        if state.multipliers is None:
+            raise InputError(f"ConditionForce({self.name!r}): this state has no multipliers; give what solve, solve_linear "
+                             "or trace found")  # fmt: skip
+        return float(weights @ state.multipliers)
+
+    def gradient(self, state: Solution) -> np.ndarray:
+        r""":math:`\partial J / \partial q`, (n_dofs,): zero, for it depends on multipliers alone."""
+        instance("state", state, Solution, STATE)
+        return np.zeros(state.system.n_dofs)
+
+    def by_multipliers(self, state: Solution) -> np.ndarray:
+        r""":math:`w = \partial J / \partial \lambda`, (n,)."""
+        conditions: Any = state.system.conditions
+        if self.name not in conditions.names:
+            known = ", ".join(map(repr, conditions.names)) or "none"
+            raise InputError(f"ConditionForce({self.name!r}): there is no such condition; there are: {known}")
+        direction = None if self.direction is None else unit_vector("direction", self.direction)
+        return np.asarray(conditions.resultant(self.name, direction))

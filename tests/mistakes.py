@@ -497,6 +497,7 @@ def add_adaptive(add: Any, s: Scene) -> None:
     add("Displacement.gradient", sk.Displacement(at).gradient, state=s.solution)
     add("Rotation", sk.Rotation, at=at, towards=up)
     add("Rotation.value", sk.Rotation(at, (1.0, 0.0, 0.0)).value, state=s.solution)
+    add("ConditionForce", sk.ConditionForce, name="slit", direction=up, takes="direction:none")
     add("Reaction", sk.Reaction, direction=up)
     add("Reaction.value", sk.Reaction("left").value, state=s.solution)
     add("StrainEnergy.value", sk.StrainEnergy().value, state=s.solution)

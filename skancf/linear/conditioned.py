@@ -33,6 +33,8 @@ from skancf.tolerances import CONDITION_HELD, CONTRADICTION, PASSED, ROUNDED_LEA
 STIFFNESS = 1e3
 """Of P, over the stiffness that the matrix has against a row: so much a pass gains. With more, its rounding is more than the
 bending stiffness of very thin shells."""
+SOFTER = 1e-2
+"""Of a P that is stiffer than that: what is tried next where a motion beside it looks like rounding."""
 VECTOR = 3
 MOST = 12
 """Passes of a linear solve; five to eight are the rule."""
@@ -90,15 +92,17 @@ class ConditionedSolver:
         SingularMatrix
             For a motion that the matrix does not resist and no condition holds.
         """
-        self.skew, condensed = skew, self.condensed(matrix, sizes)
-        try:
-            self.direct.factor(condensed)
-        except SingularMatrix:
-            if self.times <= STIFFNESS:
-                raise
-            # Beside a very stiff P a soft motion, or one that a shift made soft, looks like rounding.
-            condensed = self.condensed(matrix, sizes, STIFFNESS)
-            self.direct.factor(condensed)
+        self.skew, times = skew, self.times
+        while True:
+            condensed = self.condensed(matrix, sizes, times)
+            try:
+                self.direct.factor(condensed)
+                break
+            except SingularMatrix:
+                if times <= STIFFNESS:
+                    raise
+                # Beside a very stiff P a soft motion, or one that a shift made soft, looks like rounding.
+                times = max(STIFFNESS, SOFTER * times)
         self._condensed = SkewSolver(condensed, skew, self.direct)
         return self
 

@@ -218,10 +218,10 @@ def test_adapt_a_frequency(loaded):
     force, found = 2.0 * D / R**2, []
     for problem, number, n in ((ring(force), 1, 16), (half(force), 0, 8)):
         mesh = sk.meshes.uniform(problem.surface, 1, n)
-        found.append(sk.adapt(problem, sk.Eigenfrequency(number, loaded=loaded), rtol=2e-2, mesh=mesh))
+        found.append(sk.adapt(problem, sk.Eigenfrequency(number, loaded=loaded), rtol=5e-3, mesh=mesh))
     whole, part = found
     assert whole.status.ok and part.status.ok
-    assert whole.value == pytest.approx(part.value, rel=2e-2)
+    assert whole.value == pytest.approx(part.value, rel=5e-3)
     assert whole.levels[0].value == pytest.approx(part.levels[0].value, rel=5e-4)  # half a ring leaves slopes free
     assert whole.levels[0].error == pytest.approx(part.levels[0].error, rel=0.02)
 

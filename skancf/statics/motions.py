@@ -12,7 +12,7 @@ from skancf.linear import BlockMatrix, ConditionedSolver, Constraints, DirectSol
 from skancf.statics.conditioned import conditions_in
 from skancf.tolerances import DEPENDENT
 
-STIFFNESS, PASSES = 1e8, 3
+STIFFNESS, PASSES = 1e7, 3
 """P of :mod:`skancf.linear.conditioned`, and passes for each step of Lanczos' method: they leave 1e-10 of an eigenvalue. A
 number of eigenvalues is one too large in a band beside each of them whose width, relatively, is one over P."""
 

@@ -31,6 +31,7 @@ ELSEWHERE = {
     ("dynamics/impulses.py", "INSIDE"): "where in a step a load is looked at",
     ("output/fields.py", "ABOVE"): "where above an interface stresses are shown",
     ("adaptive/grow.py", "SMALLEST"): "size of the smallest elements",
+    ("linear/least_squares.py", "LEAST"): "damping of a step",
     ("linear/rslab.py", "SMALLEST_PIVOT"): "stands for a pivot",
     ("linear/softest.py", "SHIFT"): "shift of a matrix",
     ("linear/solver.py", "NEARBY"): "shift of a matrix",

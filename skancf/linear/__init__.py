@@ -6,6 +6,7 @@ together with the coordinates that are prescribed.
 
 from skancf.linear.conditioned import ConditionedSolver, contradiction
 from skancf.linear.constraints import Constraints
+from skancf.linear.least_squares import least_squares
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.pattern import BlockPattern
 from skancf.linear.skew import SkewSolver
@@ -14,5 +15,5 @@ from skancf.linear.solver import BACKENDS, DirectSolver, available_backends, che
 
 __all__ = [
     "BACKENDS", "BlockMatrix", "BlockPattern", "ConditionedSolver", "Constraints", "DirectSolver", "SkewSolver",
-    "available_backends", "check_backend", "contradiction", "factor_shifted", "soft_motions",
+    "available_backends", "check_backend", "contradiction", "factor_shifted", "least_squares", "soft_motions",
 ]  # fmt: skip

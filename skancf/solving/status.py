@@ -26,6 +26,7 @@ class Status(Enum):
     LIMIT_POINT = "limit point"
     BIFURCATION = "bifurcation"
     MECHANISM = "a mechanism is free"
+    CONTRADICTORY = "conditions contradict each other"
     FOLDED = "an element folded"
     TURNED_BACK = "the path turned back"
     NOT_REACHED = "the asked end was not reached"

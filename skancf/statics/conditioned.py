@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 
 from skancf.conditions.solver import conditions_in, curved, solver_at
-from skancf.errors import InputError
 from skancf.history import FULL, Case
-from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver, contradiction
+from skancf.linear import BlockMatrix, ConditionedSolver, DirectSolver, SkewSolver
 from skancf.solution import Solution
 from skancf.statics.corrections import (
     NONE,
@@ -86,24 +85,6 @@ def is_loaded(system: Any, q: np.ndarray, load_factor: float = 0.0) -> bool:
     conditions = conditions_in(system)
     moves = conditions is not None and not conditions.met(conditions.value(system.undeformed))
     return bool(moves or system.prescribed().any() or load_rate(system, q, load_factor).any())
-
-
-def require_no_contradiction(system: Any) -> None:
-    """InputError where no small change meets all conditions of the undeformed state with supports where they go."""
-    conditions = conditions_in(system)
-    if not conditions:
-        return
-    at = system.undeformed + system.prescribed()
-    values = conditions.value(at)
-    if conditions.met(values):
-        return
-    rows = contradiction(conditions.gradient(at), -values, conditions.scales, system.constraints)
-    if not rows.size:
-        return
-    names = list(dict.fromkeys(conditions.owner(row) for row in rows))
-    others = ", ".join(map(repr, names[1:])) or "what supports prescribe"
-    raise InputError(f"conditions contradict each other: {names[0]!r} and {others} cannot be met together, as "
-                     f"{conditions.words(rows[0])} shows. Take one of them out, or let both move alike")  # fmt: skip
 
 
 def solved(tangent: Tangent, rhs: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

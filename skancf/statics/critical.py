@@ -58,7 +58,8 @@ def _critical(
     def workless(x: np.ndarray) -> np.ndarray:
         return x - (x @ load) / (soft @ load) * soft
 
-    keep = workless if without_work else np.asarray
+    # Where a condition alone moves the structure there is no work to keep to.
+    keep = workless if without_work and soft @ load else np.asarray
     values, motions = soft_motions(system, solver, matrix, 1, INVERSE_ITERATIONS, keep)
     eigenvalue, x, compliance = float(values[0]), motions[0], float(soft @ load)
     share = float((x @ load) ** 2 / (eigenvalue * compliance)) if eigenvalue and compliance else 1.0

@@ -9,7 +9,8 @@ from skancf.errors import InputError, SingularMatrix
 from skancf.linear import DirectSolver
 from skancf.solution import Solution
 from skancf.solving import Status
-from skancf.statics.conditioned import require_no_contradiction, tangent_at
+from skancf.statics.conditioned import tangent_at
+from skancf.statics.contradictions import contradiction_ahead, require_no_contradiction
 from skancf.statics.corrections import StaticSystem
 from skancf.statics.critical import CriticalMode, critical_mode, turning_estimate
 from skancf.statics.newton import NewtonResult
@@ -17,7 +18,8 @@ from skancf.system.rigid import free_rigid_motions
 
 # Stiffness against the load relative to that at the start (Bergan's current stiffness parameter) that counts as soft.
 SOFT = 0.3
-# A limit point that is predicted this much farther than the failed step reached, in units of that step, is the cause.
+# A limit point that is predicted, or a contradiction of conditions, this much farther than the failed step reached, in units
+# of that step, is the cause.
 NEAR = 10.0
 
 
@@ -57,12 +59,19 @@ def diagnose(
         f"statics stopped at load factor {path[-1].load_factor:.6g}: {failed.status.value} on the way to {wanted:.6g}"
         f"{', ' + failed.message if failed.message else ''}; last residuals {tail or 'none'}. "
     )
-    found = _folded(system, failed.q) or _mechanism(system, solver)
+    found = _contradiction(system, path[-1], wanted) or _folded(system, failed.q) or _mechanism(system, solver)
     status, reason = found or _singular(system, solver, path, wanted, failed)
     lost = failed.status is Status.NOT_FINITE
     if status is Status.STEP_TOO_SMALL and not lost and (limit := ahead()) is not None:
         status, reason = Status.LIMIT_POINT, limit_point(limit)
     return status, f"{begin}{reason} The last equilibrium is kept."
+
+
+def _contradiction(system: StaticSystem, last: Solution, wanted: float) -> tuple[Status, str] | None:
+    """Conditions that cannot be met in the solve that failed, or in a few more steps like that."""
+    to = last.load_factor + NEAR * (wanted - last.load_factor)
+    said = contradiction_ahead(system, last.q, last.load_factor, to)
+    return (Status.CONTRADICTORY, said) if said else None
 
 
 def _folded(system: StaticSystem, q: np.ndarray) -> tuple[Status, str] | None:

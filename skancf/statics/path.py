@@ -13,6 +13,7 @@ from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
 from skancf.statics.conditioned import at_rest, is_loaded
+from skancf.statics.contradictions import contradiction_ahead
 from skancf.statics.controls import ArcLength, DisplacementControl, DisplacementReached, end_of_path
 from skancf.statics.critical import turning_estimate
 from skancf.statics.diagnosis import NEAR, require_support
@@ -27,7 +28,8 @@ from skancf.tolerances import ONE_PLACE, ROUNDED_COORDINATE
 FIRST_TURN = 0.5
 """Largest change of a slope in the first step by arc length, relative to the slope's length."""
 LOOK_BACK = 12
-"""Attempts among which a law that had no stress is named when the smallest step failed for another reason."""
+"""Attempts among which a law that had no stress is named when the smallest step failed for another reason, and points that
+went as far as a contradiction of conditions is looked for ahead."""
 UNMOVED = (
     "the load strains the structure and does not move it, as heat does to what is held all round, so there is no way to "
     "follow: solve(system) finds the state under the load, also one that buckled"
@@ -244,6 +246,8 @@ class _Run:
         if share is None:
             events = events_between(follower, point, following, length)
             share = self._crossing_before_limit(point, events, length)
+            if share is None and (said := self._turned_by_conditions(point, following, events)):
+                return Status.CONTRADICTORY, said
         if share is not None and self.end is not None:
             found = follower.at_condition(point, following, self.end, share)
             if found is None:
@@ -289,7 +293,20 @@ class _Run:
         way = float(self.follower.measure.row(a.direction) @ (limit.solution.q - a.q))
         return way / length * (1 - np.sqrt(most / (most - before)))
 
+    def _turned_by_conditions(self, a: Point, b: Point, events: list[Event]) -> str | None:
+        """Why a path does not go on beyond a limit point in a step, where beyond it no state meets the conditions."""
+        limit = next((event.load_factor for event in events if event.kind == LIMIT), None)
+        if limit is None:
+            return None
+        way = max(abs(limit - a.load_factor), abs(limit - b.load_factor))
+        return contradiction_ahead(self.system, a.q, a.load_factor, limit + np.sign(a.rate) * way)
+
     def _stuck(self, result: NewtonResult, sharp: bool, length: float) -> End:
+        before, last = self.points[-LOOK_BACK:][0], self.points[-1]
+        way = max(abs(last.load_factor - before.load_factor), NEAR * abs(length * last.rate))
+        to = last.load_factor + np.sign(last.rate) * way
+        if said := contradiction_ahead(self.system, last.q, last.load_factor, to):
+            return Status.CONTRADICTORY, said
         if isinstance(self.control, DisplacementControl) and (sharp or self._turning(length)):
             return Status.TURNED_BACK, (
                 "the controlled displacement has its turning point here; follow the path by ArcLength()"

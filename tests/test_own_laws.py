@@ -197,5 +197,5 @@ def test_an_incompressible_energy_in_theory_full_is_told_what_it_lacks():
     law = Hyperelastic(lambda I1, I2, J, par: par[0] * (I1 - 3), (MU,), RHO, incompressible=True)
     surface = sk.Rectangle(1.0, 1.0)
     problem = sk.Problem(surface, 0.1, law, [sk.Clamp("left")])
-    with pytest.raises(InputError, match="Hyperelastic: it is incompressible.* give energy a term of the volume J"):
+    with pytest.raises(InputError, match=r"Hyperelastic: it is incompressible.* give energy a term of the volume J"):
         problem.on(sk.meshes.uniform(surface, 1, 1), "full")

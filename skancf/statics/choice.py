@@ -32,7 +32,8 @@ class Choice:
 
 
 def choose(on: Callable[[Theory], System], tolerance: float) -> System:
-    """The system of the cheapest theory whose modelling error is below a tolerance, with its ``choice``.
+    """The system of the cheapest theory whose modelling error is below a tolerance, with its ``choice``; of the thin theory,
+    with a warning, where the other one is asked for and cannot be taken.
 
     Parameters
     ----------

@@ -191,3 +191,11 @@ def test_one_energy_is_compiled_once_and_can_be_pickled():
     assert one.compiled is two.compiled and one != two
     again = pickle.loads(pickle.dumps(one))
     assert np.array_equal(again.plane_stress(states()).stress, one.plane_stress(states()).stress)
+
+
+def test_an_incompressible_energy_in_theory_full_is_told_what_it_lacks():
+    law = Hyperelastic(lambda I1, I2, J, par: par[0] * (I1 - 3), (MU,), RHO, incompressible=True)
+    surface = sk.Rectangle(1.0, 1.0)
+    problem = sk.Problem(surface, 0.1, law, [sk.Clamp("left")])
+    with pytest.raises(InputError, match=r"Hyperelastic: it is incompressible.* give energy a term of the volume J"):
+        problem.on(sk.meshes.uniform(surface, 1, 1), "full")

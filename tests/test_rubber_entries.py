@@ -155,3 +155,12 @@ def test_the_theory_is_chosen_by_small_strain():
         return problem.on(quadtree(uniform(surface, 4, 4)), "auto").geometry.theory
 
     assert isinstance(chosen(0.01), sk.Kirchhoff) and isinstance(chosen(0.3), sk.Full)
+
+
+def test_the_thin_theory_is_taken_where_the_other_one_cannot_be():
+    """Incompressible rubber that is thick: theory full would be asked for, and has no pressure for it."""
+    surface = sk.Rectangle(1.0, 1.0)
+    problem = sk.Problem(surface, 0.25, RUBBER, [sk.Clamp("bottom")], [sk.SurfaceLoad((0.0, 0.0, 1.0))])
+    with pytest.warns(sk.OutOfDepth, match="theory 'full' would be asked for .* it is incompressible"):
+        system = problem.on(quadtree(uniform(surface, 3, 3)), "auto")
+    assert system.choice.theory == system.geometry.theory.name == "kirchhoff" and system.choice.share > 0.01

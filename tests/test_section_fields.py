@@ -315,3 +315,13 @@ def test_a_square_plate_that_grows_thicker(growth, expected):
     errors = np.abs(np.array(found) / expected - 1)
     # Order 4, less on the coarse mesh; the series has six digits.
     assert errors[1] < 5e-5 and errors[0] / errors[1] > 10
+
+
+@pytest.mark.parametrize("zones", [[], [sk.Zone("tip", ((0.5, L), (0.0, B)), thickness=2 * H)]])
+def test_a_law_that_a_material_function_cannot_make_is_told_with_its_place(zones):
+    def softens(x, y):
+        return sk.Orthotropic((E, E, E), (0.0, 0.0, 0.0), (E * (0.8 - x), E, E), RHO)
+
+    mesh = sk.meshes.uniform(STRIP, 4, 1)
+    with pytest.raises(InputError, match=r"material: shear.* at \(x, y\) = \((0\.[89]|1),? ?"):
+        sk.Problem(STRIP, H, softens, [sk.Clamp("left")], zones=zones).on(mesh, "kirchhoff")

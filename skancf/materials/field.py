@@ -87,7 +87,7 @@ class Given:
         found: list[Layers] = []
         which = np.empty(places.shape[1], dtype=int)
         for k, (x, y) in enumerate(places.T.tolist()):
-            with Noted("material"):
+            with _Said(after=_at(x, y), before="material: "), Noted("material"):
                 material = self.material(x, y)
             which[k] = known.setdefault(_key(material), len(found))
             if which[k] == len(found):

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from skancf.errors import InputError, SingularMatrix
+from skancf.errors import InputError, SingularMatrix, warn
 from skancf.problem import CHOICES
 from skancf.statics.conditioned import is_loaded
 from skancf.statics.linear import small_change
@@ -32,7 +32,8 @@ class Choice:
 
 
 def choose(on: Callable[[Theory], System], tolerance: float) -> System:
-    """The system of the cheapest theory whose modelling error is below a tolerance, with its ``choice``.
+    """The system of the cheapest theory whose modelling error is below a tolerance, with its ``choice``; of the thin theory,
+    with a warning, where the other one is asked for and cannot be taken.
 
     Parameters
     ----------
@@ -52,9 +53,24 @@ def choose(on: Callable[[Theory], System], tolerance: float) -> System:
         choice = Choice("full", float("nan"), f"theory 'full': {unfit}")
     else:
         choice = assessed(thin, tolerance)
-    system = thin if choice.share <= tolerance else on(Full())
+    if choice.share <= tolerance:
+        thin.choice = choice
+        return thin
+    try:
+        system = on(Full())
+    except InputError as unfit:
+        if choice.share != choice.share:
+            raise
+        system, choice = thin, _without_full(choice, unfit)
     system.choice = choice
     return system
+
+
+def _without_full(choice: Choice, unfit: InputError) -> Choice:
+    """The thin theory all the same, where the other one cannot be taken; with a warning."""
+    reason = f"theory 'kirchhoff', though theory 'full' would be asked for ({choice.reason}): it cannot be taken, as {unfit}"
+    warn(reason)
+    return Choice("kirchhoff", choice.share, reason)
 
 
 CHOICES["auto"] = choose

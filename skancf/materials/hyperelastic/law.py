@@ -31,6 +31,8 @@ class Rubber:
     """What deformations the law has no energy for."""
     incompressible: bool
     """Whether volume cannot change."""
+    made_compressible = "it poisson = 0.49 or less"
+    """What it would need for a volume that changes."""
     parameters: Any
     """The numbers that ``compiled`` takes; of a law of invariants of this library the first is the bulk modulus."""
     compiled: Any
@@ -126,7 +128,8 @@ def require_solid(law: Any) -> None:
     name = type(law).__name__
     if getattr(law, "incompressible", False):
         raise InputError(f"material = {name}: it is incompressible, and no deformation of a solid tells its pressure; give "
-                         "it poisson = 0.49 or less, or take theory 'kirchhoff', where stress across is zero")  # fmt: skip
+                         f"{getattr(law, 'made_compressible', 'it a volume that changes')}, or take theory 'kirchhoff', "
+                         "where stress across is zero")  # fmt: skip
     if not callable(getattr(law, "respond3d", None)) or getattr(law, "_in_solids", law) is None:
         raise InputError(f"material = {name}: it has no stress in three dimensions, which theory 'full' needs; take a law "
                          "of invariants, such as NeoHooke with poisson = 0.45, or theory 'kirchhoff'")  # fmt: skip

@@ -67,6 +67,7 @@ class Hyperelastic(Rubber):
     expansion: float = 0.0
     transverse_shear: float | None = None
     limit = "the energy that was given is not finite there"
+    made_compressible = "energy a term of the volume J and incompressible = False"
 
     def __post_init__(self) -> None:
         plain(self)

@@ -41,6 +41,8 @@ EVEN = Even(0.65)
 """By default in theories of order two."""
 FINER_STARTS = 2
 """How often the first mesh is quartered where it has no answer."""
+WORSE = 10.0
+"""Error bars of a finer mesh that are so much larger, and hold the value of a coarser one, say nothing against it."""
 COST = 1.3
 """Seconds of a mesh grow with this power of its coordinates."""
 T = TypeVar("T")
@@ -174,6 +176,7 @@ class _Run:
         self.indicator, self.arguments, self.bar = indicator, arguments, bar
         self.levels: list[Level] = []
         self.best: _Found | None = None
+        self.sound: _Found | None = None
         self.start: Solution | None = None
         self.merged, self.clock = 0, _Clock({})
         self.finer_starts, self.nested = 0, Nested(quantity)
@@ -181,8 +184,13 @@ class _Run:
 
     def go(self) -> AdaptiveResult:
         status, message = run_steps(self._step, lambda: self._unless_first("; the last finished mesh is kept"), self._failed)
-        assert self.best is not None
-        _, answer, estimate = self.best
+        assert self.best is not None and self.sound is not None
+        kept = self.best if status.ok else self.sound
+        level, answer, estimate = kept
+        if kept is not self.best:
+            last = self.best.level
+            message += (f". The answer is that on {level.n_elements} elements: on {last.n_elements} it is {last.value:.6g} +- "
+                        f"{last.bar:.2g}, which says less")  # fmt: skip
         if not status.ok and abs(answer.value) < estimate.bar:
             message += ". The value is zero within its error bar: say by atol how near to zero is near enough"
         left_out = self.analysis.theory_error(answer) if hasattr(self.analysis, "theory_error") else None
@@ -265,6 +273,8 @@ class _Run:
             self.growth = replace(self.growth, coarsen=NEVER)
         else:
             self.best = found
+            if self.sound is None or not _says_less(found.level, self.sound.level):
+                self.sound = found
         self.levels.append(level)
         wanted = self.arguments.tolerance(level.value) / max(found.estimate.bar, ABOVE_ZERO)
         note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
@@ -328,6 +338,11 @@ class _Run:
                 return Status.BUDGET, (f"max_seconds = {arguments.max_seconds:g}: {spent:.2g} s are spent, and the next "
                                         f"mesh would take some {expected:.2g} s")  # fmt: skip
         return None
+
+
+def _says_less(level: Level, before: Level) -> bool:
+    """Than a coarser mesh: it is much less sure, and does not contradict it."""
+    return level.bar > WORSE * before.bar and abs(level.value - before.value) <= level.bar
 
 
 def _merged(old: MeshQuadTree, new: MeshQuadTree) -> int:

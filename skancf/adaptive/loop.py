@@ -12,6 +12,7 @@ import skfem
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.arguments import INDICATORS, AdaptArguments, check, first_system, newton_rtol
 from skancf.adaptive.assessment import assess
+from skancf.adaptive.blunt import NOWHERE
 from skancf.adaptive.estimate import Estimate, check_quantity
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth
 from skancf.adaptive.interpolation import ancestors_in
@@ -110,8 +111,9 @@ def adapt(
     Returns
     -------
     AdaptiveResult
-        Also when the accuracy is not reached: the best answer with its error bar, and the reason. Interrupted from the
-        keyboard, that of the last mesh that was finished.
+        Also when the accuracy is not reached: the best answer with its error bar, and the reason. That is the one on the
+        last mesh that was finished, also where it was interrupted from the keyboard; or on one before, where later ones have
+        an error bar more than ten times as large that holds its value.
 
     Raises
     ------
@@ -139,7 +141,8 @@ def adapt(
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
         system = first_system(problem, first, theory, quantity, analysis, max_dofs)
         even = indicator == "goal" and system.geometry.theory.order == 2
-        growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening, analysis.smallest)
+        blunt = analysis.blunt(system) if hasattr(analysis, "blunt") else NOWHERE
+        growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening, analysis.smallest, blunt)
         return _Run(system, quantity, analysis, growth, by, arguments, bar).go()
 
 
@@ -189,8 +192,8 @@ class _Run:
         level, answer, estimate = kept
         if kept is not self.best:
             last = self.best.level
-            message += (f". The answer is that on {level.n_elements} elements: on {last.n_elements} it is {last.value:.6g} +- "
-                        f"{last.bar:.2g}, which says less")  # fmt: skip
+            message += (f". The answer is that on {level.n_elements} elements: on {last.n_elements} it is {last.value:.6g} "
+                        f"+- {last.bar:.2g}, which says less")  # fmt: skip
         if not status.ok and abs(answer.value) < estimate.bar:
             message += ". The value is zero within its error bar: say by atol how near to zero is near enough"
         left_out = self.analysis.theory_error(answer) if hasattr(self.analysis, "theory_error") else None
@@ -301,14 +304,15 @@ class _Run:
         return None
 
     def _in_smallest(self, found: _Found) -> str:
-        """That most of the error is in elements which rounding lets be no smaller; empty where it is not."""
+        """That most of the error is in elements which may be no smaller; empty where it is not."""
         shares, geometry = found.estimate.indicators, found.answer.state.system.geometry
         full = ~self.growth.room(geometry.mesh.leaves, geometry.surface)
         if not shares[full].sum() > shares.sum() / 2:
             return ""
+        why = ", or as the thickness about a point force" if self.growth.blunt.sizes.size else ""
         x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)
-        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be: a "
-                "smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
+        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be"
+                f"{why}: a smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
 
     def _next(
         self, system: System, found: _Found, points: np.ndarray

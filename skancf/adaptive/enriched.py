@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.adaptive.blunt import NOWHERE, Blunt
 from skancf.adaptive.energies import Strained, energies, virtual_work
 from skancf.adaptive.grow import SMALLEST, SMALLEST_LARGE
 from skancf.adaptive.interpolation import multipliers_on
@@ -56,10 +57,11 @@ class Enriched(Refined):
     """
 
     def __init__(
-        self, state: Solution, mesh: MeshQuadTree | None = None, quantity: Any = None, backend: str = "auto"
-    ) -> None:
+        self, state: Solution, mesh: MeshQuadTree | None = None, quantity: Any = None, backend: str = "auto",
+        blunt: Blunt = NOWHERE,
+    ) -> None:  # fmt: skip
         _require_at_rest(state)
-        super().__init__(state.system, mesh, quantity, SMALLEST if state.linear else SMALLEST_LARGE)
+        super().__init__(state.system, mesh, quantity, SMALLEST if state.linear else SMALLEST_LARGE, blunt)
         self.state, self._backend = state, backend
         self.model = type(state.model)(self.system)
         self.start, self.multipliers = self._up.unknowns(state), multipliers_on(state, self.system)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.adaptive.blunt import NOWHERE, Blunt
 from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.marking import Doerfler, Marking, Never
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
@@ -33,14 +34,16 @@ POLE = 2.0**-9
 DOERFLER, NEVER = Doerfler(0.9), Never()
 
 
-def may_be_quartered(leaves: Leaves, surface: Surface, smallest: float = SMALLEST) -> np.ndarray:
-    """Which elements are larger than the smallest size in both directions of the surface, (n_elements,)."""
+def may_be_quartered(leaves: Leaves, surface: Surface, smallest: float = SMALLEST, blunt: Blunt = NOWHERE) -> np.ndarray:
+    """Which elements are larger than the smallest size in both directions of the surface, (n_elements,); about blunt points
+    than that of each."""
     corners = surface.position(*leaves.forest.places(leaves.cells))
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=0)
     extent = np.linalg.norm(np.ptp(surface.position(*leaves.forest.points), axis=1))
     # At a pole one side has no length.
     lengths, at_pole = np.maximum(sides[:2], sides[2:]).min(axis=0), sides.min(axis=0) < SAME_POINT * extent
-    return np.asarray(lengths > 1.5 * np.where(at_pole, max(smallest, POLE), smallest) * extent)
+    least = np.where(at_pole, max(smallest, POLE), smallest) * extent
+    return np.asarray(lengths > 1.5 * np.maximum(least, blunt.smallest(corners)))
 
 
 def may_be_merged(system: System) -> np.ndarray:
@@ -80,11 +83,14 @@ class Growth:
     coarsen : Marking
     smallest : float
         Size of the smallest elements, of the extent of the surface.
+    blunt : Blunt
+        Points about which they are larger.
     """
 
     refine: Marking = DOERFLER
     coarsen: Marking = NEVER
     smallest: float = SMALLEST
+    blunt: Blunt = NOWHERE
 
     def next_mesh(
         self, system: System, indicators: np.ndarray, points: np.ndarray, halvings: Halvings = NOTHING_KNOWN
@@ -107,7 +113,7 @@ class Growth:
 
     def room(self, leaves: Leaves, surface: Surface) -> np.ndarray:
         """Which elements may be quartered, (n_elements,)."""
-        return may_be_quartered(leaves, surface, self.smallest)
+        return may_be_quartered(leaves, surface, self.smallest, self.blunt)
 
     def _again(
         self, geometry: Geometry, finer: Leaves, indicators: np.ndarray, least: float, points: np.ndarray, halvings: Halvings

@@ -12,6 +12,7 @@ import skfem
 from skancf.adaptive.analysis import Analysis, Answer, StaticAnalysis
 from skancf.adaptive.arguments import INDICATORS, AdaptArguments, check, first_system, newton_rtol
 from skancf.adaptive.assessment import assess
+from skancf.adaptive.blunt import NOWHERE
 from skancf.adaptive.estimate import Estimate, check_quantity
 from skancf.adaptive.grow import DOERFLER, NEVER, Growth
 from skancf.adaptive.interpolation import ancestors_in
@@ -41,6 +42,8 @@ EVEN = Even(0.65)
 """By default in theories of order two."""
 FINER_STARTS = 2
 """How often the first mesh is quartered where it has no answer."""
+WORSE = 10.0
+"""Error bars of a finer mesh that are so much larger, and hold the value of a coarser one, say nothing against it."""
 COST = 1.3
 """Seconds of a mesh grow with this power of its coordinates."""
 T = TypeVar("T")
@@ -108,8 +111,9 @@ def adapt(
     Returns
     -------
     AdaptiveResult
-        Also when the accuracy is not reached: the best answer with its error bar, and the reason. Interrupted from the
-        keyboard, that of the last mesh that was finished.
+        Also when the accuracy is not reached: the best answer with its error bar, and the reason. That is the one on the
+        last mesh that was finished, also where it was interrupted from the keyboard; or on one before, where later ones have
+        an error bar more than ten times as large that holds its value.
 
     Raises
     ------
@@ -137,7 +141,8 @@ def adapt(
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
         system = first_system(problem, first, theory, quantity, analysis, max_dofs)
         even = indicator == "goal" and system.geometry.theory.order == 2
-        growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening, analysis.smallest)
+        blunt = analysis.blunt(system) if hasattr(analysis, "blunt") else NOWHERE
+        growth = Growth((EVEN if even else DOERFLER) if marking is None else marking, coarsening, analysis.smallest, blunt)
         return _Run(system, quantity, analysis, growth, by, arguments, bar).go()
 
 
@@ -174,6 +179,7 @@ class _Run:
         self.indicator, self.arguments, self.bar = indicator, arguments, bar
         self.levels: list[Level] = []
         self.best: _Found | None = None
+        self.sound: _Found | None = None
         self.start: Solution | None = None
         self.merged, self.clock = 0, _Clock({})
         self.finer_starts, self.nested = 0, Nested(quantity)
@@ -181,8 +187,13 @@ class _Run:
 
     def go(self) -> AdaptiveResult:
         status, message = run_steps(self._step, lambda: self._unless_first("; the last finished mesh is kept"), self._failed)
-        assert self.best is not None
-        _, answer, estimate = self.best
+        assert self.best is not None and self.sound is not None
+        kept = self.best if status.ok else self.sound
+        level, answer, estimate = kept
+        if kept is not self.best:
+            last = self.best.level
+            message += (f". The answer is that on {level.n_elements} elements: on {last.n_elements} it is {last.value:.6g} "
+                        f"+- {last.bar:.2g}, which says less")  # fmt: skip
         if not status.ok and abs(answer.value) < estimate.bar:
             message += ". The value is zero within its error bar: say by atol how near to zero is near enough"
         left_out = self.analysis.theory_error(answer) if hasattr(self.analysis, "theory_error") else None
@@ -265,6 +276,8 @@ class _Run:
             self.growth = replace(self.growth, coarsen=NEVER)
         else:
             self.best = found
+            if self.sound is None or not _says_less(found.level, self.sound.level):
+                self.sound = found
         self.levels.append(level)
         wanted = self.arguments.tolerance(level.value) / max(found.estimate.bar, ABOVE_ZERO)
         note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
@@ -291,14 +304,15 @@ class _Run:
         return None
 
     def _in_smallest(self, found: _Found) -> str:
-        """That most of the error is in elements which rounding lets be no smaller; empty where it is not."""
+        """That most of the error is in elements which may be no smaller; empty where it is not."""
         shares, geometry = found.estimate.indicators, found.answer.state.system.geometry
         full = ~self.growth.room(geometry.mesh.leaves, geometry.surface)
         if not shares[full].sum() > shares.sum() / 2:
             return ""
+        why = ", or as the thickness about a point force" if self.growth.blunt.sizes.size else ""
         x, y = geometry.mesh.p[:, geometry.mesh.t[:, np.argmax(np.where(full, shares, 0.0))]].mean(axis=1)
-        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be: a "
-                "smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
+        return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be"
+                f"{why}: a smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
 
     def _next(
         self, system: System, found: _Found, points: np.ndarray
@@ -328,6 +342,11 @@ class _Run:
                 return Status.BUDGET, (f"max_seconds = {arguments.max_seconds:g}: {spent:.2g} s are spent, and the next "
                                         f"mesh would take some {expected:.2g} s")  # fmt: skip
         return None
+
+
+def _says_less(level: Level, before: Level) -> bool:
+    """Than a coarser mesh: it is much less sure, and does not contradict it."""
+    return level.bar > WORSE * before.bar and abs(level.value - before.value) <= level.bar
 
 
 def _merged(old: MeshQuadTree, new: MeshQuadTree) -> int:

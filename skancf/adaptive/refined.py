@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.adaptive.blunt import NOWHERE, Blunt
 from skancf.adaptive.grow import SMALLEST, may_be_quartered
 from skancf.adaptive.interpolation import Interpolation, ancestors_in
 from skancf.adaptive.quantities import SectionForce
@@ -28,7 +29,7 @@ MOST = 12
 """Elements of the refined mesh per element of the mesh."""
 
 
-def enriched_mesh(system: System, points: np.ndarray, smallest: float = SMALLEST) -> Any:
+def enriched_mesh(system: System, points: np.ndarray, smallest: float = SMALLEST, blunt: Blunt = NOWHERE) -> Any:
     """Every element quartered, and those at singular points (2, n) :data:`EXTRA` times more."""
     mesh = system.mesh
     leaves = mesh.leaves.refined(np.arange(mesh.nelements))
@@ -36,7 +37,8 @@ def enriched_mesh(system: System, points: np.ndarray, smallest: float = SMALLEST
         if len(leaves) > MOST * (mesh.nelements + MOST):
             break  # more singular points than elements
         at_points = touching(leaves, images(system.geometry, leaves, points))
-        leaves = leaves.refined(at_points[may_be_quartered(leaves, system.geometry.surface, smallest / 4)[at_points]])
+        room = may_be_quartered(leaves, system.geometry.surface, smallest / 4, blunt)
+        leaves = leaves.refined(at_points[room[at_points]])
     return mesh.regrown(leaves)
 
 
@@ -52,10 +54,11 @@ class Refined:
     """
 
     def __init__(
-        self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None, smallest: float = SMALLEST
-    ) -> None:
+        self, coarse: System, mesh: MeshQuadTree | None = None, quantity: Any = None, smallest: float = SMALLEST,
+        blunt: Blunt = NOWHERE,
+    ) -> None:  # fmt: skip
         self.coarse, self.points, self._quantity = coarse, singular_points(coarse, quantity), quantity
-        fine_mesh = enriched_mesh(coarse, self.points, smallest) if mesh is None else mesh
+        fine_mesh = enriched_mesh(coarse, self.points, smallest, blunt) if mesh is None else mesh
         self.system: System = coarse.problem.on(fine_mesh, coarse.geometry.theory)
         self._up = Interpolation.of(coarse, self.system)
         self._down = Interpolation.of(self.system, coarse)

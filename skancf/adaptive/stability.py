@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from skancf.adaptive.analysis import Answer, StaticAnalysis
+from skancf.adaptive.blunt import Blunt, blunt_points
 from skancf.adaptive.energies import energies, of_state, small
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.estimate import Estimate
@@ -24,6 +25,9 @@ from skancf.system.system import System
 @dataclass(frozen=True)
 class BucklingLoad:
     """A load factor at which the structure buckles, by :func:`skancf.buckling` (1).
+
+    Under a force at a single point the smallest elements buckle by themselves, at a load that goes to zero with their size.
+    :func:`skancf.adapt` lets elements at such points be about as large as the thickness.
 
     Parameters
     ----------
@@ -60,6 +64,10 @@ class StabilityAnalysis:
         """That of small deflections."""
         return SMALLEST
 
+    def blunt(self, system: System) -> Blunt:
+        """Points whose elements would buckle by themselves if they were small."""
+        return blunt_points(system)
+
     def solve(self, system: System, start: Solution | None) -> Answer:
         number = self.quantity.number
         found = buckling(system, number + 1, backend=self.backend)
@@ -71,7 +79,7 @@ class StabilityAnalysis:
     def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
         r"""As for a frequency, on the pencil :math:`K_0 + \lambda K_\sigma` of the refined mesh with its own stresses."""
         found, number, value = answer.found, self.quantity.number, answer.value
-        with Enriched(found.linear, backend=self.backend) as enriched:
+        with Enriched(found.linear, backend=self.backend, blunt=self.blunt(answer.state.system)) as enriched:
             fine, better = enriched.system, enriched.corrected
             elastic = enriched.stiffness
             geometric = curved(fine, geometric_stiffness(fine, better.change), fine.undeformed, better.multipliers)

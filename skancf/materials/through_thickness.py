@@ -89,7 +89,7 @@ def through_thickness(
     law: PointLaw, z: np.ndarray, weights: np.ndarray, eps: np.ndarray, kappa: np.ndarray, curvature: np.ndarray,
     guess: np.ndarray | None = None, history: np.ndarray | None = None, free: FreeStretch | None = None,
 ) -> SectionResponse:  # fmt: skip
-    """Energy, forces and stiffness per area of the undeformed surface.
+    r"""Energy, forces and stiffness per area of the undeformed surface.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def through_thickness(
     kappa : (3, n) array
         Change of curvature, the same order (doubled) (1/m).
     curvature : (3, n) array
-        Of the undeformed surface, components 11, 22, 12 of R_,ab . N (1/m).
+        Of the undeformed surface, components 11, 22, 12 of :math:`R_{,ab} \cdot N` (1/m).
     guess : (n_heights, n) array, optional
         Of C33.
     history : (n_history, n_heights, n) array, optional

@@ -79,13 +79,9 @@ from skancf.loads import (
 from skancf.materials import (
     Anisotropic,
     Damping,
-    Hyperelastic,
     Isotropic,
     Laminate,
     Layer,
-    MooneyRivlin,
-    NeoHooke,
-    Ogden,
     Orthotropic,
     Zone,
 )
@@ -138,6 +134,7 @@ from skancf.version import __version__
 
 if TYPE_CHECKING:
     from skancf import output, testing
+    from skancf.materials import Hyperelastic, MooneyRivlin, NeoHooke, Ogden
     from skancf.terms.forms import FormTerm
 
 __all__ = [
@@ -288,12 +285,17 @@ __all__ = [
 ]  # fmt: skip
 
 
+RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
+
+
 def __getattr__(name: str) -> Any:
-    """Some are loaded when they are first used: many runs show nothing, and few test terms or have forms."""
+    """Some are loaded when they are first used: many runs show nothing, and few have rubber, forms or tests of terms."""
     if name in ("output", "testing"):
         return importlib.import_module(f"skancf.{name}")
     if name == "FormTerm":
         return importlib.import_module("skancf.terms.forms").FormTerm
+    if name in RUBBERS:
+        return getattr(materials, name)
     raise AttributeError(f"module 'skancf' has no attribute {name!r}")
 
 

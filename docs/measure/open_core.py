@@ -2,8 +2,8 @@
 
 From the folder of the repository, in some seconds, with a checkout of the commit to compare with:
 
-    git worktree add /tmp/before b8844c1
-    .venv/bin/python docs/measure/open_core.py /tmp/before
+    git worktree add ../before b8844c1
+    .venv/bin/python docs/measure/open_core.py ../before
 
 It writes docs/decisions/open_core.csv: of each assumption the files and the places in the library that make it.
 """

@@ -146,6 +146,18 @@ def is_point_law(material: Any) -> bool:
     return not isinstance(material, type) and callable(getattr(material, "plane_stress", None))
 
 
+def require_solid(law: Any) -> None:
+    """InputError for a law at points that has no stress in three dimensions."""
+    name = type(law).__name__
+    if getattr(law, "incompressible", False):
+        raise InputError(f"material = {name}: it is incompressible, and no deformation of a solid tells its pressure; give "
+                         f"{getattr(law, 'made_compressible', 'it a volume that changes')}, or take theory 'kirchhoff', "
+                         "where stress across is zero")  # fmt: skip
+    if not callable(getattr(law, "respond3d", None)) or getattr(law, "_in_solids", law) is None:
+        raise InputError(f"material = {name}: it has no stress in three dimensions, which theory 'full' needs; take a law "
+                         "of invariants, such as NeoHooke with poisson = 0.45, or theory 'kirchhoff'")  # fmt: skip
+
+
 def deformation(C: Any, rows: int = 3) -> np.ndarray:
     """C as (rows, n) floats."""
     array = np.ascontiguousarray(finite("C", C))

@@ -13,7 +13,7 @@ from skancf.materials.hyperelastic.kernels import RESULTS
 from skancf.materials.hyperelastic.solid_kernels import SOLID_RESULTS
 from skancf.materials.isotropic import Isotropic
 from skancf.materials.law import SHEAR_CORRECTION, corrected
-from skancf.materials.point_law import PointResponse, deformation
+from skancf.materials.point_law import PointResponse, deformation, require_solid
 
 
 class Rubber:
@@ -121,18 +121,6 @@ class Rubber:
     def thermal_strain(self) -> np.ndarray:
         """Free strain per kelvin, shape (6,)."""
         return self.expansion * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-
-
-def require_solid(law: Any) -> None:
-    """InputError for a law at points that has no stress in three dimensions."""
-    name = type(law).__name__
-    if getattr(law, "incompressible", False):
-        raise InputError(f"material = {name}: it is incompressible, and no deformation of a solid tells its pressure; give "
-                         f"{getattr(law, 'made_compressible', 'it a volume that changes')}, or take theory 'kirchhoff', "
-                         "where stress across is zero")  # fmt: skip
-    if not callable(getattr(law, "respond3d", None)) or getattr(law, "_in_solids", law) is None:
-        raise InputError(f"material = {name}: it has no stress in three dimensions, which theory 'full' needs; take a law "
-                         "of invariants, such as NeoHooke with poisson = 0.45, or theory 'kirchhoff'")  # fmt: skip
 
 
 class OfInvariants(Rubber):

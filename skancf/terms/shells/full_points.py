@@ -21,10 +21,9 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.free_stretch import FreeStretch, free_stretch
-from skancf.materials.hyperelastic.law import require_solid
 from skancf.materials.law import IN_PLANE, THICKNESS, TRANSVERSE
 from skancf.materials.own_point_law import OwnPointLaw
-from skancf.materials.point_law import PointResponse
+from skancf.materials.point_law import PointResponse, require_solid
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.full import FullAssembly, over_points
 from skancf.terms.shells.points import NOWHERE, Answer, AtPoints, of_places, square

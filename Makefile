@@ -50,7 +50,8 @@ fuzz: $(READY)
 	PYTHONPATH=tests $(BIN)/python -m fuzz --minutes $(FUZZ_MINUTES) --out $(OUT)/fuzz
 
 lint: $(READY)
-	$(BIN)/python -m ruff check skancf tests demos benchmarks docs
+	$(BIN)/python -m ruff check .
+	$(BIN)/python -m ruff format --check .
 
 types: $(READY)
 	$(BIN)/python -m mypy

@@ -10,6 +10,7 @@ import csv
 import time
 import warnings
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -78,9 +79,7 @@ def timed(work: Callable[[], Any], runs: int = RUNS) -> tuple[float, Any]:
 def adaptive(scene: Scene, tolerance: float) -> dict[str, Any]:
     """All levels and estimates, until the estimate says so."""
     start = scene.uniform(scene.coarse)
-    seconds, result = timed(
-        lambda: sk.adapt(scene.problem, scene.quantity, tolerance, mesh=start, linear=True)
-    )
+    seconds, result = timed(lambda: sk.adapt(scene.problem, scene.quantity, tolerance, mesh=start, linear=True))
     return row(scene, "adaptive, by the estimate", result.levels[-1].n_dofs, seconds, result.value, len(result.levels))
 
 
@@ -172,9 +171,8 @@ def bookkeeping(largest: int) -> list[dict[str, Any]]:
         grow, _ = timed(lambda: growth.next_mesh(before, values, corner), runs)  # noqa: B023
         system = problem.on(mesh, "kirchhoff")
         geometry: Geometry = system.geometry
-        maps, _ = timed(
-            lambda: local_maps(mesh, nodal_jacobian(mesh), Kirchhoff(), geometry.ties, geometry.hanging), runs  # noqa: B023
-        )
+        local = partial(local_maps, mesh, nodal_jacobian(mesh), Kirchhoff(), geometry.ties, geometry.hanging)
+        maps, _ = timed(local, runs)
 
         def sparsity() -> None:
             pattern = BlockPattern.from_cells(geometry.nodes.T, geometry.n_nodes, 12, geometry.undeformed[:, 0].T)  # noqa: B023

@@ -1,6 +1,6 @@
 """Writes the results page of the documentation, with its charts, from the stored results.
 
-    python -m benchmarks.page [--out docs/results]
+python -m benchmarks.page [--out docs/results]
 """
 
 import argparse

@@ -69,9 +69,7 @@ class Run:
 
     def errors(self, reference: "Run") -> np.ndarray:
         """Root mean square over time of the distance to the reference, per point (m)."""
-        return np.array([
-            np.sqrt(((self.points[name] - reference.points[name]) ** 2).sum(axis=1).mean()) for name in POINTS
-        ])
+        return np.array([np.sqrt(((self.points[name] - reference.points[name]) ** 2).sum(axis=1).mean()) for name in POINTS])
 
 
 def run(label: str, mesh: object, theory: sk.Full, rtol: float) -> Run:
@@ -139,7 +137,9 @@ def table(name: str, result: Study) -> str:
         nodes, seconds = equal_error(result, k)
         cost = (
             f"a uniform mesh needs {nodes:.0f} nodes and {seconds:.1f} s for it (graded: {result.graded.nodes} nodes, "
-            f"{result.graded.motion.seconds:.1f} s)" if np.isfinite(nodes) else "outside the uniform meshes that were run"
+            f"{result.graded.motion.seconds:.1f} s)"
+            if np.isfinite(nodes)
+            else "outside the uniform meshes that were run"
         )
         lines.append(f"  point {point}: {change:+.0f} % against the uniform mesh with as many nodes; {cost}")
     lines.append("  " + claims(result))
@@ -198,9 +198,7 @@ def report(name: str, result: Study, out: Path) -> None:
         title=f"Refined where the stress is: {result.graded.nodes} nodes",
     )  # fmt: skip
     runs = [result.fine, result.coarse, result.graded]
-    histories = {
-        f"point {p}": {r.label: (r.motion.times, 1e3 * r.points[p][:, 2]) for r in runs} for p in POINTS
-    }
+    histories = {f"point {p}": {r.label: (r.motion.times, 1e3 * r.points[p][:, 2]) for r in runs} for p in POINTS}
     output.histories_chart(
         result.fine.motion.times, histories, out / f"{name}_4_displacements.png",
         ylabel="displacement z (mm)", title=f"Displacement of three points, {name} strains",

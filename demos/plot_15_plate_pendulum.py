@@ -97,8 +97,12 @@ def draw(motions: dict[str, sk.Motion], damped: sk.Motion, file: Path) -> None:
     undamped = [motion for name, motion in motions.items() if name.startswith(f"{STIFFER:.0e}")][-1]
     for motion, style in ((undamped, "-"), (damped, "--")):
         ledger = motion.ledger
-        rows = (("kinetic", ledger.kinetic, "#0072B2"), ("strain", ledger.strain, "#D55E00"),
-                ("of the weight", ledger.potential, "#009E73"), ("all", ledger.energy, "#202020"))
+        rows = (
+            ("kinetic", ledger.kinetic, "#0072B2"),
+            ("strain", ledger.strain, "#D55E00"),
+            ("of the weight", ledger.potential, "#009E73"),
+            ("all", ledger.energy, "#202020"),
+        )
         for key, values, colour in rows:
             axes[2].plot(ledger.times, values, style, color=colour, lw=1.5, label=key if style == "-" else None)
     axes[2].set(xlabel="time (s)", ylabel="energy (J)", title=f"Energies, E = {STIFFER:.0e} Pa; with damping broken")

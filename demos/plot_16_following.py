@@ -46,9 +46,7 @@ class Size:
 
 
 SIZES = {
-    "full": Size(
-        {"kirchhoff": (6, 8, 12, 16), "full": (8, 12, 16, 24)}, 2e-3, (0.3, 0.2, 0.1), (8, 16, 24), (0.3, 0.15)
-    ),
+    "full": Size({"kirchhoff": (6, 8, 12, 16), "full": (8, 12, 16, 24)}, 2e-3, (0.3, 0.2, 0.1), (8, 16, 24), (0.3, 0.15)),
     "small": Size({"kirchhoff": (4, 6, 8), "full": (4, 6, 8)}, 8e-3, (0.2,), (8, 12), (0.3,)),
 }
 
@@ -144,6 +142,7 @@ GROUND = sk.Problem(
 
 def exact() -> float:
     """Deflection under the running load (m)."""
+
     def of(theta: float) -> float:
         b = MASS * SPEED**2 * np.cos(theta) ** 2
         root = sqrt(4 * RIGIDITY * FOUNDATION - b * b)

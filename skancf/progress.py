@@ -18,9 +18,7 @@ class Progress:
     def __enter__(self) -> "Progress":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self.shown and self._line:
             sys.stderr.write(("\r" if sys.stderr.isatty() else "") + self._line + "\n")
             sys.stderr.flush()

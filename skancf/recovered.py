@@ -41,9 +41,7 @@ def patches_of(system: System) -> Patches:
     return _patches[system]
 
 
-def section_forces(
-    system: System, q: np.ndarray, points: np.ndarray, case: Case = FULL, small: bool = False
-) -> np.ndarray:
+def section_forces(system: System, q: np.ndarray, points: np.ndarray, case: Case = FULL, small: bool = False) -> np.ndarray:
     """N and M (n_elements, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
     raw = system.shell.section_forces(q, points, case, small)
     if system.assembly.recovers_bending:

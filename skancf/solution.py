@@ -94,9 +94,7 @@ class Solution(TrueStresses):
         return Case(self.load_factor, self.time)
 
     @classmethod
-    def of(
-        cls, model: Model, x: np.ndarray, load_factor: float = 1.0, multipliers: np.ndarray | None = None
-    ) -> "Solution":
+    def of(cls, model: Model, x: np.ndarray, load_factor: float = 1.0, multipliers: np.ndarray | None = None) -> "Solution":
         """A state of rest of a model at its unknowns x."""
         small = x if model.linear else None
         return cls(model.system, model.q(x), None, None, load_factor, model.linear, small=small, multipliers=multipliers)
@@ -216,8 +214,10 @@ class Solution(TrueStresses):
         """Local points (2, n) of the reference square, checked."""
         local = finite("points", points)
         if local.ndim != 2 or local.shape[0] != 2 or np.abs(local - 0.5).max(initial=0.0) > 0.5 + ONE_PLACE:
-            raise InputError(f"points of shape {local.shape}: give points of the reference square as an array (2, n), "
-                             "from 0 to 1; at places of the parameter plane there are displacement and position")
+            raise InputError(
+                f"points of shape {local.shape}: give points of the reference square as an array (2, n), "
+                "from 0 to 1; at places of the parameter plane there are displacement and position"
+            )
         return self.system.geometry.inside(local)
 
     def _heat(self, points: np.ndarray) -> np.ndarray | None:
@@ -365,8 +365,9 @@ class Solution(TrueStresses):
         link (N), the :class:`~skancf.conditions.hinge.HingeForce`, multipliers. InputError for a state without them."""
         conditions = self.system.conditions
         if self.multipliers is None and conditions:
-            raise InputError("conditions: this state has no multipliers; those of solve, solve_linear, trace and simulate "
-                             "have them")
+            raise InputError(
+                "conditions: this state has no multipliers; those of solve, solve_linear, trace and simulate have them"
+            )
         return {} if self.multipliers is None else conditions.named(self.multipliers)
 
     def reactions(self, where: Any = None) -> np.ndarray:

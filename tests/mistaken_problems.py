@@ -72,6 +72,7 @@ def add_sections(add: Any, s: Any) -> None:
     where = ((0.0, 0.5), (0.0, 1.0))
     kinds = {"thickness": "field", "offset": "field", "where": "any"}
     for theory in THEORIES:
+
         def on(problem: Any, theory: str = theory) -> Any:
             system = problem.on(s.plain, theory)
             return system.undeformed, system.stiffness().values
@@ -157,8 +158,14 @@ def add_supports(add: Any, s: Any) -> None:
     ) -> None:
         for theory in THEORIES:
             use = Uses(s, theory)
-            add(f"{kind.__name__} {name} {theory}", used(kind, use.moving_support if moves else use.support, fixed), takes,
-                kinds={k: FIELDS[k] for k in FIELDS if k in arguments}, aliases={"where": "Symmetry"}, **arguments)
+            add(
+                f"{kind.__name__} {name} {theory}",
+                used(kind, use.moving_support if moves else use.support, fixed),
+                takes,
+                kinds={k: FIELDS[k] for k in FIELDS if k in arguments},
+                aliases={"where": "Symmetry"},
+                **arguments,
+            )
 
     for kind in (sk.Pin, sk.Clamp, sk.NoRotation, sk.Symmetry):
         support(kind, where="right")
@@ -185,6 +192,7 @@ def add_supports(add: Any, s: Any) -> None:
 def add_joints(add: Any, s: Any) -> None:
     tube = sk.CylinderSector(radius=1.0, length=1.0, angle=6.283185307179586)
     for theory in THEORIES:
+
         def solved(joint: Any, surface: Any = s.surface, theory: str = theory) -> Any:
             clamped = sk.Clamp(lambda x, y: abs(y - y.max() / 2) < 1e-6) if surface is tube else sk.Clamp("left")
             problem = sk.Problem(surface, 0.01, s.material, [clamped], [sk.Gravity()], conditions=[joint])

@@ -379,8 +379,13 @@ def add_meshes(add: Any, s: Scene) -> None:
     add("quadtree", m.quadtree, mesh=s.plain, surface=s.surface)
     add("quadtree.refined", s.mesh.refined, times_or_ix=[0, 1], aliases={"times_or_ix": "refined"},
         takes="times_or_ix:returns pair")  # fmt: skip
-    add("quadtree.coarsened", s.mesh.refined().coarsened, elements=[0, 1], aliases={"elements": "coarsened"},
-        takes="elements:true,elements:wrong shape,elements:returns pair")
+    add(
+        "quadtree.coarsened",
+        s.mesh.refined().coarsened,
+        elements=[0, 1],
+        aliases={"elements": "coarsened"},
+        takes="elements:true,elements:wrong shape,elements:returns pair",
+    )
     add("quadtree.adapted", s.mesh.adapted, refine=[0], coarsen=[1], aliases={"refine": "refined", "coarsen": "coarsened"},
         takes="refine:true,coarsen:true,refine:returns pair,coarsen:returns pair")  # fmt: skip
     add("progression", m.progression, l_0=1.0, l_n=0.1, length=5.0)
@@ -447,8 +452,13 @@ def add_states(add: Any, s: Scene) -> None:
     add("Solution.shear_share_of", state.shear_share_of, elements=np.ones(4, bool), takes="elements:none")
     add("Motion.at", s.motion.at, time=0.01)
     add("Motion.displacement", s.motion.displacement, at=place, z=0.001)
-    add("Motion.history", s.motion.history, quantity=lambda state: 1.0, kinds={"quantity": "function"},
-        takes="quantity:returns nan")
+    add(
+        "Motion.history",
+        s.motion.history,
+        quantity=lambda state: 1.0,
+        kinds={"quantity": "function"},
+        takes="quantity:returns nan",
+    )
     add("Ledger.at", s.motion.ledger.at, times=[0.0, 0.01])
     add("PathResult.displacement", s.path.displacement, at=place)
     add("Modes.shape", s.modes.shape, i=0, size=0.1, kinds={"size": "optional"})

@@ -457,7 +457,7 @@ def test_bars_of_moments_hold_against_the_series(rng):
         found = sk.adapt(plate, sk.SectionForce("M11", at=(x, y)), 1e-2, linear=True)
         m, n = navier.orders(301)
         w = 16 * -1000.0 / (np.pi**6 * stiffness * m * n * (m**2 + n**2) ** 2)
-        curvature = -np.pi**2 * w * (m**2 + 0.3 * n**2) * np.sin(m * np.pi * x) * np.sin(n * np.pi * y)
+        curvature = -(np.pi**2) * w * (m**2 + 0.3 * n**2) * np.sin(m * np.pi * x) * np.sin(n * np.pi * y)
         truth = -stiffness * curvature.sum()
         assert found.ok
         assert abs(found.value - truth) < 1.5 * 1e-2 * abs(truth), (x, y)

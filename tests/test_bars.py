@@ -209,6 +209,7 @@ def sheared(r, y):
 def test_membrane_forces_by_a_hole(at):
     """On its rim four times the shear. The weight of a force at a node is that of the smallest element there: no reason to
     call the force without limit."""
+
     def traction(x, y):
         along, _, across = sheared(x, y)
         return np.stack([along * np.cos(y) - across * np.sin(y), along * np.sin(y) + across * np.cos(y), 0 * x * y])
@@ -261,7 +262,9 @@ ZEROS = {
     "of supports that move": (lifted, sk.SectionForce("M12", at=(0.3, 0.35))),
     "at a free edge of supports that move": (lifted, sk.SectionForce("M11", at=(1.0, 0.35))),
     "pull on all supports of a bent plate": (
-        lambda: plate(RECTANGLE, [sk.SimpleSupport("boundary")]), sk.Reaction("boundary", direction=(1, 0, 0))),
+        lambda: plate(RECTANGLE, [sk.SimpleSupport("boundary")]),
+        sk.Reaction("boundary", direction=(1, 0, 0)),
+    ),
     "pull at the edge of a bent plate": (lambda: plate(RECTANGLE, [HARD]), sk.Reaction("left", direction=(1, 0, 0))),
     "of heat": (hot, sk.Displacement((1.0, 0.35), (0, 1, 0))),
     "stress of free heat": (hot_and_free, sk.SectionForce("N11", at=(0.4, 0.3))),
@@ -451,6 +454,7 @@ def test_bars_of_a_sector_with_an_obtuse_tip(degrees):
 
 def test_marks_of_other_kinds():
     """A list and a mask count; what is no number of an element is refused."""
+
     class Marks:
         def __init__(self, what):
             self.what = what

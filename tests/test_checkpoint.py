@@ -113,6 +113,7 @@ def test_large_runs_have_the_same_bytes_in_every_process(name, tmp_path):
 
 def test_fresh_machine_code_gives_the_same_bytes(tmp_path):
     """A run goes on in a process that loads what the first one compiled."""
+
     def printed():
         return subprocess.run([sys.executable, SCRIPT, "forces"], env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)},
                               stdout=subprocess.PIPE, check=True).stdout  # fmt: skip
@@ -189,6 +190,7 @@ def start(folder, every=4, t_end=0.05, resume=True, **what):
 @pytest.fixture
 def folder(tmp_path):
     """Of a run that was cut off."""
+
     def stop(state):
         if state.time > 0.033:
             raise Cut
@@ -422,6 +424,7 @@ def test_a_last_write_that_fails_does_not_lose_the_run(tmp_path, monkeypatch):
 @pytest.mark.parametrize("again", [False, True])
 def test_a_folder_that_is_removed_on_the_way(again, tmp_path):
     """Nor is a folder that came back empty filled with half a run."""
+
     def remove(state):
         if state.time == pytest.approx(0.025):
             shutil.rmtree(tmp_path / "run")
@@ -467,6 +470,7 @@ def test_read_without_running(folder, monkeypatch):
 
 def test_what_a_stopped_run_computed_is_read_to_its_end(tmp_path):
     """And a run that goes on leaves no trace of it."""
+
     def stop(state):
         if state.time > 0.033:
             raise KeyboardInterrupt

@@ -87,9 +87,7 @@ def test_segments_are_no_shorter_than_the_elements_they_meet():
 def test_edges_of_other_meshes_are_closed_before_strains_are_measured():
     """A torus slit around its tube: its two circles are interpolated by other elements, and miss each other a little."""
     bounds = ((0.0, 2 * np.pi), (0.3, 2.3))
-    torus = sk.MappedSurface(
-        lambda x, y: [(2 + np.cos(y)) * np.cos(x), (2 + np.cos(y)) * np.sin(x), np.sin(y)], bounds
-    )
+    torus = sk.MappedSurface(lambda x, y: [(2 + np.cos(y)) * np.cos(x), (2 + np.cos(y)) * np.sin(x), np.sin(y)], bounds)
     mesh = sk.meshes.quadtree(sk.meshes.uniform(torus, 8, 2))
     finer = mesh.refined([k for k in range(mesh.nelements) if mesh.p[0, mesh.t[:, k]].max() < 1.0])
     problem = sk.Problem(torus, 0.01, STEEL, [sk.Clamp("bottom")], conditions=[sk.Hinge("left", "right")])

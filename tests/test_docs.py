@@ -44,8 +44,21 @@ def test_a_tutorial_prints_what_it_shows(name, tmp_path, monkeypatch):
 
 
 def test_every_tutorial_is_found_and_shows_a_picture():
-    pages = {"getting_started", "thin_plates", "shells", "paths", "laminates", "adaptive", "dynamics", "speed", "own_energy",
-             "links_and_hinges", "rubber", "rubber_shells", "tapers_and_zones"}
+    pages = {
+        "getting_started",
+        "thin_plates",
+        "shells",
+        "paths",
+        "laminates",
+        "adaptive",
+        "dynamics",
+        "speed",
+        "own_energy",
+        "links_and_hinges",
+        "rubber",
+        "rubber_shells",
+        "tapers_and_zones",
+    }
     assert pages <= set(tutorial.PAGES)
     assert all(tutorial.pictures(page) for page in tutorial.PAGES.values())
 

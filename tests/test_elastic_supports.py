@@ -41,9 +41,7 @@ def test_springs_along_edges(theory):
     """Half of the load per length over the stiffness per length; cylindrical bending without Poisson's ratio."""
     k, q = 3.0, 1e-3
     springs = sk.Spring(["left", "right"], (0, 0, k))
-    solution = sk.solve_linear(
-        system_on(theory, UNIT, [springs, *IN_PLACE], [sk.SurfaceLoad((0, 0, q))], poisson=0.0)
-    )
+    solution = sk.solve_linear(system_on(theory, UNIT, [springs, *IN_PLACE], [sk.SurfaceLoad((0, 0, q))], poisson=0.0))
     at = np.array([(x, y) for x in (0.0, 1.0) for y in (0.0, 0.37, 1.0)])
     # Functions of theory full are no products of one in x and one in y: along the edge it varies a little on this mesh.
     close = 1e-8 if theory == "kirchhoff" else 2e-2

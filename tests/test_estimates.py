@@ -218,7 +218,6 @@ def test_residual_is_a_constant_part_of_the_error_in_energy_norm():
     assert BAND[0] < parts.min() and parts.max() < BAND[1], parts
 
 
-
 @pytest.mark.parametrize("n", [4, 8, 16])
 @pytest.mark.parametrize("indicator", [residual_indicator, sk.recovery_indicator])
 def test_indicators_are_largest_at_the_reentrant_corner(indicator, n):

@@ -51,6 +51,7 @@ def test_elements_behind_the_load_are_merged(running):
     motion, _ = running
     first = next(state for state in motion.states if state.time > 0.3)
     last = list(motion.states)[-1]
+
     def level_at(state, at):
         return state.system.mesh.levels[state.system.geometry.locate(at)[0]]
 

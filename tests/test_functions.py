@@ -86,6 +86,7 @@ def test_functions_of_time_and_place_that_raise_pass_with_a_note():
 
 def test_a_function_that_stops_an_iteration_drops_no_support():
     """Inside a generator StopIteration would end it, as if there were no more supports."""
+
     def stop(x, y):
         return next(iter(()))
 

@@ -129,6 +129,7 @@ def test_rigid_motions_have_no_energy_and_nothing_else_has_none(name, theory):
 
 def monomial(i, j, x, y):
     """x^i y^j and its derivatives x, y, xy."""
+
     def power(s, n):
         return s**n if n >= 0 else 0 * s
 

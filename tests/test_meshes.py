@@ -106,8 +106,12 @@ def test_sides_lie_in_space_where_their_names_say():
     mesh = graded(QUARTER, [Region((1.0, 0.5), (0.1, 0.1), 9.0)], nodes=400)
     space = QUARTER.position(*mesh.p)
     # sin and cos of the angle: a rounding or two.
-    for name, value in [("inner", np.hypot(*space[:2]) - 1), ("outer", np.hypot(*space[:2]) - 2), ("start", space[1]),
-                        ("end", space[0])]:
+    for name, value in [
+        ("inner", np.hypot(*space[:2]) - 1),
+        ("outer", np.hypot(*space[:2]) - 2),
+        ("start", space[1]),
+        ("end", space[0]),
+    ]:
         assert np.abs(value[mesh.facets[:, mesh.boundaries[name]]]).max() < 1e-15
 
 
@@ -202,8 +206,10 @@ def test_mirrored_regions_give_mirrored_nodes():
     rng = np.random.default_rng(6)
     for cells in range(2, 60):
         s = random_sizes(rng)
-        both = [np.concatenate([a, b]) for a, b in
-                [(s.centres, 1 - s.centres), (s.half_sizes, s.half_sizes), (s.fractions, s.fractions)]]
+        both = [
+            np.concatenate([a, b])
+            for a, b in [(s.centres, 1 - s.centres), (s.half_sizes, s.half_sizes), (s.fractions, s.fractions)]
+        ]
         assert symmetric(place(Sizes(0.0, 1.0, *both, s.growth, s.transition), cells))
         # The check has teeth: half of the regions are not symmetric.
         assert cells < 4 or not symmetric(place(s, cells))

@@ -83,6 +83,7 @@ class Counting(Short):
 
 def simulated(folder, term=None, steps=None, cut=None, tree=False, **options):
     """A run with objects of its own, to its end or until it is interrupted."""
+
     def stop(state):
         if cut is not None and state.time > cut:
             raise KeyboardInterrupt

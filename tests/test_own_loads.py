@@ -340,6 +340,7 @@ def test_reactions_carry_a_load_of_ones_own(theory):
 @pytest.mark.parametrize("load", ["history", "histories"])
 def test_steps_end_where_a_history_of_ones_own_bends(load):
     """Of the attribute ``history``, and of a load that says :meth:`histories`; without knots steps pass over it."""
+
     def loads(function):
         return [Timed(AT, (0, 0, -1.0), function) if load == "histories" else Follower(-1.0, AT, function)]
 

@@ -64,6 +64,7 @@ def test_bending_patch(mesh, theory, c):
 @theories
 def test_a_free_rotation_is_not_prescribed(theory):
     """Without rotations the plate bent by its edges to w = x^2 is another one: its edges turn."""
+
     def field(x, y):
         return 0 * x, 0 * x, 1e-3 * x * x
 

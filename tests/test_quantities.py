@@ -83,6 +83,7 @@ def quantities(surface) -> dict:
 
 def slope(quantity, solution, along, step=1e-3) -> float:
     """Central differences of fourth order."""
+
     def at(s):
         return quantity.value(sk.Solution(solution.system, solution.q + s * step * along, load_factor=solution.load_factor,
                                           linear=solution.linear))  # fmt: skip

@@ -87,7 +87,7 @@ def plain_recovered(mesh, raw, degree):
         values = np.concatenate([legendre(best).T @ fit for fit in fits])
         scale = np.abs(offsets).max(axis=1)
         fit = np.linalg.lstsq(monomials(*(offsets / scale[:, None])), values, rcond=1e-6)[0]
-        return max(len(around) - 2, 0), lambda x: (monomials(*((x - mesh.p[:, node]) / scale)) @ fit)
+        return max(len(around) - 2, 0), lambda x: monomials(*((x - mesh.p[:, node]) / scale)) @ fit
 
     polynomials = [polynomial(node) for node in range(mesh.p.shape[1])]
     out = np.zeros_like(raw)

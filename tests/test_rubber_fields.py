@@ -72,6 +72,7 @@ def neo_hooke(stretch):
 
 def exact(thickness, laws, more=1.0, breaks=()):
     """Force per width that makes a strip with laws by place longer, and where its middle goes: by quadrature."""
+
     def stretch(x, force):
         law = laws(x)
         return brentq(lambda value: thickness(x) * law(value) - force, 1.0, 1e3, xtol=1e-14)

@@ -71,8 +71,7 @@ def test_a_plate_blown_up_in_both_theories():
     """To a seventh of its side, with strains of a tenth and more: the law takes part, and both theories agree."""
     middle = (0.5, 0.5)
     full, thin, linear = (
-        sk.solve(plate(law, theory, 1e4)).unwrap()
-        for law, theory in ((LAW, "full"), (LAW, "kirchhoff"), (LINEAR, "full"))
+        sk.solve(plate(law, theory, 1e4)).unwrap() for law, theory in ((LAW, "full"), (LAW, "kirchhoff"), (LINEAR, "full"))
     )
     near(full.displacement(middle)[2], thin.displacement(middle)[2], 2e-3)
     assert full.displacement(middle)[2] > 1.04 * linear.displacement(middle)[2]

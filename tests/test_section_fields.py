@@ -82,6 +82,7 @@ def test_a_constant_function_is_the_constant(given, shape, theory):
 
 def test_equal_elements_share_their_class():
     """A taper along x has as many classes as columns; a uniform section has one, and no field at all."""
+
     def of(thickness):
         system = sk.Problem(STRIP, thickness, NO_POISSON).on(sk.meshes.uniform(STRIP, 8, 4), "kirchhoff")
         return len(system.assembly.sections.law)
@@ -159,6 +160,7 @@ def test_modes_of_a_tapered_blade(share):
 @theories
 def test_weight_of_a_taper_with_a_flat_bottom(theory):
     """Weight acts at the centre of mass; the surface is the bottom, and the answer that of the plate about its mid-plane."""
+
     def thickness(x, y):
         return H * (1 - 0.5 * x / L)
 

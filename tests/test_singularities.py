@@ -210,7 +210,7 @@ def test_the_numbers_bear_it_out(name):
     """What grows with a logarithm changes by the same amount each time; what has a limit by less and less. Each is warned
     of, or refused, or neither."""
     grows = name.endswith("grows")
-    quantity, theory, supports, load = (GROW[name.removesuffix(" grows")] if grows else LIMIT[name])
+    quantity, theory, supports, load = GROW[name.removesuffix(" grows")] if grows else LIMIT[name]
     found = growth(quantity, theory, supports, load)
     assert found > 0.85 if grows else found < 0.6
     system = on(theory, supports, [load])

@@ -247,6 +247,7 @@ def test_what_couples_blocks_that_are_not_there_is_named():
 
 def term_with(**methods):
     """A term whose methods return what is given, or are it."""
+
     class Given(Addition):
         def on(self, shell, layout):
             made = {name: (each if callable(each) else lambda *_, each=each: each) for name, each in methods.items()}

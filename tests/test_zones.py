@@ -25,6 +25,7 @@ def strip(zones=(DOUBLER,), n=10, theory="kirchhoff", loads=(), **more):
 
 def stepped(start, end, stiffer=8.0):
     """w / P of a cantilever whose EI is ``stiffer`` between two places."""
+
     def part(a, b):
         return quad(lambda x: (L - x) ** 2, a, b)[0]
 
@@ -205,6 +206,7 @@ def test_a_thin_row_around_a_doubler_in_a_sheet():
     zone = sk.Zone("patch", ((0.25, 0.75), (0.25, 0.75)), thickness=2 * h)
     problem = sk.Problem(plate, h, sk.Isotropic(E, 0.3, RHO), [sk.Clamp("left")], [sk.EdgeLoad("right", (1e3, 0, 0))],
                          zones=[zone])  # fmt: skip
+
     def stretched(n, beside):
         return sk.solve_linear(problem.on(sk.meshes.with_lines(plate, n, n, [zone], beside=beside), "full")).displacement(
             (1.0, 0.5))[0]  # fmt: skip

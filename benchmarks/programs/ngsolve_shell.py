@@ -198,9 +198,7 @@ class Shell:
         loads = self.u.vec.CreateVector()
         loads.FV().NumPy()[:] = factor(0.0) * self.load.FV().NumPy()[: space.ndof]
         accelerations.data = mass.Assemble().mat.Inverse(free, "sparsecholesky") * loads
-        u, a, v, before, expected = (
-            x.FV().NumPy() for x in (self.u.vec, accelerations, velocities, old, self.expected.vec)
-        )
+        u, a, v, before, expected = (x.FV().NumPy() for x in (self.u.vec, accelerations, velocities, old, self.expected.vec))
         v[:] = 0
         watched = [self.at(point, axis) for point, axis in seen.values()]
         path = np.zeros((steps + 1, 2, len(watched)))

@@ -126,7 +126,12 @@ def moving(scene: Scene, built: Any, system: Any, steps: dict[str, float]) -> Ou
     import skancf as sk
 
     motion = sk.simulate(
-        system, scene.data["end"], **steps, newton_rtol=NEWTON, outputs=(0.0, *scene.times), progress=False,
+        system,
+        scene.data["end"],
+        **steps,
+        newton_rtol=NEWTON,
+        outputs=(0.0, *scene.times),
+        progress=False,
     ).unwrap()
     values = {key: series[1:] for key, series in built.values(motion).items()}
     return Outcome(values, free(system), f"{len(motion.steps)} steps")

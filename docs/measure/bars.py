@@ -95,6 +95,7 @@ def corners() -> Iterator[tuple[str, Scene]]:
 
 def holes() -> Iterator[tuple[str, Scene]]:
     """Membrane forces by a hole of radius 1 in a plate under shear, cut out at R = 4 with the exact tractions."""
+
     def stress(r: float, y: float) -> tuple[float, float, float]:
         return ((1 - 4 / r**2 + 3 / r**4) * np.sin(2 * y), -(1 + 3 / r**4) * np.sin(2 * y),
                 (1 + 2 / r**2 - 3 / r**4) * np.cos(2 * y))  # fmt: skip

@@ -123,9 +123,14 @@ def pendulum() -> list[list[Any]]:
             of_steps = pulls.values[:, 0], np.interp(pulls.acting, motion.times, tension)
             given = motion.history(lambda state: state.conditions["rod 0"][0])
             name = "Trapezoidal()" if isinstance(rule, Refused) else str(rule).replace("rho_inf=", "")
-            rows.append([name, n,
-                         f"{np.abs(motion.displacement((0.3, 0.1)) - where).max() / LENGTH:.1e}",
-                         *(f"{np.abs(a - b)[late].max() / tension.max():.1e}" for a, b in (of_steps, (given, tension)))])
+            rows.append(
+                [
+                    name,
+                    n,
+                    f"{np.abs(motion.displacement((0.3, 0.1)) - where).max() / LENGTH:.1e}",
+                    *(f"{np.abs(a - b)[late].max() / tension.max():.1e}" for a, b in (of_steps, (given, tension))),
+                ]
+            )
     return rows
 
 

@@ -58,11 +58,13 @@ def clamped(h: float, nu: float, order: int = 18) -> tuple[float, float]:
     to_x, to_y = np.kron(mixed, mass), np.kron(mass, mixed)  # slope of w with the rotation
     cross = nu * np.kron(mixed, mixed.T) + (1 - nu) / 2 * np.kron(mixed.T, mixed)
     bend = (1 - nu) / 2
-    K = np.block([
-        [shear * (wxx + wyy), -shear * to_x, -shear * to_y],
-        [-shear * to_x.T, D * (wxx + bend * wyy) + shear * unit, D * cross],
-        [-shear * to_y.T, D * cross.T, D * (wyy + bend * wxx) + shear * unit],
-    ])
+    K = np.block(
+        [
+            [shear * (wxx + wyy), -shear * to_x, -shear * to_y],
+            [-shear * to_x.T, D * (wxx + bend * wyy) + shear * unit, D * cross],
+            [-shear * to_y.T, D * cross.T, D * (wyy + bend * wxx) + shear * unit],
+        ]
+    )
     load = np.zeros(len(K))
     load[: order**2] = np.kron(value @ weight / 2, value @ weight / 2)
     w = np.linalg.solve(K, load)[: order**2]

@@ -57,9 +57,7 @@ class Record:
         """Deviations relative to the values at the start, and slopes of straight lines fitted to them."""
         n = len(self.energy) - 1
         energy = self.energy / self.energy[0] - 1
-        linear, angular = (
-            np.linalg.norm(p - p[0], axis=1) / np.linalg.norm(p[0]) for p in (self.linear, self.angular)
-        )
+        linear, angular = (np.linalg.norm(p - p[0], axis=1) / np.linalg.norm(p[0]) for p in (self.linear, self.angular))
         turns = n * STEP * np.linalg.norm(SPIN.spin) / (2 * np.pi)
         along = np.arange(n + 1) / 1e5
         slopes = [np.polyfit(along, values, 1)[0] for values in (energy, angular)]

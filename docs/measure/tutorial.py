@@ -67,9 +67,7 @@ def same(shown: str, printed: str) -> bool:
     if NUMBER.sub("#", shown).split() != NUMBER.sub("#", printed).split():
         return False
     pairs = zip(NUMBER.findall(shown), NUMBER.findall(printed), strict=True)
-    return all(
-        abs(float(a) - float(b)) <= (1.01 * 10.0 ** -len(a.partition(".")[2]) if "." in a else 0) for a, b in pairs
-    )
+    return all(abs(float(a) - float(b)) <= (1.01 * 10.0 ** -len(a.partition(".")[2]) if "." in a else 0) for a, b in pairs)
 
 
 def renew(page: Path) -> bool:

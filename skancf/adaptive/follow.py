@@ -111,9 +111,7 @@ class Follow:
             raise InputError(f"follow: a term remembers '{min(names)}', which does not go from mesh to mesh; let the motion "
                              "be on one mesh, without follow")  # fmt: skip
 
-    def change(
-        self, system: System, before: State, now: State, end: float, energy: float, again: bool
-    ) -> NewMesh | None:
+    def change(self, system: System, before: State, now: State, end: float, energy: float, again: bool) -> NewMesh | None:
         """The mesh to go on with and the state there, from the states at the last check and now; None to keep the mesh.
 
         ``end`` is that of the run (s), ``energy`` the largest strain energy so far, ``again`` whether the run may go back
@@ -183,9 +181,7 @@ class Follow:
             return mesh
         return finer
 
-    def _merged(
-        self, system: System, target: MeshQuadTree, values: np.ndarray, allowed: float
-    ) -> MeshQuadTree | None:
+    def _merged(self, system: System, target: MeshQuadTree, values: np.ndarray, allowed: float) -> MeshQuadTree | None:
         """The target with elements merged that will have little of the error; None where there are none."""
         leaves: Leaves = system.mesh.leaves
         # The merged element has what its quarters have over what a quartering leaves.

@@ -249,9 +249,7 @@ class _Run:
             warnings.simplefilter("ignore", OutOfDepth)
             answer = clock.take("solve", self.analysis.solve, system, start)
             halvings = self.best.estimate.halvings if self.best else NOTHING_KNOWN
-            estimate = clock.take(
-                "estimate", lambda: self.nested.error(answer) or self.analysis.estimate(answer, halvings)
-            )
+            estimate = clock.take("estimate", lambda: self.nested.error(answer) or self.analysis.estimate(answer, halvings))
             indicators = estimate.indicators
             if self.indicator is not None:
                 indicators = check_indicators(clock.take("mark", called, "indicator", self.indicator, answer.state))
@@ -314,9 +312,7 @@ class _Run:
         return (f"most of the error comes from elements at ({x:.6g}, {y:.6g}) that are as small as rounding lets them be"
                 f"{why}: a smaller tolerance cannot be met, or the number has no limit there")  # fmt: skip
 
-    def _next(
-        self, system: System, found: _Found, points: np.ndarray
-    ) -> tuple[MeshQuadTree, End | None]:
+    def _next(self, system: System, found: _Found, points: np.ndarray) -> tuple[MeshQuadTree, End | None]:
         """The next mesh, and why not to begin with it; one of fewer elements where all of them are too many."""
         level, known = found.level, (found.level.indicators, points, found.estimate.halvings)
         mesh = self.growth.next_mesh(system, *known)

@@ -4,7 +4,6 @@ The section forces :math:`s = (N, M)` of a finite element answer jump between el
 each node, where they are best, is closer to the exact ones, so that the difference tells the error.
 """
 
-
 import numpy as np
 import scipy.sparse as sp
 

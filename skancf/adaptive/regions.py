@@ -106,8 +106,9 @@ def _check_nodes(points: Any, sigma: Any, positions: Any) -> tuple[np.ndarray, n
         raise InputError(f"sigma has shape {sigma.shape}: give one value for each of the {points.shape[1]} nodes")
     if (sigma < 0).any():
         worst = int(np.argmin(sigma))
-        raise InputError(f"sigma[{worst}] = {sigma[worst]}: the measure of stress must not be negative; "
-                         "take absolute values")
+        raise InputError(
+            f"sigma[{worst}] = {sigma[worst]}: the measure of stress must not be negative; take absolute values"
+        )
     positions = points if positions is None else finite("positions", positions)
     if positions.ndim != 2 or positions.shape[1] != sigma.size:
         raise InputError(f"positions has shape {positions.shape}: give the {sigma.size} nodes in space as (3, n)")

@@ -19,9 +19,7 @@ LITTLE = 0.01
 COMPONENTS = {"in_plane": ("S11", "S22", "S12"), "normal": ("S11", "S22", "S33")}
 
 
-def nodal_measure(
-    solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None
-) -> np.ndarray:
+def nodal_measure(solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None) -> np.ndarray:
     r""":math:`\sigma_i = \max_k |S_k|` over some components, (n_mesh_nodes,) (Pa).
 
     Parameters
@@ -60,9 +58,7 @@ def nodal_measure(
     return measure
 
 
-def stress_indicator(
-    solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None
-) -> np.ndarray:
+def stress_indicator(solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None) -> np.ndarray:
     r"""The largest measure at the corners of each element, 0 where it does not exceed the mean: (n_elements,) (Pa).
 
     .. math:: \eta_K = \max_{i \in K} \sigma_i \quad \text{if} \quad \max_{i \in K} \sigma_i > \bar\sigma

@@ -180,4 +180,3 @@ def _enough_modes(system: System, number: int, state: Any, backend: str) -> Mode
 
 def _number(found: Modes, number: int) -> int:
     return int(np.flatnonzero(found.eigenvalues != 0)[number])
-

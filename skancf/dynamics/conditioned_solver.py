@@ -70,8 +70,10 @@ class ConditionedStepSolver(StepSolver):
         system = self.system
         lost, whole = (system.kinetic_energy(each) ** 0.5 for each in (v - kept, v))
         if lost > AGAINST * whole > 0.0:
-            warn(f"velocity: {lost / whole:.2g} of it, in the norm of the mass, is against the conditions "
-                 f"({', '.join(map(repr, system.conditions.names))}). The run begins with the nearest one that keeps them")
+            warn(
+                f"velocity: {lost / whole:.2g} of it, in the norm of the mass, is against the conditions "
+                f"({', '.join(map(repr, system.conditions.names))}). The run begins with the nearest one that keeps them"
+            )
 
     def taken(self, state: State, moment: float) -> State:
         """With multipliers on this mesh, those that belong to its forces and velocities."""

@@ -168,9 +168,7 @@ class EnergyMomentum(ImplicitMidpoint):
         force = self.force_of(system.shell, u, start, dt, stresses)
         return force + self.others_force(system, u, start, dt) if system.others else force
 
-    def stiffness(
-        self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray
-    ) -> BlockMatrix:
+    def stiffness(self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> BlockMatrix:
         stiffer = 1 + 2 * (system.shell.retardation / dt + self.chi)
         case = Case(time=start.time + 0.5 * dt)
         tangent = system.tangent(start.q + 0.5 * u, case, stresses, stiffer, self.rate(u, start, dt))

@@ -223,9 +223,7 @@ class LedgerRecorder:
         )  # fmt: skip
         self._write(system, end)
 
-    def _forces(
-        self, system: System, rule: Rule, start: State, u: np.ndarray, end: State, residual: Any
-    ) -> Forces:
+    def _forces(self, system: System, rule: Rule, start: State, u: np.ndarray, end: State, residual: Any) -> Forces:
         dt, (at, time) = end.dt, rule.at_stage(u, start, end.dt)
         case, v = Case(time=time), rule.rate(u, start, dt)
         supports, springs, viscous, material, conditions = np.zeros((5, u.size))

@@ -118,9 +118,7 @@ class Rule(ABC):
         force = force if initial is None else force - initial
         return force + self.others_force(system, u, start, dt) if system.others else force
 
-    def stiffness(
-        self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray
-    ) -> BlockMatrix:
+    def stiffness(self, system: System, u: np.ndarray, start: State, dt: float, stresses: np.ndarray) -> BlockMatrix:
         """Derivative of the internal less the external force with respect to u, its symmetric part, with given stresses."""
         at, time = self.at_stage(u, start, dt)
         stiffer = 1 + system.shell.retardation * self.damping_factor(dt) / self.stage

@@ -55,9 +55,7 @@ class MeshPolicy(Protocol):
     def check(self, system: System) -> None:
         """InputError for a system whose mesh cannot follow."""
 
-    def change(
-        self, system: System, before: State, now: State, end: float, energy: float, again: bool
-    ) -> NewMesh | None:
+    def change(self, system: System, before: State, now: State, end: float, energy: float, again: bool) -> NewMesh | None:
         """A change of the mesh, from the states at the last check and now; None to go on with this one.
 
         ``end`` is that of the run (s), ``energy`` the largest strain energy so far, ``again`` whether the run may go back

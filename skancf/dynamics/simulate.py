@@ -179,9 +179,7 @@ def _difference(motion: Motion, again: Run) -> np.ndarray:
     return out
 
 
-def _go(
-    run: Run, bar: Progress, checkpoint: Checkpoint | AnyPath | None, resume: bool
-) -> tuple[Status, str, float | None]:
+def _go(run: Run, bar: Progress, checkpoint: Checkpoint | AnyPath | None, resume: bool) -> tuple[Status, str, float | None]:
     """The run, written to a folder if it is asked for, with the wall time of all its processes."""
     if checkpoint is None:
         if resume:
@@ -268,9 +266,7 @@ def _require_mass(system: System) -> None:
                          "term add a mass (add_mass), or hold them (held)")  # fmt: skip
 
 
-def output_times(
-    outputs: int | str | Sequence[float], begin: float, end: float, n_dofs: int = 12
-) -> np.ndarray | None:
+def output_times(outputs: int | str | Sequence[float], begin: float, end: float, n_dofs: int = 12) -> np.ndarray | None:
     """The output times of a run; None for the end of every step."""
     if isinstance(outputs, str):
         choice("outputs", outputs, ("steps",))
@@ -287,9 +283,7 @@ def output_times(
     return times
 
 
-def _initial_velocity(
-    system: System, velocity: Velocity, start: Solution | None, begin: float, t_end: float
-) -> np.ndarray:
+def _initial_velocity(system: System, velocity: Velocity, start: Solution | None, begin: float, t_end: float) -> np.ndarray:
     """The given velocity along free directions, the rate of the prescribed motion along the others."""
     moved = system.prescribed(Case(time=begin))
     at = system.undeformed if start is None else start.q

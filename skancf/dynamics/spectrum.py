@@ -149,7 +149,11 @@ class Spectrum:
             k, within = int(np.argmin(away)), numbers[away <= self.resolution]
             matches.append(
                 Match(
-                    float(frequency), float(amplitude), int(numbers[k]), float(known[k]), tuple(within.tolist()),
+                    float(frequency),
+                    float(amplitude),
+                    int(numbers[k]),
+                    float(known[k]),
+                    tuple(within.tolist()),
                     float(known.max()) if frequency + self.resolution > known.max() else None,
                 )
             )

@@ -112,6 +112,7 @@ class StepSolver:
         A polynomial of :meth:`slowed`, p(F): one where F is one, and as small as it can be where F is less than
         :data:`HARDLY`.
         """
+
         def scaled(e: np.ndarray) -> np.ndarray:
             return 2 / HARDLY * self.slowed(e, dt) - e
 

@@ -21,9 +21,7 @@ def nodal_jacobian(mesh: skfem.MeshQuad, elements: np.ndarray | None = None) -> 
     """
     corner = mesh.p[:, mesh.t if elements is None else mesh.t[:, elements]]
     along_xi = np.stack([corner[:, 1] - corner[:, 0]] * 2 + [corner[:, 2] - corner[:, 3]] * 2, axis=1)
-    along_eta = np.stack(
-        [corner[:, 3] - corner[:, 0], corner[:, 2] - corner[:, 1]] * 2, axis=1
-    )[:, [0, 1, 3, 2]]
+    along_eta = np.stack([corner[:, 3] - corner[:, 0], corner[:, 2] - corner[:, 1]] * 2, axis=1)[:, [0, 1, 3, 2]]
     return np.stack([along_xi, along_eta], axis=1)
 
 
@@ -34,9 +32,7 @@ def askew(mesh: skfem.MeshQuad) -> np.ndarray:
     return np.asarray((sides.min(axis=0) > ONE_PLACE).any(axis=0))
 
 
-def require_aligned(
-    mesh: skfem.MeshQuad, what: str = "the bicubic element", way_out: str = "or take theory 'full'"
-) -> None:
+def require_aligned(mesh: skfem.MeshQuad, what: str = "the bicubic element", way_out: str = "or take theory 'full'") -> None:
     """InputError for a quad whose sides are not parallel to the axes of the parameter plane."""
     wrong = np.flatnonzero(askew(mesh))
     if wrong.size:

@@ -31,9 +31,7 @@ class ElementQuadANCF(QuadWithSlopes):
     dofnames = ("u", "u_x", "u_y", "u_z")
     functions = staticmethod(ancf_functions)
 
-    def gbasis(
-        self, mapping: Any, X: np.ndarray, i: int, tind: np.ndarray | None = None
-    ) -> tuple[DiscreteField]:
+    def gbasis(self, mapping: Any, X: np.ndarray, i: int, tind: np.ndarray | None = None) -> tuple[DiscreteField]:
         function, _ = self.derivatives_of(mapping.mesh, X, i, tind)
         kind = i % 4
         inverse = mapping.invDF(X, tind=tind)

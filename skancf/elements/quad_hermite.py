@@ -26,9 +26,7 @@ class ElementQuadHermite(QuadWithSlopes):
     dofnames = ("u", "u_x", "u_y", "u_xy")
     functions = staticmethod(hermite_functions)
 
-    def gbasis(
-        self, mapping: Any, X: np.ndarray, i: int, tind: np.ndarray | None = None
-    ) -> tuple[DiscreteField]:
+    def gbasis(self, mapping: Any, X: np.ndarray, i: int, tind: np.ndarray | None = None) -> tuple[DiscreteField]:
         require_aligned(mapping.mesh)
         function, jacobian = self.derivatives_of(mapping.mesh, X, i, tind)
         twist = jacobian[0, 0] * jacobian[1, 1] + jacobian[0, 1] * jacobian[1, 0] if i % 4 == 3 else 1.0

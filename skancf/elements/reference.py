@@ -34,6 +34,7 @@ def derivative(polynomials: np.ndarray, s: np.ndarray, order: int) -> np.ndarray
 
 def of_points(table: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
     """A table of points (2, n), and of arguments, that is remembered: the same few sets of points come again and again."""
+
     @lru_cache(maxsize=32)
     def computed(points: bytes, *arguments: Any) -> np.ndarray:
         return table(np.frombuffer(points).reshape(2, -1), *arguments)

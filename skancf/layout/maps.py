@@ -113,9 +113,7 @@ def element_maps(own: np.ndarray, corners: np.ndarray, rows: np.ndarray, of_node
     )  # fmt: skip
 
 
-def _distinct(
-    sources: np.ndarray, used: np.ndarray, element: np.ndarray, at: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _distinct(sources: np.ndarray, used: np.ndarray, element: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Each element's blocks once, (n_elements, width), and which of them entries (element, at) belong to."""
     n_blocks = int(sources.max()) + 1
     owner, place = np.nonzero(used)

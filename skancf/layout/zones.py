@@ -154,9 +154,7 @@ def _require_lines(geometry: Geometry, zone: Zone, held: np.ndarray) -> None:
                          "consist of whole elements; give the mesh lines along its border, or another border")  # fmt: skip
 
 
-def _crossed(
-    geometry: Geometry, zone: Zone, low: np.ndarray, high: np.ndarray
-) -> Iterator[tuple[int, float, np.ndarray]]:
+def _crossed(geometry: Geometry, zone: Zone, low: np.ndarray, high: np.ndarray) -> Iterator[tuple[int, float, np.ndarray]]:
     """Direction and coordinate of each side of a zone, and the elements (n_elements,) that a line along it would cut, of
     those that the zone reaches into; they lie between ``low`` and ``high``, each (2, n_elements)."""
     slack = ONE_PLACE * np.ptp(geometry.mesh.p, axis=1)[:, None]

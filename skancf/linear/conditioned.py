@@ -81,9 +81,7 @@ class ConditionedSolver:
         self.skew: Any = None
         self.passes, self.lost = 0, 0.0
 
-    def factor(
-        self, matrix: BlockMatrix, skew: Any = None, sizes: BlockMatrix | None = None
-    ) -> "ConditionedSolver":
+    def factor(self, matrix: BlockMatrix, skew: Any = None, sizes: BlockMatrix | None = None) -> "ConditionedSolver":
         """Factors of A for K and, where there is one, a skew part (n_dofs, n_dofs) beside it; P is judged by ``sizes``, by
         default K, which may have lost its stiffness somewhere.
 
@@ -169,8 +167,10 @@ class ConditionedSolver:
     def warn_if_lost(self) -> None:
         """A warning where passes of the last solve did not gain what is asked."""
         if self.lost > np.sqrt(PASSED):
-            warn(f"conditions are met in a linear solve but for {self.lost:.1g} of its answer: after {self.passes} passes "
-                 "they gain no more. Two conditions may be nearly the same, as of points near each other: leave one out")
+            warn(
+                f"conditions are met in a linear solve but for {self.lost:.1g} of its answer: after {self.passes} passes "
+                "they gain no more. Two conditions may be nearly the same, as of points near each other: leave one out"
+            )
 
     def _pull(self, multipliers: np.ndarray) -> float:
         """Size of multipliers, in the energy of their rows."""

@@ -41,9 +41,7 @@ class BlockMatrix:
     def __post_init__(self) -> None:
         expected = (self.pattern.n_blocks, self.pattern.block, self.pattern.block)
         if self.values.shape != expected or self.values.dtype != np.float64:
-            raise InputError(
-                f"values of shape {self.values.shape} and type {self.values.dtype}: give float64 {expected}"
-            )
+            raise InputError(f"values of shape {self.values.shape} and type {self.values.dtype}: give float64 {expected}")
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -116,9 +116,7 @@ class BlockPattern:
         strange = (wanted >= 0) & (stored[found] != wanted)
         if strange.any():
             pair = divmod(int(wanted[strange][0]), self.n_nodes)
-            raise InputError(
-                f"nodes {pair[0]} and {pair[1]} are not coupled in this pattern; build it from these cells"
-            )
+            raise InputError(f"nodes {pair[0]} and {pair[1]} are not coupled in this pattern; build it from these cells")
         return np.where(wanted >= 0, found, -1).astype(np.int32)
 
     def sources(self, order: np.ndarray | None = None) -> sp.csr_matrix:

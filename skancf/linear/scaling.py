@@ -57,9 +57,7 @@ class ScaledSystem:
         self.values[self._turned] = self._frames[self._left] @ turned @ self._frames[self._right].transpose(0, 2, 1)
         self.scale = self._scale(matrix.values, noise)
         pattern = self.pattern
-        wrong = kernels.scale_blocks(
-            pattern.indptr, pattern.indices, matrix.values, self._rotated, self.scale, self.values
-        )
+        wrong = kernels.scale_blocks(pattern.indptr, pattern.indices, matrix.values, self._rotated, self.scale, self.values)
         if wrong >= 0:
             raise SingularMatrix(
                 f"the block of nodes {pattern.rows[wrong]} and {pattern.indices[wrong]} has entries that are not "
@@ -94,9 +92,7 @@ class ScaledSystem:
         strange = free & ~((size > noise) & np.isfinite(size))
         if strange.any():
             node, coordinate = (int(number) for number in np.argwhere(strange)[0])
-            raise SingularMatrix(
-                _no_pivot(node, coordinate, diagonal[node, coordinate], int(np.count_nonzero(strange)))
-            )
+            raise SingularMatrix(_no_pivot(node, coordinate, diagonal[node, coordinate], int(np.count_nonzero(strange))))
         return np.where(free, 1.0 / np.sqrt(np.where(free, size, 1.0)), 0.0)
 
     def _rotation_noise(self, turned: np.ndarray) -> np.ndarray:

@@ -55,9 +55,7 @@ class SkewSolver:
         first = self.direct.solve(rhs)
         if self.skew is None or not np.isfinite(first).all() or not first.any():
             return first
-        operator = LinearOperator(
-            self.matrix.shape, matvec=lambda x: x + self.direct.solve(self.skew @ x), dtype=np.float64
-        )
+        operator = LinearOperator(self.matrix.shape, matvec=lambda x: x + self.direct.solve(self.skew @ x), dtype=np.float64)
         x, failed = gmres(operator, first, x0=first, rtol=GMRES_RTOL, atol=0.0, restart=VECTORS, maxiter=2)
         if failed and not _size(operator @ x - first) <= POOR * _size(first):
             raise SingularMatrix(

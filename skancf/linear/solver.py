@@ -154,9 +154,11 @@ class DirectSolver:
     def warn_if_lost(self) -> None:
         """A warning where corrections of the last answer did not shrink: factors have lost all digits of a part of it."""
         if self.lost > LEFT_BY_REFINEMENT:
-            warn(f"a linear solve has lost digits: corrections of its answer stay at {self.lost:.1g} of it, for the factors "
-                 "of the stiffness are rounding along some motion. Look for elements that are many thousand times as long "
-                 "as wide, and for a thickness below a millionth of the size; theory 'kirchhoff' bears more than 'full'")
+            warn(
+                f"a linear solve has lost digits: corrections of its answer stay at {self.lost:.1g} of it, for the factors "
+                "of the stiffness are rounding along some motion. Look for elements that are many thousand times as long "
+                "as wide, and for a thickness below a millionth of the size; theory 'kirchhoff' bears more than 'full'"
+            )
 
     def close(self) -> None:
         """Give the memory of the factors back; the solver cannot be used again."""

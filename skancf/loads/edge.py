@@ -105,9 +105,7 @@ def on_line(
     return at, Spread(elements, geometry.local_in(elements, at), forces)
 
 
-def along_line(
-    geometry: Geometry, start: np.ndarray, end: np.ndarray, words: str, moves: bool = False
-) -> Singularity:
+def along_line(geometry: Geometry, start: np.ndarray, end: np.ndarray, words: str, moves: bool = False) -> Singularity:
     """A force per length along a straight line of the parameter plane."""
     line = np.column_stack([start, end])
     return Singularity("force", geometry.within(line), words, single=False, line=line, moves=moves)

@@ -11,8 +11,7 @@ from skancf.materials.section import Section
 
 @dataclass(frozen=True)
 class Interface:
-    """The height of an interface or face of a section, by its number from the bottom face, and a part of the thickness more.
-    """
+    """The height of an interface or face of a section, by its number from the bottom face, and a part of the thickness."""
 
     number: int
     above: float = 0.0

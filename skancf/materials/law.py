@@ -113,14 +113,16 @@ def corrected(full: np.ndarray, shear_correction: float) -> np.ndarray:
 def strain_turn(angle: float) -> np.ndarray:
     """Strain in axes that are turned by ``angle`` (radians) about axis 3, from that in the present ones: (6, 6)."""
     c, s = cos(angle), sin(angle)
-    return np.array([
-        [c * c, s * s, 0, 0, 0, c * s],
-        [s * s, c * c, 0, 0, 0, -c * s],
-        [0, 0, 1, 0, 0, 0],
-        [0, 0, 0, c, -s, 0],
-        [0, 0, 0, s, c, 0],
-        [-2 * c * s, 2 * c * s, 0, 0, 0, c * c - s * s],
-    ])
+    return np.array(
+        [
+            [c * c, s * s, 0, 0, 0, c * s],
+            [s * s, c * c, 0, 0, 0, -c * s],
+            [0, 0, 1, 0, 0, 0],
+            [0, 0, 0, c, -s, 0],
+            [0, 0, 0, s, c, 0],
+            [-2 * c * s, 2 * c * s, 0, 0, 0, c * c - s * s],
+        ]
+    )
 
 
 def turned(matrix: np.ndarray, angle: float) -> np.ndarray:
@@ -194,6 +196,5 @@ def build(law: Any, full: np.ndarray) -> np.ndarray:
     if full.shape != (6, 6):
         raise InputError(f"{name}: matrix of shape {full.shape}; a law is a 6 x 6 matrix")
     full = check_definite(full, name)
-    plate = plane_stress(full, law.shear_correction) if law.kind == "plane_stress" else corrected(
-        full, law.shear_correction)
+    plate = plane_stress(full, law.shear_correction) if law.kind == "plane_stress" else corrected(full, law.shear_correction)
     return turned(plate, number("angle", law.angle))

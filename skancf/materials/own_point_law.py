@@ -124,9 +124,7 @@ class OwnPointLaw:
     def limit(self) -> str:
         return str(getattr(self.material, "limit", ""))
 
-    def respond(
-        self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None
-    ) -> PointResponse:
+    def respond(self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None) -> PointResponse:
         """Plane stress; values that are not finite are told by a code."""
         n = C.shape[1]
         with Noted("material.plane_stress"), np.errstate(all="ignore"):

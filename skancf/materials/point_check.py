@@ -92,4 +92,3 @@ def check_at_rest(law: Any, found: PointResponse) -> None:
     number("stretch33 of the undeformed state", found.stretch33[0])
     if abs(found.stretch33[0] - 1) > SAME_VALUE:
         raise WrongLaw(f"{name}: C33 of the undeformed state is {found.stretch33[0]:.9g}; it must be 1")
-

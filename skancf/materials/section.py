@@ -107,8 +107,10 @@ class Section:
 
         reach, thickness = np.abs(self.z).max(axis=-1), np.asarray(self.thickness)
         if (far := reach > FARTHEST * thickness).any():
-            raise InputError(f"offset: heights of a section reach {reach[far].flat[0]:.3g} m{self.said_of(far)}, over "
-                             f"{FARTHEST:g} times its thickness, where bending is lost in rounding; put the surface nearer")
+            raise InputError(
+                f"offset: heights of a section reach {reach[far].flat[0]:.3g} m{self.said_of(far)}, over "
+                f"{FARTHEST:g} times its thickness, where bending is lost in rounding; put the surface nearer"
+            )
 
     def at(self, points: np.ndarray, elements: np.ndarray | None = None) -> "Section":
         """The section at local points (2, n) of elements (m,): itself, which is everywhere the same. That of a field is

@@ -101,8 +101,10 @@ class LawsOfZones:
         return self.laws[int(self.which[place])]
 
     def thermal_strain(self) -> np.ndarray:
-        raise InputError("a temperature change with zones of several materials, one of which is a law at points: each law "
-                         "would expand by itself, which sections do not do yet; give all zones one material")
+        raise InputError(
+            "a temperature change with zones of several materials, one of which is a law at points: each law "
+            "would expand by itself, which sections do not do yet; give all zones one material"
+        )
 
     def respond(self, C: np.ndarray, guess: np.ndarray | None = None, history: Any = None) -> PointResponse:
         """Plane stress of all points."""

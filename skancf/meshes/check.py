@@ -33,8 +33,10 @@ def check_mesh_on(mesh: Any, bounds: Any) -> None:
     """:func:`check_mesh`, and that the mesh covers the bounds of a surface, where it has bounds, but for holes and edges
     named ``"opening"``."""
     if not isinstance(mesh, skfem.MeshQuad) or isinstance(mesh, skfem.MeshQuad2):
-        raise InputError(f"mesh is a {type(mesh).__name__}: give a skfem.MeshQuad (straight edges; "
-                         "a curved shape belongs into the surface, not into the mesh)")
+        raise InputError(
+            f"mesh is a {type(mesh).__name__}: give a skfem.MeshQuad (straight edges; "
+            "a curved shape belongs into the surface, not into the mesh)"
+        )
     points, quads = mesh.p, mesh.t
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=0))
     if wrong.size:
@@ -42,8 +44,10 @@ def check_mesh_on(mesh: Any, bounds: Any) -> None:
     _check_quads(points, quads)
     unused = np.setdiff1d(np.arange(points.shape[1]), quads)
     if unused.size:
-        raise InputError(f"{unused.size} nodes belong to no element (first: {unused[0]}): their unknowns would have no "
-                         "stiffness; mesh.remove_unused_nodes() drops them")
+        raise InputError(
+            f"{unused.size} nodes belong to no element (first: {unused[0]}): their unknowns would have no "
+            "stiffness; mesh.remove_unused_nodes() drops them"
+        )
     # A quadtree's elements are joined by construction.
     grown = hasattr(mesh, "hanging")
     if not grown:
@@ -69,9 +73,12 @@ def _check_joined(mesh: skfem.MeshQuad) -> None:
     torn = np.flatnonzero(off < SEVEN_DIGITS)
     if torn.size:
         x, y = mesh.p[:, node[torn[0]]]
-        raise InputError(overlapping(mesh) or f"node {node[torn[0]]} at ({x:.6g}, {y:.6g}) lies inside the edge of an "
-                         "element that does not have it: the surface would be torn there; give both sides the "
-                         "same nodes, or refine a sk.meshes.quadtree")
+        raise InputError(
+            overlapping(mesh)
+            or f"node {node[torn[0]]} at ({x:.6g}, {y:.6g}) lies inside the edge of an "
+            "element that does not have it: the surface would be torn there; give both sides the "
+            "same nodes, or refine a sk.meshes.quadtree"
+        )
 
 
 def _by_direction(half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -80,9 +87,7 @@ def _by_direction(half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.flatnonzero(along_x), np.flatnonzero(~along_x)
 
 
-def _between_ends(
-    x: np.ndarray, nodes: np.ndarray, middle: np.ndarray, half: np.ndarray, facets: np.ndarray
-) -> np.ndarray:
+def _between_ends(x: np.ndarray, nodes: np.ndarray, middle: np.ndarray, half: np.ndarray, facets: np.ndarray) -> np.ndarray:
     """Pairs (2, n) of an edge and a node whose coordinate is between those of the edge's ends."""
     nodes = nodes[np.argsort(x[nodes])]
     reach = np.abs(half[facets]) * (1 - SEVEN_DIGITS)
@@ -108,5 +113,7 @@ def _check_quads(points: np.ndarray, quads: np.ndarray) -> None:
     if wrong.size:
         first = wrong[0]
         corners = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in points[:, quads[:, first]].T)
-        raise InputError(f"{wrong.size} elements are not convex quads (first: element {first} with corners {corners}): "
-                         "number the corners of each quad around it and move nodes until no angle reaches 180 degrees")
+        raise InputError(
+            f"{wrong.size} elements are not convex quads (first: element {first} with corners {corners}): "
+            "number the corners of each quad around it and move nodes until no angle reaches 180 degrees"
+        )

@@ -31,8 +31,10 @@ def shape_for(surface: BoundedSurface, along_x: Sizes, along_y: Sizes, nodes: in
         fewer = next((n for n in range(nodes - 1, 3, -1) if factorise(n, natural)), None)
         more = next(n for n in count(nodes + 1) if factorise(n, natural))
         nearest = f"{fewer} or {more}" if fewer else f"{more}"
-        raise InputError(f"nodes = {nodes}: this is not (nx + 1)(ny + 1) with nx : ny near {natural:.3g}; the nearest "
-                         f"possible numbers are {nearest}; or give shape=(nx, ny)")
+        raise InputError(
+            f"nodes = {nodes}: this is not (nx + 1)(ny + 1) with nx : ny near {natural:.3g}; the nearest "
+            f"possible numbers are {nearest}; or give shape=(nx, ny)"
+        )
     return shape
 
 

@@ -143,16 +143,20 @@ def _inside(region: Region, direction: int, low: float, high: float) -> float:
     """A coordinate of the region's centre; the bound itself where it is a rounding error away."""
     at, rounding = region.centre[direction], ONE_PLACE * (high - low)
     if not low - rounding <= at <= high + rounding:
-        raise InputError(f"region centre {region.centre}: {'xy'[direction]} = {at} lies outside ({low}, {high}); "
-                         "centres must lie on the surface, only their half sizes may reach over it")
+        raise InputError(
+            f"region centre {region.centre}: {'xy'[direction]} = {at} lies outside ({low}, {high}); "
+            "centres must lie on the surface, only their half sizes may reach over it"
+        )
     return low if at <= low + rounding else high if at >= high - rounding else at
 
 
 def _check_choice(*choices: Any) -> None:
     given = sum(choice is not None for choice in choices)
     if given != 1:
-        raise InputError(f"{given} of nodes, shape and coarse are given: give one of them "
-                         "(none only with regions that remember their mesh, as stress_regions returns them)")
+        raise InputError(
+            f"{given} of nodes, shape and coarse are given: give one of them "
+            "(none only with regions that remember their mesh, as stress_regions returns them)"
+        )
 
 
 def _shape(shape: Any) -> tuple[int, int]:

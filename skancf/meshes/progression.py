@@ -62,8 +62,10 @@ def _steps(l_0: float, l_n: float, length: float) -> int:
     """n of the formula, rounded."""
     n = round(_real_steps(l_0, l_n, length)) if length > max(l_0, l_n) else 0
     if n < 1:
-        raise InputError(f"length = {length}: a transition from l_0 = {l_0} to l_n = {l_n} needs room for at least "
-                         f"these two, about {l_0 + l_n:.6g}; make the transition longer or the lengths smaller")
+        raise InputError(
+            f"length = {length}: a transition from l_0 = {l_0} to l_n = {l_n} needs room for at least "
+            f"these two, about {l_0 + l_n:.6g}; make the transition longer or the lengths smaller"
+        )
     return n
 
 

@@ -41,8 +41,10 @@ class Region:
         if not (vector("half_size", self.half_size, 2) > 0).all():
             raise InputError(f"half_size = {self.half_size}: give two lengths greater than zero")
         if not number("ratio", self.ratio) > 1:
-            raise InputError(f"ratio = {self.ratio}: a region is where the stress exceeds its mean; "
-                             "give a ratio greater than 1 or leave the region out")
+            raise InputError(
+                f"ratio = {self.ratio}: a region is where the stress exceeds its mean; "
+                "give a ratio greater than 1 or leave the region out"
+            )
         if self.value is not None:
             number("value", self.value)
 

@@ -77,11 +77,15 @@ def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:
     steps = np.diff(row)
     if not (steps > 0).all():
         worst = int(np.argmin(steps))
-        raise InputError(f"{name}[{worst}] = {row[worst]}, {name}[{worst + 1}] = {row[worst + 1]}: "
-                         "node positions must increase; sort them and drop repeated ones")
+        raise InputError(
+            f"{name}[{worst}] = {row[worst]}, {name}[{worst + 1}] = {row[worst + 1]}: "
+            "node positions must increase; sort them and drop repeated ones"
+        )
     if np.abs(row[[0, -1]] - [low, high]).max() > ONE_PLACE * (high - low):
-        raise InputError(f"{name} runs from {row[0]} to {row[-1]}: it must cover the bounds ({low}, {high}) "
-                         "of the surface; put the first and the last node there")
+        raise InputError(
+            f"{name} runs from {row[0]} to {row[-1]}: it must cover the bounds ({low}, {high}) "
+            "of the surface; put the first and the last node there"
+        )
     row[[0, -1]] = low, high
     return row
 
@@ -90,8 +94,10 @@ def bounds_of(surface: BoundedSurface) -> tuple[Interval, Interval]:
     """``surface.bounds``, or an :class:`InputError` that says what to do instead."""
     require_surface(surface, ())
     if isinstance(surface, type) or not hasattr(surface, "bounds") or not hasattr(surface, "sides"):
-        raise InputError(f"surface = {shown(surface)}: it has no bounds to mesh; use a surface over a rectangle "
-                         "of the parameter plane, or bring a MeshQuad of your own")
+        raise InputError(
+            f"surface = {shown(surface)}: it has no bounds to mesh; use a surface over a rectangle "
+            "of the parameter plane, or bring a MeshQuad of your own"
+        )
     one, two = (high - low for low, high in surface.bounds)
     if max(one, two) > LONGEST * min(one, two):
         raise InputError(f"surface = {shown(surface)}: its parameters span {one:.6g} by {two:.6g}, and elements of a length "

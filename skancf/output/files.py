@@ -86,9 +86,7 @@ def write(
     )
 
 
-def write_state(
-    solution: Solution, path: Path, subdivisions: int = 4, depths: Mapping[str, float] | None = None
-) -> None:
+def write_state(solution: Solution, path: Path, subdivisions: int = 4, depths: Mapping[str, float] | None = None) -> None:
     """One state as a ``.vtu`` file, binary and compressed."""
     import meshio
 
@@ -107,9 +105,7 @@ def write_state(
     if depths is None or depths:
         forces = solution.recovered_section_forces(grid(subdivisions).points).swapaxes(1, 2).reshape(-1, 6)
         data["membrane_force"], data["moment"] = forces[:, :3], forces[:, 3:]
-    mesh = meshio.Mesh(
-        surface.points, [("quad", surface.cells)], point_data=data, cell_data={"element": [surface.elements]}
-    )
+    mesh = meshio.Mesh(surface.points, [("quad", surface.cells)], point_data=data, cell_data={"element": [surface.elements]})
     with replacing(path) as part:
         meshio.vtu.write(part, mesh, binary=True, compression="zlib")
 

@@ -38,5 +38,7 @@ def require_same_mesh(system: System, start: Solution, name: str = "start") -> N
     if start.system.mesh is not system.mesh:
         raise InputError(f"{name} belongs to another mesh; nodal coordinates have a meaning only on their own one")
     if start.system.geometry.theory.nodal_vectors != system.geometry.theory.nodal_vectors:
-        raise InputError(f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
-                         f"than those of {system.geometry.theory.name!r}")
+        raise InputError(
+            f"{name} is a state of theory {start.system.geometry.theory.name!r}; its nodal vectors are others "
+            f"than those of {system.geometry.theory.name!r}"
+        )

@@ -163,7 +163,12 @@ class Cascade:
             if failed := failures(self.checks):
                 status, message = Status.UNBALANCED, failed
         result = replace(
-            result, q=found.q, status=status, message=message, bound=bound, negative_pivots=found.negative_pivots,
+            result,
+            q=found.q,
+            status=status,
+            message=message,
+            bound=bound,
+            negative_pivots=found.negative_pivots,
             multipliers=found.multipliers,
         )
         self.attempts[-1] = self.load_factor, result

@@ -49,9 +49,7 @@ def turning_estimate(values: tuple[float, float], rates: tuple[float, float]) ->
     return values[1] + (values[1] - values[0]) / fall if fall > 0 else np.inf
 
 
-def _critical(
-    system: StaticSystem, solver: Any, state: Any, matrix: BlockMatrix, without_work: bool
-) -> CriticalMode:
+def _critical(system: StaticSystem, solver: Any, state: Any, matrix: BlockMatrix, without_work: bool) -> CriticalMode:
     load = load_rate(system, state.q, state.load_factor) - matrix @ system.prescribed()
     soft = solver.solve(load)
 

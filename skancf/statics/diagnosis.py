@@ -133,6 +133,4 @@ def _limit_estimate(system: StaticSystem, solver: DirectSolver, path: Sequence[S
     before = critical_mode(system, solver, path[-2])
     if not (before.compliance and now.compliance):  # loads that do no work
         return np.inf
-    return turning_estimate(
-        (path[-2].load_factor, path[-1].load_factor), (1.0 / before.compliance, 1.0 / now.compliance)
-    )
+    return turning_estimate((path[-2].load_factor, path[-1].load_factor), (1.0 / before.compliance, 1.0 / now.compliance))

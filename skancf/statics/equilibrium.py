@@ -96,9 +96,7 @@ def equilibrium(
         return Cascade(system, solver, begin, load_factor, settings, bar).go(control or HalveAndGrow())
 
 
-def _followed(
-    start: Solution, load_factor: float, rtol: float, mixed: bool, backend: str, progress: bool
-) -> StaticResult:
+def _followed(start: Solution, load_factor: float, rtol: float, mixed: bool, backend: str, progress: bool) -> StaticResult:
     """The whole way by arc length."""
     first = ArcLength().first * (load_factor - start.load_factor)
     found = traced(

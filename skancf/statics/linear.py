@@ -68,17 +68,13 @@ def small_change(system: System, backend: str = "auto", load_factor: float = 1.0
     return small_answer(system, backend, load_factor)[0]
 
 
-def small_answer(
-    system: System, backend: str = "auto", load_factor: float = 1.0
-) -> tuple[np.ndarray, np.ndarray | None]:
+def small_answer(system: System, backend: str = "auto", load_factor: float = 1.0) -> tuple[np.ndarray, np.ndarray | None]:
     """The same, and the multipliers (n,) of conditions; None without any."""
     with DirectSolver(system.pattern, system.constraints, backend) as solver:
         return answer_by(system, solver, load_factor)
 
 
-def answer_by(
-    system: System, solver: DirectSolver, load_factor: float = 1.0
-) -> tuple[np.ndarray, np.ndarray | None]:
+def answer_by(system: System, solver: DirectSolver, load_factor: float = 1.0) -> tuple[np.ndarray, np.ndarray | None]:
     """The same by a solver, which then has the factors of the stiffness, or of what is condensed from it."""
     if conditions_in(system):
         return change_with_conditions(system, solver, load_factor)
@@ -97,9 +93,7 @@ def change_by(system: System, solver: DirectSolver, load_factor: float = 1.0) ->
     return change
 
 
-def change_with_conditions(
-    system: System, solver: DirectSolver, load_factor: float = 1.0
-) -> tuple[np.ndarray, np.ndarray]:
+def change_with_conditions(system: System, solver: DirectSolver, load_factor: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """The change (n_dofs,) and the multipliers (n,) of conditions, by a solver that gets condensed factors."""
     model, case = Linearised(system), Case(load_factor)
     moved = model.held(load_factor)

@@ -50,8 +50,9 @@ class Cone(Revolution):
         plain(self)
         for name in ("radius_low", "radius_high"):
             if number(name, getattr(self, name)) == 0:
-                raise InputError(f"{name} = 0: a cone has no tangent plane at its apex; cut it off with a small "
-                                 "positive radius")
+                raise InputError(
+                    f"{name} = 0: a cone has no tangent plane at its apex; cut it off with a small positive radius"
+                )
             positive(name, getattr(self, name))
         positive("height", self.height)
         object.__setattr__(self, "closed", check_sector(self.angle, self.start, self.closed))

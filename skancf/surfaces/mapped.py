@@ -102,8 +102,10 @@ class MappedSurface:
         try:
             return tuple(called(name, function, x, y))
         except (TypeError, ValueError) as wrong:
-            raise InputError(f"{name}: {wrong}, on arrays of shape {x.shape}; it must take arrays x and y and return its "
-                             "components, so use the functions of numpy and not of math") from wrong
+            raise InputError(
+                f"{name}: {wrong}, on arrays of shape {x.shape}; it must take arrays x and y and return its "
+                "components, so use the functions of numpy and not of math"
+            ) from wrong
 
     def _along_x(self, function: Any, x: np.ndarray, y: np.ndarray, order: int = 1) -> np.ndarray:
         return difference(lambda t: function(t, y), x, self.bounds[0], self.step, order)
@@ -141,17 +143,21 @@ def check_seam(axis: int, jet: list[np.ndarray]) -> None:
         size = np.abs(values - (values.mean(axis=(1, 2), keepdims=True) if name == "X" else 0)).max()
         gap = np.abs(values.take(0, axis + 1) - values.take(-1, axis + 1)).max()
         if gap > MISTAKE * size:
-            raise InputError(f"closed in {'xy'[axis]}, but {name} differs by {gap:.3g} between the two ends; the surface "
-                             "must come back smoothly, or leave closed out")
+            raise InputError(
+                f"closed in {'xy'[axis]}, but {name} differs by {gap:.3g} between the two ends; the surface "
+                "must come back smoothly, or leave closed out"
+            )
 
 
 def _check_exact(name: str, exact: np.ndarray, near: np.ndarray, x: np.ndarray, y: np.ndarray) -> None:
     """Given derivatives are near to differences of the function."""
     wrong = np.abs(exact - near).max(axis=0) > MISTAKE * np.abs(near).max()
     if wrong.any():
-        raise InputError(f"exact_derivatives: {name} = {exact[:, wrong][:, 0]} at (x, y) = ({x[wrong][0]:.6g}, "
-                         f"{y[wrong][0]:.6g}), but differences of the function give {near[:, wrong][:, 0]}; correct it, or "
-                         "leave it out")
+        raise InputError(
+            f"exact_derivatives: {name} = {exact[:, wrong][:, 0]} at (x, y) = ({x[wrong][0]:.6g}, "
+            f"{y[wrong][0]:.6g}), but differences of the function give {near[:, wrong][:, 0]}; correct it, or "
+            "leave it out"
+        )
 
 
 def _components(name: str, given: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -163,16 +169,20 @@ def _components(name: str, given: Any, x: np.ndarray, y: np.ndarray) -> np.ndarr
         raise InputError(f"{name} returned {len(given)} components; give the three of space")
     shapes = [np.shape(component) for component in given]
     if any(shape not in ((), x.shape) for shape in shapes):
-        raise InputError(f"{name} returned components of shapes {shapes} at x and y of shape {x.shape}; each needs that "
-                         "shape, or is a number")
+        raise InputError(
+            f"{name} returned components of shapes {shapes} at x and y of shape {x.shape}; each needs that "
+            "shape, or is a number"
+        )
     kinds = {np.asarray(component).dtype.kind for component in given}
     if not kinds <= set("biuf"):
         raise InputError(f"{name} returned {shown(given)}; give the three components of space as numbers")
     values = np.stack([np.broadcast_to(np.asarray(component, float), x.shape) for component in given])
     wrong = ~np.isfinite(values).all(axis=0)
     if wrong.any():
-        raise InputError(f"{name} is {values[:, wrong][:, 0]} at (x, y) = ({x[wrong][0]:.6g}, {y[wrong][0]:.6g}): every "
-                         "component must be a finite number within the bounds")
+        raise InputError(
+            f"{name} is {values[:, wrong][:, 0]} at (x, y) = ({x[wrong][0]:.6g}, {y[wrong][0]:.6g}): every "
+            "component must be a finite number within the bounds"
+        )
     return values
 
 

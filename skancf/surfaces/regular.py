@@ -83,5 +83,7 @@ def _length(v: np.ndarray) -> np.ndarray:
 
 def _irregular(surface: Surface, x: float, y: float, more: str = "") -> InputError:
     place = ", ".join(f"{c:.6g}" for c in surface.position(x, y))
-    return InputError(f"the surface has no tangent plane at (x, y) = ({x:.6g}, {y:.6g}), in space ({place}){more}: X_x and "
-                      "X_y are parallel or vanish there (a fold, or no area); choose other parameters or bounds")
+    return InputError(
+        f"the surface has no tangent plane at (x, y) = ({x:.6g}, {y:.6g}), in space ({place}){more}: X_x and "
+        "X_y are parallel or vanish there (a fold, or no area); choose other parameters or bounds"
+    )

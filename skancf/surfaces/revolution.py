@@ -62,6 +62,8 @@ def check_sector(angle: Any, start: Any, closed: Any) -> tuple[bool, bool]:
     if angle > 2 * pi * (1 + FULL_TURN):
         raise InputError(f"angle = {angle}: a sector needs 0 < angle <= 2 pi, in radians")
     if pair[1] and angle < 2 * pi * (1 - FULL_TURN):
-        raise InputError(f"closed = True with angle = {angle}: only a full turn, angle = 2 pi, comes back to where it "
-                         "began; give that angle or leave closed out")
+        raise InputError(
+            f"closed = True with angle = {angle}: only a full turn, angle = 2 pi, comes back to where it "
+            "began; give that angle or leave closed out"
+        )
     return False, bool(pair[1])

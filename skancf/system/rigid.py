@@ -60,6 +60,7 @@ def _held_by(gradient: sp.csr_matrix, modes: np.ndarray) -> np.ndarray:
 
 def _motion_in_words(translation: np.ndarray, rotation: np.ndarray, centre: np.ndarray) -> str:
     """A rigid motion given by the translation of the centre and the rotation about it."""
+
     def text(v: np.ndarray) -> str:
         return "(" + ", ".join(f"{x + 0.0:.4g}" for x in np.round(v, 12)) + ")"
 

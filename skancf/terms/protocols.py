@@ -49,9 +49,7 @@ class Assembly(Protocol):
     def strain_energy(self, q: np.ndarray, initial: np.ndarray | None = None, thermal: float = 0.0) -> float:
         """Energy of the strains (J), less the work of ``initial`` stresses on them, with their own, ``thermal``."""
 
-    def tangent(
-        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
-    ) -> None:
+    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False) -> None:
         """Add the tangent with given stresses to the upper blocks ``out``; ``plain``: with no membrane strain assumed."""
 
     @property

@@ -170,9 +170,7 @@ class _Check:
         return (f"worst at block {block} of part {part.name!r}, near ({at}), component {'xyz'[place % AXES]} of {vector}: "
                 f"{found[k]:.6g} where the difference is {wanted[k]:.6g}")  # fmt: skip
 
-    def _judge(
-        self, what: str, error: float, size: float, where: Callable[[], str], tolerance: float | None = None
-    ) -> None:
+    def _judge(self, what: str, error: float, size: float, where: Callable[[], str], tolerance: float | None = None) -> None:
         relative = error / size if size > 0 else error
         self.report.add(what, float(relative))
         if not relative <= (self.tolerance if tolerance is None else tolerance):

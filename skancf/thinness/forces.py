@@ -17,9 +17,7 @@ BILINEAR = square_quadrature(2)
 """Points where the moments are taken, and their weights."""
 
 
-def shear_forces(
-    system: System, q: np.ndarray, moments: np.ndarray, points: np.ndarray, case: Case = FULL
-) -> np.ndarray:
+def shear_forces(system: System, q: np.ndarray, moments: np.ndarray, points: np.ndarray, case: Case = FULL) -> np.ndarray:
     r"""Transverse shear forces per length that balance the moments of a thin state: (n_elements, 2, n) (N/m).
 
     .. math::

@@ -121,4 +121,3 @@ def nodal(vector: np.ndarray) -> np.ndarray:
 def sizes(vectors: np.ndarray) -> float:
     """Sum of the lengths of forces (n, 3)."""
     return float(np.linalg.norm(vectors, axis=1).sum())
-

@@ -26,6 +26,7 @@ STARTS = among(0.0, 0.9, -0.4, pi / 2)
 ROUND = st.fixed_dictionaries({"angle": st.just(2 * pi), "start": among(0.0, 0.7), "closed": st.just(True)})
 SECTOR = st.fixed_dictionaries({"angle": ANGLES, "start": STARTS})
 
+
 def _with(make: Any, rest: st.SearchStrategy[dict[str, Any]], *sizes: Any) -> st.SearchStrategy[Any]:
     return st.builds(lambda kw, *given: make(*given, **kw), rest, *sizes)
 

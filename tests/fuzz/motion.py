@@ -76,9 +76,7 @@ def scaling(moving: Moving) -> None:
 def restated(moving: Moving) -> None:
     """Stated in another frame, mirrored, shifted, or in other units the body moves alike."""
     period = period_of(moving)
-    one, two = (
-        run(moving, *prepared(moving, period, there=there), newton_rtol=NEWTON) for there in (False, True)
-    )
+    one, two = (run(moving, *prepared(moving, period, there=there), newton_rtol=NEWTON) for there in (False, True))
     # Whether a step that is far too long converges is up to rounding.
     assume([step.dt for step in one.steps if step.accepted] == [step.dt for step in two.steps if step.accepted])
     here, there = moved(one), moved(two) @ moving.frame.turn / moving.units[0]

@@ -25,14 +25,14 @@ class Failure(AssertionError):
         return SCRIPT.format(name=self.name, error=str(self.error).splitlines()[0], example=repr(self.example))
 
 
-SCRIPT = '''# {error}
+SCRIPT = """# {error}
 # Run with PYTHONPATH=tests.
 from fuzz.statement import *
 
 PROPERTIES[{name!r}].holds(
     {example}
 )
-'''
+"""
 
 
 def run(name: str, of: Property, examples: int | None = None, chance: int | None = None, shrink: bool = True) -> None:

@@ -46,4 +46,5 @@ def rigid(case: Case) -> None:
     """A free body has its six rigid motions, and no other without stiffness."""
     modes = vibrating(case, 8)
     assert modes.n_rigid == 6 and modes.n_unstable == 0, (
-        f"{modes.n_rigid} rigid and {modes.n_unstable} unstable motions; eigenvalues {modes.eigenvalues}")
+        f"{modes.n_rigid} rigid and {modes.n_unstable} unstable motions; eigenvalues {modes.eigenvalues}"
+    )

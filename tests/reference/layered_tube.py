@@ -54,6 +54,7 @@ class Tube:
 
     def thinned(self, r, reference):
         """Movement at r against that of a reference surface, per unit of hoop strain, by Poisson's ratio."""
+
         def up_to(r):
             return sum(-C[HOOP, RADIAL] / C[RADIAL, RADIAL] * (np.clip(r, low, high) - low)
                        for C, low, high in zip(self.laws, self.radii, self.radii[1:], strict=False))  # fmt: skip
@@ -68,7 +69,6 @@ class Tube:
             r = (low + high) / 2 + (high - low) / 2 * s
             out += (high - low) / 2 * sum(wi * self.stress(k, ri)[which] * ri**power for ri, wi in zip(r, w, strict=True))
         return out
-
 
     def at_surface(self, reference):
         """Movement of a reference surface, or of the face next to it: what is between them is rigid."""

@@ -67,9 +67,7 @@ class Element:
                 linear(xi, s) * quadratic(eta, t) * self.covariant(q, s, t, z)[..., 1, 2]
                 for s in (-1, 1) for t in (-1, 0, 1)
             )  # fmt: skip
-            E[..., 2, 2] = sum(
-                linear(xi, s) * linear(eta, t) * self.covariant(q, s, t, z)[..., 2, 2] for s, t in SIGNS
-            )
+            E[..., 2, 2] = sum(linear(xi, s) * linear(eta, t) * self.covariant(q, s, t, z)[..., 2, 2] for s, t in SIGNS)
         return E
 
     def energy(self, q: np.ndarray, law: np.ndarray, thickness: float, frame: Callable, n_z: int = 3) -> np.ndarray:

@@ -163,9 +163,7 @@ def gradient_of_energy(
 ) -> dict[str, np.ndarray]:
     """Derivative (3, m, n) with respect to each vector of the jet that the energy reads."""
     _, (used,) = energy(chunk, jet, case)
-    return {
-        name: np.stack([_component(energy, chunk, jet, case, name, i, sizes[name]) for i in range(3)]) for name in used
-    }
+    return {name: np.stack([_component(energy, chunk, jet, case, name, i, sizes[name]) for i in range(3)]) for name in used}
 
 
 def _component(
@@ -203,9 +201,7 @@ def discrete_gradient(
 def gradient_of_residual(residual: Integrand, chunk: Chunk, jet: Jet, case: Case) -> dict[str, np.ndarray]:
     """What the residual multiplies each vector of the variation's jet with, (3, m, n)."""
     _, (used, _) = residual(chunk, jet, case, every(chunk))
-    return {
-        name: np.stack([residual(chunk, jet, case, _unit(chunk, name, i))[0] for i in range(3)]) for name in used
-    }
+    return {name: np.stack([residual(chunk, jet, case, _unit(chunk, name, i))[0] for i in range(3)]) for name in used}
 
 
 def every(chunk: Chunk) -> Jet:
@@ -227,9 +223,7 @@ def _filled(chunk: Chunk, rows: list[str], columns: list[str], entry: Callable[[
     return out.reshape(len(rows), 3, len(columns), 3, *chunk.weights.shape)
 
 
-def second_of_energy(
-    energy: Integrand, chunk: Chunk, jet: Jet, case: Case, sizes: Mapping[str, float]
-) -> Second:
+def second_of_energy(energy: Integrand, chunk: Chunk, jet: Jet, case: Case, sizes: Mapping[str, float]) -> Second:
     """Differences of complex steps: one triangle of a symmetric matrix."""
     _, (used,) = energy(chunk, jet, case)
     pairs, states = _pairs(used), []
@@ -247,9 +241,7 @@ def second_of_energy(
     return _filled(chunk, used, used, entry), used, used
 
 
-def second_of_residual(
-    residual: Integrand, chunk: Chunk, jet: Jet, case: Case, sizes: Mapping[str, float]
-) -> Second:
+def second_of_residual(residual: Integrand, chunk: Chunk, jet: Jet, case: Case, sizes: Mapping[str, float]) -> Second:
     """Complex steps of the residual, exact to rounding."""
     _, (rows, read) = residual(chunk, jet, case, every(chunk))
     columns = [name for name in read if name != VELOCITY]
@@ -262,9 +254,7 @@ def second_of_residual(
     return _filled(chunk, rows, columns, entry), rows, columns
 
 
-def damping_of_residual(
-    residual: Integrand, chunk: Chunk, jet: Jet, case: Case, sizes: Mapping[str, float]
-) -> Second:
+def damping_of_residual(residual: Integrand, chunk: Chunk, jet: Jet, case: Case, sizes: Mapping[str, float]) -> Second:
     """Derivatives with respect to the velocity, by complex steps."""
     _, (rows, _) = residual(chunk, jet, case, every(chunk))
     tests = [_unit(chunk, *pair) for pair in _pairs(rows)]

@@ -122,9 +122,7 @@ def _slopes(name: str, one: np.ndarray, two: np.ndarray, G: np.ndarray) -> dict[
 def jacobian(geometry: Geometry, elements: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Derivatives of the parameters with respect to the reference square, (2, 2, m, n)."""
     xi, eta = points.reshape(-1, *points.shape[-2:]).swapaxes(0, 1)
-    slopes = [
-        np.stack([(2 * a - 1) * np.where(b, eta, 1 - eta), (2 * b - 1) * np.where(a, xi, 1 - xi)]) for a, b in CORNERS
-    ]
+    slopes = [np.stack([(2 * a - 1) * np.where(b, eta, 1 - eta), (2 * b - 1) * np.where(a, xi, 1 - xi)]) for a, b in CORNERS]
     return np.einsum("dce,cken->dken", geometry.mesh.p[:, geometry.mesh.t[:, elements]], np.stack(slopes))
 
 

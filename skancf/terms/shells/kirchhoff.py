@@ -37,9 +37,7 @@ class ThinAssembly(CompiledAssembly):
         theory = cast(Kirchhoff, geometry.theory)
         self._tables = _tables(theory, geometry.integration, self.sections.pairs)
         parts = self.sections
-        self._elements = kernels.Elements(
-            parts.shape, parts.points, parts.reference, parts.law, parts.assumed, parts.rest
-        )
+        self._elements = kernels.Elements(parts.shape, parts.points, parts.reference, parts.law, parts.assumed, parts.rest)
 
     def curved_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> CurvedSection:
         """The section on the curved surface at local points (2, n) of elements (m,), or of all."""

@@ -111,9 +111,7 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
     def _on_all(self, stress: np.ndarray, everything: np.ndarray, seen: np.ndarray) -> np.ndarray:
         """Stresses on all strains, from those on the strains that the law sees."""
         out = np.empty_like(everything)
-        self.schedule.run(
-            point_kernels.stresses, stress, everything, seen, self._tables, self._elements, self._places, out
-        )
+        self.schedule.run(point_kernels.stresses, stress, everything, seen, self._tables, self._elements, self._places, out)
         return out
 
     def _elements_with(self, law: np.ndarray, plain: bool) -> tuple[Any, Any]:
@@ -136,9 +134,7 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         (strains, b), curved = self.section_strains(q, points, elements), self.curved_at(points, elements)
         return np.asarray(curved.forces(b, self._of_law(curved.section, strains, b, temperature)).swapaxes(1, 2))
 
-    def _at_places(
-        self, section: Section, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None
-    ) -> SectionResponse:
+    def _at_places(self, section: Section, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None) -> SectionResponse:
         """What a section says of local strains (m, n, 6) where the undeformed curvatures are b."""
         curvature = np.ascontiguousarray(np.moveaxis(b, -1, 0)).reshape(3, -1)
         flat = np.moveaxis(strains.real, -1, 0).reshape(N_STRAINS, -1)
@@ -146,9 +142,7 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         self.warn_of(found.code)
         return found
 
-    def _of_law(
-        self, section: Section, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None
-    ) -> np.ndarray:
+    def _of_law(self, section: Section, strains: np.ndarray, b: np.ndarray, heat: np.ndarray | None) -> np.ndarray:
         """Forces and moments that do work on local strains, both (m, n, 6)."""
         found = self._at_places(section, strains, b, heat)
         forces = np.moveaxis(found.forces.reshape(N_STRAINS, *b.shape[:-1]), 0, -1)

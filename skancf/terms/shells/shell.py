@@ -56,13 +56,9 @@ class CompiledAssembly:
         energy = 0.5 * float(np.vdot(strains, stresses))
         return energy if initial is None else energy + (thermal - float(np.vdot(initial, strains)))
 
-    def tangent(
-        self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False
-    ) -> None:
+    def tangent(self, q: np.ndarray, stresses: np.ndarray, slots: np.ndarray, out: np.ndarray, plain: bool = False) -> None:
         elements = self.plain_elements if plain else self._elements
-        self.schedule.run(
-            type(self).tangent_kernel, q, stresses, self._tables, self.geometry.maps, elements, slots, out
-        )
+        self.schedule.run(type(self).tangent_kernel, q, stresses, self._tables, self.geometry.maps, elements, slots, out)
 
     def stress_of(
         self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False

@@ -271,9 +271,7 @@ def voigt_rows(A: np.ndarray, z: float) -> np.ndarray:
     return out
 
 
-def section_stiffness(
-    jet: np.ndarray, first: np.ndarray, section: Section, n_z: int
-) -> tuple[np.ndarray, np.ndarray]:
+def section_stiffness(jet: np.ndarray, first: np.ndarray, section: Section, n_z: int) -> tuple[np.ndarray, np.ndarray]:
     r"""The law integrated through the thickness, for the 14 strains.
 
     .. math:: \hat D = \int P(z)^T C P(z) \det F \, dz

@@ -39,9 +39,7 @@ KEPT = ((2, 3), (3, 2), (2, 2))
 @of_points
 def legendre(points: np.ndarray, numbers: tuple[int, int]) -> np.ndarray:
     """Products of orthonormal Legendre polynomials on the reference square at points (2, n): (n, n_polynomials)."""
-    xi, eta = (
-        legvander(2 * s - 1, n - 1) * np.sqrt(2 * np.arange(n) + 1) for s, n in zip(points, numbers, strict=True)
-    )
+    xi, eta = (legvander(2 * s - 1, n - 1) * np.sqrt(2 * np.arange(n) + 1) for s, n in zip(points, numbers, strict=True))
     return np.asarray((xi[:, :, None] * eta[:, None, :]).reshape(points.shape[1], -1))
 
 

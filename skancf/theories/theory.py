@@ -104,7 +104,7 @@ class Theory(Protocol):
         normal to it and are not."""
 
     def turn_of(self, kind: int, rotation: np.ndarray, normal: np.ndarray, slopes: Sequence[np.ndarray]) -> np.ndarray:
-        """What small rotations (3, n) make of one of :attr:`turns`, as far as it tells how the normal turns: (n,), (3, n)."""
+        """What small rotations (3, n) make of one of :attr:`turns` as far as it tells how the normal turns: (n,), (3, n)."""
 
     def following(self, nodal: np.ndarray, rates: np.ndarray) -> np.ndarray:
         """Rates (n, 4, 3) of nodal vectors (n, 4, 3), of which those of the positions are given; the others follow them as

@@ -31,6 +31,13 @@ class Layer:
     ------
     InputError
         For a thickness that is not positive, an angle that is not finite, and a material that is no law.
+
+    Examples
+    --------
+    >>> ply = sk.Orthotropic(young=(138e9, 9e9, 9e9), poisson=(0.3, 0.3, 0.4), shear=(7e9, 7e9, 3.2e9), density=1600.0)
+    >>> cross = sk.Laminate([sk.Layer(ply, 0.125e-3, angle) for angle in (0, np.pi / 2, np.pi / 2, 0)])
+    >>> print(f"{1000 * cross.section().thickness} mm")
+    0.5 mm
     """
 
     material: Law

@@ -160,6 +160,13 @@ class Anisotropic:
     ------
     InputError
         For a matrix that is not symmetric positive definite, or values that are not finite or not positive.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0, kind="3d")
+    >>> ribbed = sk.Anisotropic(steel.stiffness() + np.diag([20e9, 0, 0, 0, 0, 0]), density=7850.0)
+    >>> print(f"{(ribbed.stiffness()[0, 0] - ribbed.stiffness()[1, 1]) / 1e9:.1f} GPa")
+    20.0 GPa
     """
 
     matrix: Any

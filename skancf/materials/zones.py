@@ -45,8 +45,12 @@ class Zone:
 
     Examples
     --------
+    >>> sheet, steel = sk.Rectangle(1.0, 0.2), sk.Isotropic(210e9, 0.3, 7850.0)
     >>> doubler = sk.Zone("doubler", ((0.4, 0.6), (0.0, 0.2)), thickness=4e-3)
-    >>> plate = sk.Problem(sk.Rectangle(1.0, 0.2), 2e-3, steel, [sk.Clamp("left")], zones=[doubler])
+    >>> plate = sk.Problem(sheet, 2e-3, steel, [sk.Clamp("left")], zones=[doubler])
+    >>> system = plate.on(sk.meshes.with_lines(sheet, 5, 1, plate.zones), "kirchhoff")
+    >>> print(np.unique(system.mesh.p[0]))
+    [0.  0.2 0.4 0.6 0.8 1. ]
     """
 
     name: str

@@ -64,6 +64,11 @@ class Case:
         Of all loads and prescribed motions.
     time : float or None
         In seconds. Statics has none: there every history counts with its full amplitude.
+
+    Examples
+    --------
+    >>> sk.Case(0.5), sk.Case(time=0.1)
+    (Case(factor=0.5, time=None), Case(factor=1.0, time=0.1))
     """
 
     factor: float = 1.0

@@ -50,6 +50,19 @@ class Solution(TrueStresses):
         What is to be known of it, such as that a mode has no size of its own; titles of pictures say it.
     multipliers : (n,) array or None
         Of the conditions, in the order of their rows; :attr:`conditions` has them by name.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> solution = sk.solve_linear(system)
+    >>> print(f"{1000 * solution.displacement((0.5, 0.5))[2]:.4f} mm, {solution.reactions()[2]:.1f} N")
+    -0.0658 mm, 1000.0 N
     """
 
     system: System

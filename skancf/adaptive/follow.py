@@ -82,6 +82,17 @@ class Follow:
     ------
     InputError
         For numbers that are not positive, and for an invalid indicator.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> mesh = sk.meshes.quadtree(sk.meshes.uniform(strip.surface, 4, 1), strip.surface)
+    >>> system = strip.on(mesh, "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, rtol=0.05, follow=sk.Follow(every=5), progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     rtol: float = 0.2

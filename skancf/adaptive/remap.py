@@ -52,6 +52,17 @@ class RemapChange:
         finer mesh.
     moved : float
         How far the centre of mass moved (m).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> tree = sk.meshes.quadtree(system.mesh, strip.surface)
+    >>> change = sk.remap(sk.solve_linear(strip.on(tree, "kirchhoff")), strip.on(tree.refined(), "kirchhoff")).change
+    >>> print(change.strain_energy.shape)
+    (2,)
     """
 
     strain_energy: np.ndarray
@@ -74,7 +85,19 @@ class RemapChange:
 
 @dataclass(frozen=True)
 class Remapped:
-    """Nodal coordinates on the new mesh, their rates and accelerations (None where none were given), and the change."""
+    """Nodal coordinates on the new mesh, their rates and accelerations (None where none were given), and the change.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> tree = sk.meshes.quadtree(system.mesh, strip.surface)
+    >>> found = sk.remap(sk.solve_linear(strip.on(tree, "kirchhoff")), strip.on(tree.refined(), "kirchhoff"))
+    >>> print(found.v is None, found.change.strain_energy.shape)
+    True (2,)
+    """
 
     q: np.ndarray
     v: np.ndarray | None
@@ -119,6 +142,18 @@ def remap(
 
     Conditions are met on the new mesh, whose rows may be others: positions and velocities are the nearest in the mass norm
     that meet them.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> tree = sk.meshes.quadtree(system.mesh, strip.surface)
+    >>> state = sk.solve_linear(strip.on(tree, "kirchhoff"))
+    >>> found = sk.remap(state, strip.on(tree.refined(), "kirchhoff"))
+    >>> print(found.q.shape, found.v is None)
+    (324,) True
     """
     instance("state", state, Solution, STATE)
     instance("system", system, System, SYSTEM)

@@ -43,6 +43,19 @@ class Level:
         quartered, without a dual weight; indicators are the parts that are left of those before.
     seconds : dict
         For ``assemble``, ``solve``, ``estimate`` and ``mark`` (the next mesh).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> for level in sk.adapt(plate, sk.StrainEnergy(), rtol=1e-2, linear=True).levels:
+    ...     print(level.n_elements, f"{level.value:.4f} J")
+    16 0.0100 J
+    52 0.0101 J
     """
 
     mesh: MeshQuadTree
@@ -99,6 +112,18 @@ class AdaptiveResult:
     theory_error : TheoryError or None
         By how much transverse shear, which theory `kirchhoff` leaves out, would change the value: no part of the error bar,
         which is that of the mesh. None of an analysis of the user's own.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-2, linear=True)
+    >>> print(result.ok, result.unit, len(result.levels) > 0)
+    True m True
     """
 
     value: float

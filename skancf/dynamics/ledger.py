@@ -28,7 +28,19 @@ from skancf.vectors import sum_of_cross
 
 @dataclass(frozen=True)
 class MeshEvent:
-    """A change of the mesh: time (s), elements before and after, what it did to the energies (J) and momenta."""
+    """A change of the mesh: time (s), elements before and after, what it did to the energies (J) and momenta.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> mesh = sk.meshes.quadtree(sk.meshes.uniform(strip.surface, 4, 1), strip.surface)
+    >>> system = strip.on(mesh, "kirchhoff")
+    >>> motion = sk.simulate(system, 0.002, rtol=0.1, follow=sk.Follow(every=2), progress=False)
+    >>> print(all(event.after > 0 for event in motion.ledger.events))
+    True
+    """
 
     time: float
     before: int
@@ -53,6 +65,16 @@ class Ledger:
     linear_impulse, angular_impulse : (n, 3) arrays
         Of loads, supports, conditions, springs and damping from outside, from the start.
     events : tuple of MeshEvent
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> ledger = sk.simulate(system, 0.01, rtol=1e-2, progress=False).ledger
+    >>> print(abs(ledger.balance).max() < 1e-3 * abs(ledger.work).max())
+    True
     """
 
     times: np.ndarray

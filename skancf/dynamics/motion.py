@@ -87,6 +87,17 @@ class Motion:
         Estimated error at the output times (m), a mass-weighted root mean square of positions, if ``check`` was asked for.
     seconds : float
         Wall time, of all processes that a restarted run has taken.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.01, rtol=1e-2, outputs=11, progress=False)
+    >>> state = motion.at(0.005)  # a Solution
+    >>> print(motion.ok, len(motion.times), f"{1000 * state.displacement((1.0, 0.05))[2]:.2f} mm")
+    True 11 0.12 mm
     """
 
     segments: tuple[Segment, ...]

@@ -84,6 +84,13 @@ class Spectrum:
     nyquist : float
         The highest frequency (Hz).
     padding : int
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> print([f"{match.frequency:.1f} Hz" for match in found.compare([49.0, 120.0], count=1)])
+    ['50.0 Hz']
     """
 
     frequencies: np.ndarray
@@ -204,6 +211,13 @@ def spectrum(
     ------
     InputError
         For times that do not ascend, values that are not finite or of another number, and too few samples.
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> print(f"{found.frequencies[np.argmax(found.amplitudes)]:.1f} Hz")
+    50.0 Hz
     """
     if not isinstance(window, str) or window not in LOBES:
         raise InputError(f"window = {shown(window)}: give one of {', '.join(LOBES)}")

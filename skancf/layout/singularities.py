@@ -54,7 +54,9 @@ class Singularity:
 
     Examples
     --------
-    >>> Singularity("force", (0.5, 0.5), "a Screw", vector=(0.0, 0.0, -20.0))
+    >>> sk.supports.Singularity("force", (0.5, 0.5), "a Screw", vector=(0.0, 0.0, -20.0)).points
+    array([[0.5],
+           [0.5]])
     """
 
     kinds: Any

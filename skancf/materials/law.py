@@ -22,7 +22,18 @@ THICKNESS = 2
 
 
 class Law(Protocol):
-    """What the rest of the library knows of a material."""
+    """What the rest of the library knows of a material.
+
+    Examples
+    --------
+    >>> class Glass:
+    ...     density = 2500.0
+    ...     def stiffness(self):
+    ...         return sk.Isotropic(70e9, 0.23, 2500.0).stiffness()
+    ...     def thermal_strain(self):
+    ...         return np.zeros(6)
+    >>> pane = sk.Problem(sk.Rectangle(1.0, 1.0), 0.006, Glass())
+    """
 
     @property
     def density(self) -> float:

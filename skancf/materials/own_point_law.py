@@ -94,6 +94,8 @@ def check_law(law: Any, C: Any = None, *, tolerance: float = 1e-6) -> dict[str, 
     Examples
     --------
     >>> errors = sk.testing.check_law(sk.NeoHooke(shear=0.4e6, density=1000.0))
+    >>> print(max(errors.values()) < 1e-6)
+    True
     """
     positive("tolerance", tolerance)
     respond = law.respond if is_ours(law) else OwnPointLaw(law).respond

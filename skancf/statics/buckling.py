@@ -71,6 +71,20 @@ class BucklingResult:
         A bound on the relative error of each load factor from its residual, the worst of them; products of the shapes; and
         whether any of the lowest is missing, by the signs of the pivots of :math:`K_0 + s K_\sigma`, s in the gap behind
         the last.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> found = sk.buckling(system, 1)
+    >>> print(found.load_factors.shape, found.shape(0, size=1.0).note)
+    (1,) mode of arbitrary size
     """
 
     load_factors: np.ndarray
@@ -134,6 +148,21 @@ def buckling(
     OutOfDepth
         Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found. Where
         a check fails, for example as load factors are missing that further searches did not find.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> critical = 4 * np.pi**2 * steel.young * 0.01**3 / 12 / (1 - steel.poisson**2)  # for sides of 1 m
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[
+    ...         sk.Roller("boundary", kind="hard"), sk.Roller("left", (1, 0, 0)), sk.Roller((0.0, 0.0), (0, 1, 0)),
+    ...     ],
+    ...     loads=[sk.EdgeLoad("right", (-critical, 0.0, 0.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(f"{sk.buckling(system, 1).load_factors[0]:.3f}")
+    1.000
     """
     check_arguments(system, backend)
     tolerance = check_tolerance(tolerance)

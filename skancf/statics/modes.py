@@ -61,6 +61,20 @@ class Modes:
         A bound on the relative error of each eigenvalue from its residual, the worst of them; products of the shapes; and
         whether any of the lowest is missing, by the signs of the pivots of :math:`K - s M`, s in the gap behind the last;
         with conditions, at rest, also whether all free rigid motions are there.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.modes(system, 1)
+    >>> first = found.shape(0, size=0.05)  # a Solution, its largest displacement 0.05 m
+    >>> print(found.n_rigid, f"{found.frequencies[0]:.1f} Hz", f"{abs(first.displacement((0.5, 0.5))[2]):.3f} m")
+    0 89.7 Hz 0.050 m
     """
 
     eigenvalues: np.ndarray
@@ -133,6 +147,19 @@ def modes(
     OutOfDepth
         Where loads follow a free edge: only the symmetric part of K is taken, and flutter is not found. Where a check
         fails, for example as modes are missing that further searches did not find.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.modes(system, 2)
+    >>> print(*(f"{f:.1f} Hz" for f in found.frequencies))
+    89.7 Hz 183.2 Hz
     """
     check_arguments(system, backend)
     if state is not None:

@@ -62,6 +62,20 @@ class PathResult:
         Why it stopped.
     checks : tuple of Check
         Of the last equilibrium; converged is only a path whose end passed them.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> path = sk.trace(system, until=0.5, progress=False)
+    >>> print(path.status.value, path.load_factors[-1], path.displacement(crown).shape[1])
+    converged 0.5 3
     """
 
     solutions: tuple[Solution, ...]
@@ -142,6 +156,20 @@ def trace(
     ------
     InputError
         When a rigid motion is free, nothing loads the structure, or the controlled displacement does not move with the load.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> path = sk.trace(system, sk.ArcLength(first=0.1), until=1.0, progress=False)
+    >>> print([(event.kind, round(event.load_factor, 2)) for event in path.events])
+    [('limit point', 0.74), ('limit point', 0.17)]
     """
     check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
                 mixed=mixed, progress=progress)  # fmt: skip

@@ -14,7 +14,18 @@ from skancf.statics.newton import OPEN, NewtonResult
 @dataclass(frozen=True)
 class HalveAndGrow:
     """Step control: a failed step is divided by ``cut``; an easy one, at most ``easy`` iterations, is followed by a
-    ``growth`` times longer one."""
+    ``growth`` times longer one.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> result = sk.solve(system, control=sk.HalveAndGrow(first=0.25))
+    >>> print([round(state.load_factor, 2) for state in result.path])
+    [0.0, 0.25, 0.75, 1.0]
+    """
 
     first: float = 1.0
     smallest: float = 1e-4
@@ -57,6 +68,18 @@ class StaticResult:
         equilibrium is not stable, by ``negative_pivots``.
     checks : tuple of Check
         Of the asked equilibrium, by its exact tangent and by sums over the whole body. Converged is only what passed them.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> result = sk.solve(system)
+    >>> print(result.ok, result.status.value, len(result.path))
+    True converged 2
+    >>> print(all(check.passed for check in result.checks))
+    True
     """
 
     solution: Solution

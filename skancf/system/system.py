@@ -52,6 +52,18 @@ class System:
         Those of the structure, but for the shell: springs, foundations, the user's own.
     choice
         With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(system.n_dofs, system.mesh.nelements)
+    588 36
     """
 
     choice: Any = None

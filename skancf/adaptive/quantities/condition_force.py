@@ -33,7 +33,16 @@ class ConditionForce:
 
     Examples
     --------
-    >>> result = sk.adapt(problem, sk.ConditionForce("rod"), rtol=1e-3)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.002, steel,
+    ...     supports=[sk.Pin([(0.0, 0.0), (0.0, 0.1)]), sk.Roller([(1.0, 0.0), (1.0, 0.1)])],
+    ...     loads=[sk.EdgeLoad("right", (1000.0, 0.0, 0.0))],
+    ...     conditions=[sk.RigidLink((0.0, 0.05), (1.0, 0.05), name="strut")],
+    ... )
+    >>> solution = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 2), "kirchhoff"))
+    >>> print(f"{sk.ConditionForce('strut').value(solution):.1f} N")
+    76.8 N
     """
 
     name: str

@@ -50,8 +50,16 @@ class SectionForce(Smooth):
 
     Examples
     --------
-    >>> sk.SectionForce("M11", at=(0.5, 0.5))
-    >>> sk.SectionForce("M11", within=((0.4, 0.6), (0.4, 0.6)))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> moment = sk.SectionForce("M11", at=(0.5, 0.5))
+    >>> print(f"{moment.value(sk.solve_linear(system)):.2f} N")  # 0.0229 p a^2
+    -23.74 N
     """
 
     component: str

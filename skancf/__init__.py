@@ -1,6 +1,7 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
 import importlib
+import logging
 from typing import TYPE_CHECKING, Any
 
 from skancf import adaptive, conditions, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
@@ -86,6 +87,7 @@ from skancf.materials import (
     Zone,
 )
 from skancf.problem import Problem
+from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics import (
@@ -219,6 +221,7 @@ __all__ = [
     "PointMoment",
     "Prescribed",
     "Problem",
+    "Progress",
     "Pulse",
     "Ramp",
     "Reaction",
@@ -284,6 +287,9 @@ __all__ = [
     "transfer",
 ]  # fmt: skip
 
+
+# Nothing is printed before a user asks for it, as by logging.basicConfig(level=logging.INFO).
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
 

@@ -1,8 +1,11 @@
 """Errors of this library. Each message names the value, the rule and the way out."""
 
+import logging
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from decimal import Decimal
 from numbers import Real
 from typing import Any
@@ -99,9 +102,30 @@ class OutOfDepth(UserWarning):
     """
 
 
+_silent: ContextVar[bool] = ContextVar("_silent", default=False)
+
+
+@contextmanager
+def silenced() -> Iterator[None]:
+    """No warnings by :func:`warn`, as of states on the way to an answer that will be judged itself."""
+    before = _silent.set(True)
+    try:
+        yield
+    finally:
+        _silent.reset(before)
+
+
+def is_silenced() -> bool:
+    """Whether the code runs in :func:`silenced`."""
+    return _silent.get()
+
+
 def warn(message: str) -> None:
-    """Warn of what is :class:`OutOfDepth`, at the line outside of this library that led to it."""
+    """Warn of what is :class:`OutOfDepth`, at the line outside of this library that led to it, and log it."""
+    if is_silenced():
+        return
     frame, level = sys._getframe(1), 2
+    logging.getLogger(frame.f_globals["__name__"]).warning("%s", message)
     while frame is not None and frame.f_globals.get("__name__", "").startswith("skancf."):
         frame, level = frame.f_back, level + 1  # type: ignore[assignment]
     warnings.warn(message, OutOfDepth, stacklevel=level)

@@ -15,6 +15,7 @@ from skancf.errors import InputError, number, vector
 from skancf.functions import called
 from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
+from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 
 
@@ -109,7 +110,12 @@ def check_state(name: str, state: Any, backend: str = "auto") -> None:
 
 
 def goal_estimate(
-    state: Solution, quantity: Quantity, *, backend: str = "auto", halvings: Halvings = NOTHING_KNOWN
+    state: Solution,
+    quantity: Quantity,
+    *,
+    backend: str = "auto",
+    halvings: Halvings = NOTHING_KNOWN,
+    progress: ShowProgress = True,
 ) -> Estimate:
     r"""Dual-weighted residual estimate of the error of a quantity.
 
@@ -134,6 +140,8 @@ def goal_estimate(
     halvings : Halvings
         Those of an estimate on a coarser mesh, which count where elements at singular points cannot be quartered often
         enough to have rings.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each part; see :class:`~skancf.Progress`.
 
     Raises
     ------
@@ -160,13 +168,17 @@ def goal_estimate(
     """
     check_state("state", state, backend)
     check_quantity(quantity)
+    check_progress(progress)
     instance("halvings", halvings, Halvings, "what an estimate on a coarser mesh found, its halvings")
     value = value_of(quantity, state)
-    with Enriched(state, quantity=quantity, backend=backend) as enriched:
+    with Bar("estimate", 3, progress) as bar, Enriched(state, quantity=quantity, backend=backend) as enriched:
+        bar.next(f"refined to {enriched.system.mesh.nelements} elements")
         better = enriched.corrected
+        bar.next("answer on the refined mesh")
         gradient = gradient_of(quantity, better)
         lift = quantity.lift(better) if hasattr(quantity, "lift") else None
         weight, pulls = enriched.solve_both(gradient, given_way(quantity, better, lift, enriched.rows))
+        bar.next("dual weight")
         smooth = weight if lift is None else weight - lift
         indicators = enriched.shares(enriched.residual * enriched.surplus(smooth))
         if pulls.size:

@@ -1,6 +1,5 @@
 """Meshes that follow a motion: a policy that the loop in time asks."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,7 +14,7 @@ from skancf.dynamics import MeshEvent
 from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
-from skancf.errors import InputError, OutOfDepth, positive
+from skancf.errors import InputError, positive, warn
 from skancf.functions import called
 from skancf.history import Case
 from skancf.kernels.constants import BLOCK
@@ -186,9 +185,9 @@ class Follow:
             return mesh
         finer = mesh.regrown(mesh.leaves.refined(np.flatnonzero(marked)))
         if BLOCK * finer.p.shape[1] > self.max_dofs:
-            warnings.warn(
+            warn(
                 f"max_dofs = {self.max_dofs}: the mesh that this motion asks for has {BLOCK * finer.p.shape[1]} unknowns "
-                "and is not made; errors are larger than asked. Raise it, or ask for less by rtol", OutOfDepth, stacklevel=2,
+                "and is not made; errors are larger than asked. Raise it, or ask for less by rtol"
             )  # fmt: skip
             return mesh
         return finer

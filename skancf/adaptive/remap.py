@@ -10,6 +10,7 @@ leads towards the internal forces that belong to the accelerations a there were,
 correction of the velocity gives back both momenta; and where the energy rose, what deforms becomes slower.
 """
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
 from types import TracebackType
@@ -30,6 +31,8 @@ from skancf.statics.stopping import work
 from skancf.system.linearised import Exact
 from skancf.system.system import System
 from skancf.tolerances import ROUNDED_PRODUCT
+
+logger = logging.getLogger(__name__)
 
 STEPS, ENOUGH = 3, 1e-2
 """Steps towards the internal forces, at most, and the excess of strain energy over the energy where they end."""
@@ -267,7 +270,7 @@ class _Passage:
             accelerations = self.rates(self.old_mass.solve(self.net_force(old, state.q)))
             inertia = new.mass @ accelerations
             with DirectSolver(new.pattern, new.constraints, self.backend) as solver:
-                found = iterate(q, _Settling(self, inertia, solver), _Excess(self, excess), STEPS)
+                found = iterate(q, _Settling(self, inertia, solver), _Excess(self, excess), STEPS, logger)
             if found.status is Status.SINGULAR:
                 raise SingularMatrix(found.message)
             q = closed(new, found.x, state.case, self.backend)

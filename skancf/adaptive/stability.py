@@ -84,7 +84,7 @@ class StabilityAnalysis:
 
     def solve(self, system: System, start: Solution | None) -> Answer:
         number = self.quantity.number
-        found = buckling(system, number + 1, backend=self.backend)
+        found = buckling(system, number + 1, backend=self.backend, progress=False)
         if len(found.load_factors) <= number:
             raise InputError(f"number = {number}: {found.message or 'there are fewer positive buckling loads'}")
         require_checks(found.checks)

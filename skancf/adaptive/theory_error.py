@@ -12,6 +12,7 @@ from skancf.arguments import STATE, instance
 from skancf.conditions.solver import curved
 from skancf.errors import InputError
 from skancf.linear import DirectSolver, check_backend
+from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 from skancf.statics.conditioned import factored_about, rows_of, solved
 from skancf.statics.corrections import skew_part
@@ -67,7 +68,9 @@ def unknown(why: str) -> TheoryError:
     return TheoryError(float("nan"), float("nan"), False, why)
 
 
-def theory_error(solution: Solution, quantity: Quantity | None = None, *, backend: str = "auto") -> TheoryError:
+def theory_error(
+    solution: Solution, quantity: Quantity | None = None, *, backend: str = "auto", progress: ShowProgress = True
+) -> TheoryError:
     r"""By how much transverse shear, which theory `kirchhoff` leaves out, would change a number.
 
     With the dual weight z of the number, the answer to :math:`\partial J / \partial q` with the tangent of the state,
@@ -84,6 +87,10 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
         An equilibrium.
     quantity : Quantity, optional
         Default: the strain energy.
+    backend : str
+        Of the linear solver.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each part; see :class:`~skancf.Progress`.
 
     Raises
     ------
@@ -108,6 +115,7 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
     """
     instance("solution", solution, Solution, STATE)
     check_backend(backend)
+    check_progress(progress)
     quantity = StrainEnergy() if quantity is None else quantity
     check_quantity(quantity)
     if solution.system.geometry.theory.shear:
@@ -119,8 +127,11 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
         raise InputError(f"SectionForce({quantity.component!r}, at={quantity.at}): what the theory leaves out of a section "
                          "force at a point cannot be told by its dual weight, which is too singular there; give a mean over "
                          "two elements or more each way, SectionForce(..., within=((x0, x1), (y0, y1)))")  # fmt: skip
-    form, fields = solution.shear_fields()
-    change = form.product(fields, _dual(form, solution, quantity, backend))
+    with Bar("error of the theory", 2, progress) as bar:
+        form, fields = solution.shear_fields()
+        bar.next("shear of the state")
+        change = form.product(fields, _dual(form, solution, quantity, backend))
+        bar.next("dual weight")
     if isinstance(quantity, StrainEnergy):
         change -= 0.5 * form.product(fields, fields)
     notes = (_coarse(quantity, solution), _stretched(solution))
@@ -130,7 +141,7 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
 def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
     """:func:`theory_error`, or the reason why it cannot be given."""
     try:
-        return theory_error(solution, quantity, backend=backend)
+        return theory_error(solution, quantity, backend=backend, progress=False)
     except Exception as none:  # a user's quantity may fail in many ways, and the rest of a result is there
         return unknown(str(none))
 

@@ -180,12 +180,12 @@ STEP = 1e-4
 
 def _enough_modes(system: System, number: int, state: Any, backend: str) -> Modes:
     """So many that the asked one is among them, behind the motions without stiffness."""
-    found = modes(system, number + 1, state=state, backend=backend)
+    found = modes(system, number + 1, state=state, backend=backend, progress=False)
     if found.n_rigid > RIGID_MOTIONS:
         raise InputError(f"number = {number}: {found.n_rigid} motions without stiffness come first; support the structure, "
                          "it is a mechanism")  # fmt: skip
     if found.n_rigid:
-        found = modes(system, number + 1 + found.n_rigid, state=state, backend=backend)
+        found = modes(system, number + 1 + found.n_rigid, state=state, backend=backend, progress=False)
     require_checks(found.checks)
     return found
 

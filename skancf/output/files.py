@@ -13,6 +13,7 @@ from skancf.materials import Section
 from skancf.output.collection import read_collection, write_collection
 from skancf.output.fields import values, von_mises
 from skancf.output.sampling import grid, sample_strain, sample_surface
+from skancf.progress import Bar, ShowProgress, check_progress, number_of
 from skancf.solution import Solution
 
 FILE_ORDER = (0, 1, 2, 5, 3, 4)
@@ -25,6 +26,7 @@ def write(
     *,
     subdivisions: int = 4,
     depths: Mapping[str, float] | None = None,
+    progress: ShowProgress = True,
 ) -> Path:
     """Write one state as a ``.vtu`` file, or many as a ``.pvd`` collection that ParaView plays as a film.
 
@@ -42,6 +44,8 @@ def write(
     depths : mapping from name to z (m), optional
         Where stress and strain are written. Default: the faces ``top`` and ``bottom`` and ``mid``, halfway between
         them. ``{}``: displacements and velocities only, a tenth of the size.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each state; see :class:`~skancf.Progress`.
 
     Returns
     -------
@@ -71,6 +75,7 @@ def write(
     The time of a state without one is its load factor if these increase, else its number.
     """
     whole("subdivisions", subdivisions)
+    check_progress(progress)
     if depths is not None:
         for name, z in mapping("depths", depths, "names and depths, as in depths={'top': 0.005}").items():
             number(f"depths[{text('depths', name)!r}]", z)
@@ -81,9 +86,14 @@ def write(
     if not isinstance(states, Iterable) or isinstance(states, str | bytes) or getattr(states, "ndim", 1) == 0:
         what = type(states).__name__
         raise InputError(f"states: give a Solution or a sequence of them, as motion.states or result.path, not {what}")
-    return write_collection(
-        check_file(path, ".pvd"), states, lambda state, file: write_state(state, file, subdivisions, depths)
-    )
+    file = check_file(path, ".pvd")
+    with Bar("write", number_of(states), progress) as bar:
+
+        def write_one(state: Solution, part: Path) -> None:
+            write_state(state, part, subdivisions, depths)
+            bar.next(part.name)
+
+        return write_collection(file, states, write_one)
 
 
 def write_state(solution: Solution, path: Path, subdivisions: int = 4, depths: Mapping[str, float] | None = None) -> None:

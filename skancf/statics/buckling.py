@@ -1,5 +1,6 @@
 """Linear buckling: the load factors at which an undeformed structure loses its stiffness."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +13,7 @@ from skancf.arguments import choice
 from skancf.checks import Check
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
+from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.conditioned import curved, is_loaded
@@ -42,6 +44,8 @@ from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
 from skancf.tolerances import AT_REST, ZERO_EIGENVALUE
+
+logger = logging.getLogger(__name__)
 
 # A load factor that is this many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
@@ -118,7 +122,13 @@ class BucklingResult:
 
 
 def buckling(
-    system: System, n: int = 4, *, signs: str = "positive", tolerance: float = 1e-10, backend: str = "auto"
+    system: System,
+    n: int = 4,
+    *,
+    signs: str = "positive",
+    tolerance: float = 1e-10,
+    backend: str = "auto",
+    progress: ShowProgress = True,
 ) -> BucklingResult:
     r"""Load factors :math:`\lambda` with :math:`(K_0 + \lambda K_\sigma)\,\phi = 0`.
 
@@ -135,6 +145,10 @@ def buckling(
         With "both" the loads may also act the other way; then the smallest in size come first.
     tolerance : float
         Relative accuracy.
+    backend : str
+        Of the linear solver.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each solve; see :class:`~skancf.Progress`.
 
     Raises
     ------
@@ -165,6 +179,7 @@ def buckling(
     1.000
     """
     check_arguments(system, backend)
+    check_progress(progress)
     tolerance = check_tolerance(tolerance)
     choice("signs", signs, ("positive", "both"))
     n = checked_count(n, system.constraints)
@@ -175,7 +190,7 @@ def buckling(
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
     stiffness = system.stiffness()
     warn_if_skew(system, stiffness, start, 1.0)
-    with DirectSolver(system.pattern, constraints, backend) as solver:
+    with Bar("buckling", None, progress) as bar, DirectSolver(system.pattern, constraints, backend) as solver:
         answer, multipliers = answer_by(system, solver)
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
@@ -185,9 +200,10 @@ def buckling(
             motions.factor(stiffness)
         _require_rest(system, motions, answer)
         geometric = curved(system, geometric_stiffness(system, answer), start, multipliers)
-        pencil = _Pencil(motions, stiffness, geometric, tolerance)
+        pencil = _Pencil(motions, stiffness, geometric, tolerance, bar)
         inverse, shapes, cut, count = pencil.lowest(n, signs)
         checks = (*pencil.checked(inverse[:n], shapes[:n]), count)
+    logger.info("%d load factors; %d solves", len(inverse[:n]), bar.done)
     message = "no positive load factor buckles this structure; the load only stiffens it"
     if inverse.size:
         message = _coarse(system, stiffness, shapes[:n])
@@ -229,8 +245,9 @@ def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
 class _Pencil:
     """Inverse load factors and their shapes: eigenpairs of minus the geometric stiffness against the elastic one."""
 
-    def __init__(self, motions: Motions, stiffness: BlockMatrix, geometric: BlockMatrix, tolerance: float) -> None:
+    def __init__(self, motions: Motions, stiffness: BlockMatrix, geometric: BlockMatrix, tolerance: float, bar: Bar) -> None:
         self.motions, self.stiffness, self.geometric, self.tolerance = motions, stiffness, geometric, tolerance
+        self.bar = bar
         self.constraints = motions.constraints
 
     def lowest(self, n: int, signs: str) -> tuple[np.ndarray, np.ndarray, int, Check]:
@@ -255,6 +272,7 @@ class _Pencil:
                 order = order[values[order] > 0] if which == "LA" else order
                 values, shapes = values[order], shapes[order]
             tries += 1
+            logger.debug("search %d: %d load factors", tries, len(values))
             factors, at, cut = 1.0 / np.abs(values), limit, len(values)
             if cut < exist:
                 gap = gap_or_group(factors, n, tries)
@@ -319,11 +337,12 @@ class _Pencil:
             force = -load(apart(v))
             return force - weights.T @ (known @ force)
 
-        start = apart(self.motions.solve(np.random.default_rng(len(known)).standard_normal(shape[0])))
+        solve = self.bar.counting(self.motions.solve, f"solves for {n} load factors")
+        start = apart(solve(np.random.default_rng(len(known)).standard_normal(shape[0])))
         values, vectors = lanczos(
             LinearOperator(shape, matvec=driving, dtype=np.float64), k=n, which=which, v0=start, tol=self.tolerance,
             M=LinearOperator(shape, matvec=elastic, dtype=np.float64),
-            Minv=LinearOperator(shape, matvec=self.motions.solve, dtype=np.float64),
+            Minv=LinearOperator(shape, matvec=solve, dtype=np.float64),
             ncv=min(self.motions.room, max(2 * n + 1, 30)),
         )  # fmt: skip
         return values, np.array([self.constraints.free_part(v) for v in vectors])

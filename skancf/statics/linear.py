@@ -1,11 +1,9 @@
 """Small deflections: one solve with the tangent of the undeformed state."""
 
-import warnings
-
 import numpy as np
 
 from skancf.conditions.solver import conditions_in, solver_at
-from skancf.errors import DidNotConverge, OutOfDepth
+from skancf.errors import DidNotConverge, warn
 from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.solution import Solution
@@ -69,7 +67,7 @@ def small_deflection(system: System, load_factor: float = 1.0, *, backend: str =
         message = OPEN_LINEAR.format(worst.name, worst.value, worst.limit)
         if worst.value > OPEN:
             raise DidNotConverge(message)
-        warnings.warn(message, OutOfDepth, stacklevel=3)
+        warn(message)
     return Solution.of(Linearised(system), change, load_factor, multipliers)
 
 

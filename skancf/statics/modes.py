@@ -1,5 +1,6 @@
 """Small free vibrations about an equilibrium."""
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -13,6 +14,7 @@ from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
+from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.conditioned import conditions_in
@@ -36,6 +38,8 @@ from skancf.system.rigid import free_rigid_motions
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
 from skancf.tolerances import TINY, ZERO_EIGENVALUE
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -120,7 +124,13 @@ class Modes:
 
 
 def modes(
-    system: System, n: int = 6, *, state: Solution | None = None, tolerance: float = 1e-10, backend: str = "auto"
+    system: System,
+    n: int = 6,
+    *,
+    state: Solution | None = None,
+    tolerance: float = 1e-10,
+    backend: str = "auto",
+    progress: ShowProgress = True,
 ) -> Modes:
     r"""Lowest frequencies, :math:`K \phi = \omega^2 M \phi`, K being the tangent of the undeformed state or ``state``.
 
@@ -136,6 +146,10 @@ def modes(
         K is that of :func:`buckling`, of the undeformed place with the first-order stresses.
     tolerance : float
         Relative accuracy of the eigenvalues.
+    backend : str
+        Of the linear solver.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each solve; see :class:`~skancf.Progress`.
 
     Raises
     ------
@@ -162,6 +176,7 @@ def modes(
     89.7 Hz 183.2 Hz
     """
     check_arguments(system, backend)
+    check_progress(progress)
     if state is not None:
         require_same_mesh(system, state, "state")
     tolerance = check_tolerance(tolerance)
@@ -172,10 +187,10 @@ def modes(
     stiffness, at_rest = state_tangent(system, state), state is None
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
     warn_if_skew(system, stiffness, state.about, state.load_factor)
-    with DirectSolver(system.pattern, system.constraints, backend) as solver:
+    with Bar("modes", None, progress) as bar, DirectSolver(system.pattern, system.constraints, backend) as solver:
         motions = motions_of(system, solver, state.about, stiffness)
         motions.require(n)
-        spectrum = _Spectrum(motions, stiffness, system.mass, tolerance)
+        spectrum = _Spectrum(motions, stiffness, system.mass, tolerance, bar)
         pairs, cut, count = spectrum.lowest(n)
     first, values = pairs.of(slice(n)), pairs.values
     products = first.shapes @ np.array([spectrum.with_mass(v) for v in first.shapes]).T
@@ -185,6 +200,7 @@ def modes(
         checks = (*checks, rigid_check(n_rigid, len(free_rigid_motions(system))))
     warn_of_failures(checks)
     note = group_note("mode", values, n, gap_after(values, n) or cut)
+    logger.info("%d modes, eigenvalues from %.6g to %.6g; %d solves", n, first.values[0], first.values[-1], bar.done)
     found = Modes(first.values, first.shapes, n_rigid, n_unstable, state, note, checks)
     warn_of_changes("frequency", found.theory_errors)
     return found
@@ -206,8 +222,8 @@ class Pairs(NamedTuple):
 class _Spectrum:
     """Eigenpairs of K against M."""
 
-    def __init__(self, motions: Motions, stiffness: BlockMatrix, mass: BlockMatrix, tolerance: float) -> None:
-        self.motions, self.stiffness, self.mass, self.tolerance = motions, stiffness, mass, tolerance
+    def __init__(self, motions: Motions, stiffness: BlockMatrix, mass: BlockMatrix, tolerance: float, bar: Bar) -> None:
+        self.motions, self.stiffness, self.mass, self.tolerance, self.bar = motions, stiffness, mass, tolerance, bar
         self.constraints = motions.constraints
 
     def lowest(self, n: int) -> tuple[Pairs, int, Check]:
@@ -228,6 +244,7 @@ class _Spectrum:
             pairs = Pairs(*map(np.concatenate, zip(pairs, new, strict=True)))
             pairs = pairs.of(np.argsort(pairs.values, kind="stable"))
             tries += 1
+            logger.debug("search %d: %d eigenvalues, shift %.4g", tries, len(pairs.values), shift)
             cut = gap_or_group(pairs.values, max(n, int((pairs.values <= 0).sum())), tries)
             if cut is None:
                 ask = max(2, len(pairs.values) // 2)
@@ -291,12 +308,13 @@ class _Spectrum:
         def apart(v: np.ndarray) -> np.ndarray:
             return v - known.T @ (known @ self.with_mass(v))
 
+        solve = self.bar.counting(self.motions.solve, f"solves for {n} modes")
         start = self.with_mass(np.random.default_rng(len(known)).standard_normal(self.mass.shape[0]))
         weight = LinearOperator(self.mass.shape, matvec=self.with_mass, dtype=np.float64)
         # In shift-and-invert mode the first operator is not used.
         return lanczos(
-            weight, k=n, M=weight, sigma=shift, v0=apart(self.motions.solve(start)), tol=self.tolerance,
-            OPinv=LinearOperator(self.mass.shape, matvec=lambda v: apart(self.motions.solve(v)), dtype=np.float64),
+            weight, k=n, M=weight, sigma=shift, v0=apart(solve(start)), tol=self.tolerance,
+            OPinv=LinearOperator(self.mass.shape, matvec=lambda v: apart(solve(v)), dtype=np.float64),
             ncv=min(self.motions.room, max(2 * n + 1, 20)),
         )[1]  # fmt: skip
 

@@ -5,6 +5,7 @@ The tangent is taken with the stresses extrapolated linearly along the last step
 exact one (Magisano, Leonetti and Garcea, 2017). With a :class:`Constraint` the load factor is an unknown too.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,6 +18,8 @@ from skancf.solving import End, Status, iterate
 from skancf.statics.conditioned import tangents_of
 from skancf.statics.corrections import StaticSystem, Tangents, none
 from skancf.statics.stopping import Constraint, ConvergenceTest, Pull, moves
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -136,7 +139,7 @@ def newton(
     tangents = tangents_of(system, solver, mixed, stresses, pull, constraint)
     begin = constraint.origin if constraint else q if origin is None else origin
     criterion = _StopCriterion(tangents, ConvergenceTest(system, begin, rtol, pull, constraint), farthest, watch)
-    found = iterate(tangents.unknowns(q, multipliers, load_factor), tangents, criterion, max_steps)
+    found = iterate(tangents.unknowns(q, multipliers, load_factor), tangents, criterion, max_steps, logger)
     energies = [energy for energy in found.energies if np.isfinite(energy)]
     largest = max(energies, default=1.0) or 1.0
     norms = tuple(float(np.sqrt(energy / largest)) for energy in energies)

@@ -1,5 +1,6 @@
 """The equilibrium path, with the load factor as an unknown: through limit points, snap-through and snap-back."""
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,7 @@ from skancf.checks import Check, failures
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, shown
 from skancf.history import Case
 from skancf.linear import DirectSolver
-from skancf.progress import Progress
+from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
@@ -38,6 +39,8 @@ CROSSED = (
     "the asked end lies between load factors {:.6g} and {:.6g}, but even in the smallest step its equilibrium was not "
     "found; allow a smaller step (StepLength) or more iterations"
 )
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -128,7 +131,7 @@ def trace(
     max_iterations: int = 15,
     mixed: bool = True,
     backend: str = "auto",
-    progress: bool = False,
+    progress: ShowProgress = True,
 ) -> PathResult:
     r"""Equilibrium path from the undeformed state or from ``start``.
 
@@ -144,7 +147,7 @@ def trace(
         The path ends where it reaches this load factor, or a displacement.
     steps : int
         Or after this number of steps.
-    rtol, max_iterations, mixed, backend
+    rtol, max_iterations, mixed, backend, progress
         As for :func:`solve`.
 
     Returns
@@ -172,7 +175,8 @@ def trace(
     [('limit point', 0.74), ('limit point', 0.17)]
     """
     check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
-                mixed=mixed, progress=progress)  # fmt: skip
+                mixed=mixed)  # fmt: skip
+    check_progress(progress)
     require_support(system)
     warn_without_time(system)
     return traced(
@@ -184,7 +188,7 @@ def trace(
 def traced(
     system: System, control: ArcLength | DisplacementControl | None = None, *,
     until: float | DisplacementReached | None = None, steps: int = 200, start: Solution | None = None, rtol: float = 1e-7,
-    max_iterations: int = 15, mixed: bool = True, backend: str = "auto", progress: bool = False,
+    max_iterations: int = 15, mixed: bool = True, backend: str = "auto", progress: ShowProgress = False,
 ) -> PathResult:  # fmt: skip
     """:func:`trace` for a system that is known to be supported, and arguments that are checked."""
     at = start or at_rest(system)
@@ -193,7 +197,7 @@ def traced(
         raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")
     if not is_loaded(system, at.q, at.load_factor):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
-    with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
+    with DirectSolver(system.pattern, system.constraints, backend) as solver, Bar("path", steps, progress) as bar:
         follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)
         return _Run(system, control, follower, until, int(steps), bar).go(at)
 
@@ -203,7 +207,7 @@ class _Run:
 
     def __init__(
         self, system: System, control: ArcLength | DisplacementControl, follower: Follower,
-        until: float | DisplacementReached | None, steps: int, bar: Progress,
+        until: float | DisplacementReached | None, steps: int, bar: Bar,
     ) -> None:  # fmt: skip
         self.system, self.control, self.follower = system, control, follower
         self.end = None if until is None else end_of_path(system, until, system.undeformed)
@@ -213,7 +217,9 @@ class _Run:
         self.first, self.length = 0.0, 1.0
 
     def go(self, start: Solution) -> PathResult:
-        status, message = run_steps(lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed)
+        status, message = run_steps(
+            lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed, logger
+        )
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0, start.multipliers)]
         checks = self._checks(points)
         if status.ok and (failed := failures(checks)):
@@ -287,6 +293,10 @@ class _Run:
         self.events += events
         self.points.append(following)
         left, iterations = follower.measure.left(following.q), len(result.residual_norms)
+        logger.info("step %d: load factor %.6g, %d iterations, %d negative pivots",
+                    len(self.points) - 1, following.load_factor, iterations, following.pivots)  # fmt: skip
+        for event in events:
+            logger.info("%s at load factor %.6g", event.kind, event.load_factor)
         self.bar.at(len(self.points) - 1, f"load factor {following.load_factor:.4g}, {iterations} iterations")
         if share is not None or left <= ONE_PLACE * first:
             return Status.CONVERGED, ""
@@ -380,7 +390,7 @@ def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            found = trace(system, ArcLength(first=first), start=start, steps=steps)
+            found = trace(system, ArcLength(first=first), start=start, steps=steps, progress=False)
     except SkancfError:
         return None
     return next((event.load_factor for event in found.events if event.kind == LIMIT), None)

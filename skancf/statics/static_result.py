@@ -1,11 +1,10 @@
 """What statics returns, and how load steps are chosen."""
 
-import warnings
 from dataclasses import dataclass
 
 from skancf.arguments import plain, whole
 from skancf.checks import Check
-from skancf.errors import DidNotConverge, InputError, OutOfDepth, positive
+from skancf.errors import DidNotConverge, InputError, positive, warn
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import OPEN, NewtonResult
@@ -119,7 +118,7 @@ class StaticResult:
         Where rounding leaves less than a hundredth open, it is the solution, with a warning (:class:`~skancf.OutOfDepth`).
         """
         if self.status is Status.ROUNDING and self.bound <= OPEN:
-            warnings.warn(self.message, OutOfDepth, stacklevel=2)
+            warn(self.message)
         elif not self.ok:
             raise DidNotConverge(self.message, self.attempts[-1][1].residual_norms if self.attempts else ())
         return self.solution

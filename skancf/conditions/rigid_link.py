@@ -37,7 +37,7 @@ class RigidLink(Joint):
     Raises
     ------
     InputError
-        For points that are none; on a mesh, for one off the surface, and for two that are one place, whose link has no
+        For invalid points; on a mesh, for one off the surface, and for two that are one place, whose link has no
         direction.
 
     Examples

@@ -218,7 +218,7 @@ class MomentOnNormals(Acting):
             self._add_skew(q, case, blocks)
             return
         n, duals, _, c = self._surface(q, case)
-        # Sums over points as products of matrices; a sum of so many factors takes longer to plan than to do.
+        # Sums over points as products of matrices; a sum of this number of factors takes longer to plan than to do.
         left = np.einsum("mgan,gjmn->majn", self.slopes, duals).reshape(len(self.slopes), LOCAL, -1)
         right = np.einsum("mlbn,lmn,imn->mibn", self.slopes, c, n).reshape(len(self.slopes), LOCAL, -1)
         half = (left @ right.swapaxes(1, 2)).reshape(-1, FUNCTIONS, AXES, AXES, FUNCTIONS)

@@ -69,7 +69,7 @@ class Laminate:
     Raises
     ------
     InputError
-        For no layers, a layer that is none, and an offset that is not finite.
+        For no layers, an invalid layer, and an offset that is not finite.
 
     Notes
     -----
@@ -102,7 +102,7 @@ class Laminate:
         object.__setattr__(self, "layers", tuple(self.layers))
         for layer in self.layers:
             if not isinstance(layer, Layer):
-                raise InputError(f"layers: {shown(layer)} is none; give Layer(material, thickness, angle)")
+                raise InputError(f"layers: {shown(layer)} is not a layer; give Layer(material, thickness, angle)")
         number("offset", self.offset)
 
     def section(self) -> Section:

@@ -44,7 +44,7 @@ def require_law(material: Any) -> None:
 
 
 def stiffness_of(law: Any) -> np.ndarray:
-    """The stiffness of a law, checked where the law is none of this library's."""
+    """The stiffness of a law, checked where the law does not come from this library."""
     if is_ours(law):
         return np.asarray(law.stiffness())
     with Noted("material"):

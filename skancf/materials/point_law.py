@@ -81,7 +81,7 @@ class PointResponse:
         return int(np.argmax(self.code != FINE)) if self.code.any() else None
 
     def checked(self, law: Any, C: np.ndarray) -> "PointResponse":
-        """Itself; :class:`BeyondLaw` if it is none somewhere."""
+        """Itself; :class:`BeyondLaw` if it is not finite somewhere."""
         k = self.first_failure
         if k is not None:
             at = ", ".join(f"{value:.6g}" for value in C[:, k])

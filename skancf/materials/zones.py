@@ -33,15 +33,15 @@ class Zone:
     thickness : float or callable, optional
         In the zone, as that of the problem (m). Default: that of the problem.
     material : Law, Laminate or callable, optional
-        Default: that of the problem. A laminate brings its thickness. A law at points, such as rubber, may stand beside
-        other laws, linear ones too, and not beside laminates.
+        Default: that of the problem. A laminate brings its thickness. A law at points, such as rubber, may stand next to
+        other laws, linear ones too, and not next to laminates.
     offset : float or callable, optional
         Height of the mid-plane above the reference surface (m). Default: that of the problem.
 
     Raises
     ------
     InputError
-        For a rectangle that is none, and for a zone that changes nothing.
+        For an invalid rectangle, and for a zone that changes nothing.
 
     Examples
     --------

@@ -35,7 +35,7 @@ def check_mesh_on(mesh: Any, bounds: Any) -> None:
     if not isinstance(mesh, skfem.MeshQuad) or isinstance(mesh, skfem.MeshQuad2):
         raise InputError(
             f"mesh is a {type(mesh).__name__}: give a skfem.MeshQuad (straight edges; "
-            "a curved shape belongs into the surface, not into the mesh)"
+            "the surface describes a curved shape, not the mesh)"
         )
     points, quads = mesh.p, mesh.t
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=0))

@@ -248,7 +248,7 @@ class MeshQuadTree(skfem.MeshQuad):
 
 @dataclass(frozen=True)
 class _Meeting:
-    """Where smaller elements lie beside a larger one.
+    """Where smaller elements lie next to a larger one.
 
     ``small``, ``sides``, ``large`` are (k,), two for each hanging node of one side; ``seam`` tells where the larger one is
     across a closed seam. ``nodes`` (m,) are the hanging nodes and ``ends`` (2, m) the ends of the larger edge.

@@ -88,7 +88,7 @@ def _forest(points: np.ndarray, corners: np.ndarray, closed: Any) -> Forest:
     try:
         forest = forest_of(skfem.MeshQuad(points, corners), (bool(closed[0]), bool(closed[1])))
     except InputError as error:
-        raise _Unfit(f"its coarse mesh is none: {error}") from error
+        raise _Unfit(f"its coarse mesh is invalid: {error}") from error
     if not (np.array_equal(forest.points, points) and np.array_equal(forest.corners, corners)):
         raise _Unfit("a coarse element is no aligned rectangle with its lower left corner first")
     return forest

@@ -170,7 +170,7 @@ def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: f
         raise InputError(f"states = {shown(states)}: give a sequence of Solutions, as motion.states")
     frames = [_frame(state, style) for state in states]
     if not frames:
-        raise InputError("states: there are none to draw; give at least one")
+        raise InputError("states: the sequence is empty; give at least one")
     limits, extent = _limits(frames, style), _extent(frames, style)
     images = []
     with _plotter(style) as plotter:

@@ -138,7 +138,7 @@ class Foundation(Support):
     Raises
     ------
     InputError
-        For a stiffness that is not positive, and a direction that is none; on a mesh, for a function that is negative or not
+        For a stiffness that is not positive, and an invalid direction; on a mesh, for a function that is negative or not
         finite somewhere, or zero all over.
     """
 

@@ -15,6 +15,7 @@ from skancf.errors import InputError, number, vector
 from skancf.functions import called
 from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
+from skancf.showing import short
 from skancf.solution import Solution
 
 
@@ -58,6 +59,8 @@ class Estimate:
     scale: float = 0.0
     halvings: Halvings = NOTHING_KNOWN
     nested: bool = False
+
+    __repr__ = short
 
     @property
     def bar(self) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
 from skancf.meshes import MeshQuadTree
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.solving import Status
 
@@ -58,6 +59,8 @@ class Level:
     note: str = ""
     nested: bool = False
     bar: float = float("nan")
+
+    __repr__ = short
 
     @property
     def n_elements(self) -> int:

@@ -21,6 +21,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.errors import InputError, finite
 from skancf.history import Case
+from skancf.showing import short
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO
 from skancf.vectors import sum_of_cross
@@ -141,6 +142,8 @@ class Forces:
     material: np.ndarray
     conditions: np.ndarray
     multipliers: np.ndarray
+
+    __repr__ = short
 
     def at(self, time: float, before: "Forces") -> "Forces":
         """Linear through those of the step before."""

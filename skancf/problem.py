@@ -18,7 +18,7 @@ from skancf.materials.zones import check_zones
 from skancf.memory import require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
-from skancf.showing import short
+from skancf.showing import in_a_notebook, short
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.surfaces.checks import require_surface, require_vectors
@@ -89,6 +89,8 @@ class Problem:
     conditions: Sequence[Joint] = field(default_factory=tuple)
 
     __repr__ = short
+
+    _repr_html_ = in_a_notebook
 
     def __post_init__(self) -> None:
         plain(self)

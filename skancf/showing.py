@@ -40,7 +40,7 @@ def _is_default(value: Any, part: Any) -> bool:
 
 
 def in_full(value: Any) -> str:
-    """A value as Python that makes it again, nothing left out, where its parts allow that: what ``repr`` is too short for."""
+    """A value as Python that makes it again, nothing left out, where its parts allow that; ``repr`` is shorter."""
     if is_dataclass(value) and not isinstance(value, type):
         parts = [f"{part.name}={in_full(getattr(value, part.name))}" for part in fields(value) if part.repr]
         return f"{type(value).__qualname__}({', '.join(parts)})"
@@ -83,7 +83,7 @@ def _cut(text: str, most: int = LONG) -> str:
 
 
 def summary(method: Callable[[Any], str]) -> Callable[[Any], str]:
-    """Decorates a ``__str__`` that says what a person wants to know; of an object that is not whole, its fields are shown."""
+    """Decorates a ``__str__`` that says what a person wants to know; an object that is not whole shows its fields."""
 
     @wraps(method)
     def __str__(self: Any) -> str:
@@ -101,6 +101,11 @@ def in_brackets(self: Any) -> str:
     if said.startswith(f"{name}("):
         return said
     return f"<{said}>" if said.startswith(name) else f"<{name}: {said}>"
+
+
+def listed(self: Any) -> str:
+    """The first items of a sequence with a class of its own; a ``__repr__``."""
+    return f"{type(self).__name__}({brief(tuple(self))})"
 
 
 def in_a_notebook(self: Any) -> str | None:

@@ -7,7 +7,7 @@ import numpy as np
 from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
 from skancf.meshes import MeshQuadTree
-from skancf.showing import short
+from skancf.showing import in_a_notebook, in_brackets, short
 from skancf.solution import Solution
 from skancf.solving import Status
 
@@ -114,6 +114,8 @@ class AdaptiveResult:
     unit: str
     checks: tuple[Check, ...] = ()
     theory_error: TheoryError | None = None
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
 
     @property
     def ok(self) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from skancf.arguments import choice, function, plain
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.functions import called
+from skancf.showing import short
 from skancf.tolerances import ONE_TIME
 
 History = Callable[[float], float]
@@ -209,6 +210,8 @@ class Table(Tabulated):
     values: Sequence[float]
     kind: str = "linear"
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         n, values = self._set_times(), finite("values", self.values)
@@ -256,6 +259,8 @@ class Path(Tabulated):
 
     times: Sequence[float]
     points: Sequence[tuple[float, float]]
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -18,6 +18,7 @@ from skancf.materials.zones import check_zones
 from skancf.memory import require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
+from skancf.showing import in_a_notebook, short
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.surfaces.checks import require_surface, require_vectors
@@ -86,6 +87,10 @@ class Problem:
     offset: float | Callable[..., Any] = 0.0
     zones: Sequence[Zone] = field(default_factory=tuple)
     conditions: Sequence[Joint] = field(default_factory=tuple)
+
+    __repr__ = short
+
+    _repr_html_ = in_a_notebook
 
     def __post_init__(self) -> None:
         plain(self)

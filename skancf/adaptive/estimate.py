@@ -16,6 +16,7 @@ from skancf.functions import called
 from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
 from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import short
 from skancf.solution import Solution
 
 
@@ -73,6 +74,8 @@ class Estimate:
     scale: float = 0.0
     halvings: Halvings = NOTHING_KNOWN
     nested: bool = False
+
+    __repr__ = short
 
     @property
     def bar(self) -> float:

@@ -20,6 +20,7 @@ from skancf.history import Case
 from skancf.kernels.constants import BLOCK
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 from skancf.theories import left_per_halving
@@ -101,6 +102,8 @@ class Follow:
     smallest: float = SMALLEST
     coarsest: int = 0
     energy: float | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -24,6 +24,7 @@ from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
 from skancf.errors import SingularMatrix, vector
 from skancf.linear import DirectSolver, check_backend
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
 from skancf.statics.conditioned import factored_about, solved
@@ -75,6 +76,8 @@ class RemapChange:
     raised: float
     moved: float
 
+    __repr__ = short
+
     @property
     def energy(self) -> float:
         """Change of the sum of both energies (J)."""
@@ -106,6 +109,8 @@ class Remapped:
     v: np.ndarray | None
     a: np.ndarray | None
     change: RemapChange
+
+    __repr__ = short
 
 
 def remap(

@@ -7,6 +7,7 @@ import numpy as np
 from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
 from skancf.meshes import MeshQuadTree
+from skancf.showing import in_a_notebook, in_brackets, short
 from skancf.solution import Solution
 from skancf.solving import Status
 
@@ -72,6 +73,8 @@ class Level:
     nested: bool = False
     bar: float = float("nan")
 
+    __repr__ = short
+
     @property
     def n_elements(self) -> int:
         return int(self.mesh.nelements)
@@ -136,6 +139,8 @@ class AdaptiveResult:
     unit: str
     checks: tuple[Check, ...] = ()
     theory_error: TheoryError | None = None
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
 
     @property
     def ok(self) -> bool:

@@ -26,6 +26,7 @@ from skancf.history import Case
 from skancf.kernels.constants import AXES
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
+from skancf.showing import short
 from skancf.tolerances import ONE_PLACE, SEVEN_DIGITS
 
 POINTS = 4
@@ -69,6 +70,8 @@ class Hinge(Joint):
     first: Any
     second: Any
     name: str = "hinge"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -237,6 +240,8 @@ class HingeForce:
 
     ends: np.ndarray
     multipliers: np.ndarray
+
+    __repr__ = short
 
     def per_length(self, s: Any) -> np.ndarray:
         """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3). They count from its end

@@ -15,6 +15,7 @@ from skancf.history import Case
 from skancf.kernels.constants import AXES, VECTORS
 from skancf.layout.layout import Layout, vectors
 from skancf.layout.singularities import Singularity
+from skancf.showing import short
 from skancf.terms.blocks import Blocks
 from skancf.tolerances import ONE_PLACE
 
@@ -57,6 +58,8 @@ class RigidLink(Joint):
     a: tuple[float, float]
     b: tuple[float, float]
     name: str = "rigid link"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -13,6 +13,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.layout import EVERY, nodal
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.loads.acting import over_elements, values_at
+from skancf.showing import short
 from skancf.system.system import System
 
 
@@ -52,6 +53,8 @@ class RigidVelocity:
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     about: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -21,6 +21,7 @@ from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
 from skancf.errors import InputError, finite
 from skancf.history import Case
+from skancf.showing import counted, in_a_notebook, in_brackets, short, span, summary
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO
 from skancf.vectors import sum_of_cross
@@ -90,6 +91,15 @@ class Ledger:
     linear_impulse: np.ndarray
     angular_impulse: np.ndarray
     events: tuple[MeshEvent, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        last = {name: getattr(self, name)[-1] for name in ("kinetic", "strain", "potential", "work")}
+        said = ", ".join(f"{name} {value:.4g}" for name, value in last.items())
+        when = f"{counted(len(self.times), 'row')}, {span(self.times[0], self.times[-1], 's')}"
+        return f"Ledger: {when}, at the end {said}, without a source {self.balance[-1]:.2g} J"
 
     @property
     def energy(self) -> np.ndarray:
@@ -163,6 +173,8 @@ class Forces:
     material: np.ndarray
     conditions: np.ndarray
     multipliers: np.ndarray
+
+    __repr__ = short
 
     def at(self, time: float, before: "Forces") -> "Forces":
         """Linear through those of the step before."""

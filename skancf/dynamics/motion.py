@@ -13,6 +13,7 @@ from skancf.dynamics.ledger import Ledger
 from skancf.dynamics.pulls import Pulls
 from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
+from skancf.showing import counted, in_a_notebook, in_brackets, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.system.probe import probe
@@ -51,6 +52,13 @@ class Segment:
     v: np.ndarray
     outputs: np.ndarray
     pulls: Pulls | None = None
+
+    __repr__ = in_brackets
+
+    @summary
+    def __str__(self) -> str:
+        n = counted(len(self.times), "state")
+        return f"Segment: {n}, {span(self.times[0], self.times[-1], 's')}, {self.system}"
 
     def at(self, time: float) -> Solution:
         """The state at a time, between the states here by :class:`~skancf.dynamics.interpolation.StateInterpolation`."""
@@ -109,6 +117,17 @@ class Motion:
     seconds: float = 0.0
     checks: tuple[Check, ...] = ()
     error: np.ndarray | None = None
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        begin, end = self.segments[0].times[0], self.segments[-1].times[-1]
+        n = sum(int(np.count_nonzero(part.outputs)) for part in self.segments)
+        accepted = sum(step.accepted for step in self.steps)
+        on = f"{self.segments[-1].system}" + (f" at the end of {len(self.segments)} parts" if len(self.segments) > 1 else "")
+        steps = f"{counted(n, 'output')}, {counted(accepted, 'step')} computed in {self.seconds:.3g} s"
+        return f"Motion: {self.status.value}, {span(begin, end, 's')}, {on}, {steps}{passed(self.checks)}"
 
     @property
     def ok(self) -> bool:

@@ -10,6 +10,8 @@ from functools import cached_property
 
 import numpy as np
 
+from skancf.showing import short
+
 
 @dataclass(frozen=True, eq=False)
 class Pulls:
@@ -27,6 +29,8 @@ class Pulls:
     ends: np.ndarray
     acting: np.ndarray
     values: np.ndarray
+
+    __repr__ = short
 
     def at(self, time: float) -> np.ndarray:
         """Multipliers (n,) at a time, linear between the ends of steps."""

@@ -9,6 +9,7 @@ from numpy.polynomial import polynomial
 from skancf.arguments import choice, whole
 from skancf.errors import InputError, finite, number, shown
 from skancf.memory import require_much
+from skancf.showing import counted, in_a_notebook, in_brackets, summary
 from skancf.statics import Modes
 from skancf.tolerances import EQUIDISTANT, NO_SERIES, TINY
 
@@ -44,6 +45,8 @@ class Match:
     natural: float
     modes: tuple[int, ...]
     highest: float | None = None
+
+    __repr__ = in_brackets
 
     @property
     def difference(self) -> float:
@@ -98,6 +101,16 @@ class Spectrum:
     resolution: float
     nyquist: float
     padding: int
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        columns = counted(int(np.prod(self.amplitudes.shape[1:], dtype=int)), "column")
+        return (
+            f"Spectrum: up to {self.nyquist:.4g} Hz, {columns}, tells frequencies {self.resolution:.3g} Hz apart; "
+            f"largest amplitude {self.total.max():.4g} at {self.frequencies[self.total.argmax()]:.4g} Hz"
+        )
 
     @property
     def total(self) -> np.ndarray:

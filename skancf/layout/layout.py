@@ -12,6 +12,7 @@ import numpy as np
 
 from skancf.errors import InputError, finite
 from skancf.kernels.constants import AXES, BLOCK, VECTORS, R
+from skancf.showing import short
 
 EVERY = slice(None)
 """Index of all blocks."""
@@ -60,6 +61,8 @@ class Part:
     held: np.ndarray | None = None
     moves: bool = True
     nodal: bool = False
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError
+from skancf.showing import short
 from skancf.tolerances import ORTHONORMAL
 
 
@@ -44,6 +45,8 @@ class Constraints:
     fixed: np.ndarray
     frame_nodes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     frames: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         fixed = np.asarray(self.fixed)

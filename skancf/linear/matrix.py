@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from skancf.errors import InputError
 from skancf.linear import kernels
 from skancf.linear.pattern import BlockPattern
+from skancf.showing import short
 
 
 class Form(Protocol):
@@ -50,6 +51,8 @@ class BlockMatrix:
     pattern: BlockPattern
     values: np.ndarray
     form: Form | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         expected = (self.pattern.n_blocks, self.pattern.block, self.pattern.block)

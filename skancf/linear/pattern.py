@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError
+from skancf.showing import short
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,8 @@ class BlockPattern:
     indptr: np.ndarray
     indices: np.ndarray
     coordinates: np.ndarray
+
+    __repr__ = short
 
     @classmethod
     def from_cells(

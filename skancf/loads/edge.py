@@ -15,6 +15,7 @@ from skancf.history import History
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import DeadLoad, Spread, check_distributed, values_at
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 from skancf.tolerances import ONE_PLACE, PARALLEL_LINES
 
@@ -36,6 +37,8 @@ class EdgeLoad:
     where: Any
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -85,6 +88,8 @@ class LineLoad:
     end: tuple[float, float]
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -12,6 +12,7 @@ from skancf.history import Case
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import Acting, point_forces
 from skancf.loads.edge import on_edges
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
@@ -51,6 +52,8 @@ class Impulse:
     at: tuple[float, float]
     impulse: tuple[float, float, float]
     time: float = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -97,6 +100,8 @@ class EdgeImpulse:
     where: Any
     impulse: Any
     time: float = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -14,6 +14,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity
 from skancf.loads.acting import Acting, Spread, check_distributed
 from skancf.loads.edge import along_line, on_line
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 Place = Callable[[float], Any]
@@ -63,6 +64,8 @@ class MovingForce:
     path: Place
     force: tuple[float, float, float]
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -122,6 +125,8 @@ class MovingLine:
     end: Any
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -12,6 +12,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity
 from skancf.loads.acting import DeadLoad, point_forces
 from skancf.loads.pole import covered_pole
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 from skancf.tolerances import ONE_PLACE, VANISHED
 
@@ -41,6 +42,8 @@ class PointForce:
     at: tuple[float, float]
     force: tuple[float, float, float]
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -89,6 +92,8 @@ class DiskForce:
     radius: float
     force: tuple[float, float, float]
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

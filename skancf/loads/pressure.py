@@ -14,6 +14,7 @@ from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.loads.acting import Acting
 from skancf.loads.pressure_kernel import pressure_stiffness
+from skancf.showing import short
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
@@ -62,6 +63,8 @@ class FollowerPressure:
 
     pressure: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -11,6 +11,7 @@ from skancf.history import History, check_history
 from skancf.kernels.constants import AXES, POINTS
 from skancf.loads.acting import Acting, DeadLoad, check_distributed, over_elements, values_at
 from skancf.loads.eccentric import DeadLoadOnNormals
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
@@ -36,6 +37,8 @@ class SurfaceLoad:
 
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -65,6 +68,8 @@ class Gravity:
 
     acceleration: tuple[float, float, float] = (0.0, 0.0, -9.80665)
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

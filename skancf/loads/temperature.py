@@ -10,6 +10,7 @@ from skancf.errors import InputError, finite
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
 from skancf.loads.acting import Acting
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
@@ -39,6 +40,8 @@ class Temperature:
     change: Any = 0.0
     gradient: Any = 0.0
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

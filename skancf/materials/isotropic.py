@@ -7,6 +7,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
 from skancf.materials.law import SHEAR_CORRECTION, build
+from skancf.showing import short
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,8 @@ class Isotropic:
     shear_correction: float = SHEAR_CORRECTION
     expansion: float = 0.0
     angle = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -12,6 +12,7 @@ from skancf.materials.made import stack
 from skancf.materials.point_law import is_point_law
 from skancf.materials.section import Section
 from skancf.materials.shear import with_shear_of_equilibrium
+from skancf.showing import short
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,8 @@ class Layer:
     material: Law
     thickness: float
     angle: float = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -101,6 +104,8 @@ class Laminate:
 
     layers: Sequence[Layer]
     offset: float = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

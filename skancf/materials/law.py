@@ -13,6 +13,7 @@ import numpy as np
 from skancf.arguments import choice, plain
 from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import Noted, is_ours
+from skancf.showing import short
 from skancf.tolerances import ROUNDED_SUM, SYMMETRIC
 
 SHEAR_CORRECTION = 5 / 6
@@ -187,6 +188,8 @@ class Anisotropic:
     shear_correction: float = SHEAR_CORRECTION
     expansion: Any = (0.0,) * 6
     _stiffness: np.ndarray = field(init=False, repr=False, compare=False)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

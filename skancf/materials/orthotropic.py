@@ -7,6 +7,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import positive, vector
 from skancf.materials.law import SHEAR_CORRECTION, build, check_definite, thinning, turned_strain, turned_thinning
+from skancf.showing import short
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,8 @@ class Orthotropic:
     kind: str = "plane_stress"
     shear_correction: float = SHEAR_CORRECTION
     expansion: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -18,6 +18,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from skancf.errors import InputError, finite
+from skancf.showing import short
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Rows and columns of the six numbers of a stiffness D: 11, 22, 12, each with itself, then 11, 22; 11, 12; 22, 12."""
@@ -83,6 +84,8 @@ class PointResponse:
     stretch33: np.ndarray
     code: Any = None
     history: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         n = np.shape(self.energy)[-1:]

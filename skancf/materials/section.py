@@ -13,6 +13,7 @@ from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, thinning
 from skancf.materials.point_law import PointLaw
+from skancf.showing import short
 from skancf.tolerances import ROUNDED_PLACE
 
 LEAST, MOST = 1e-80, 1e80
@@ -72,6 +73,8 @@ class Section:
     thinning: Any = None
     points_law: PointLaw | None = None
     places: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         if self.places is not None:

@@ -34,6 +34,7 @@ from skancf.materials.free_stretch import FreeStretch, free_stretch
 from skancf.materials.point_law import PointLaw
 from skancf.materials.section import Section
 from skancf.materials.thickness_kernels import deformations, resultants
+from skancf.showing import short
 
 POINTS = 3
 """Gauss points through the thickness: in bending of rubber to a radius of five thicknesses they are 0.004 % off, and normals
@@ -74,6 +75,8 @@ class SectionResponse:
     stretch33: np.ndarray
     code: np.ndarray
     history: np.ndarray
+
+    __repr__ = short
 
     @property
     def first_failure(self) -> tuple[int, int, int] | None:

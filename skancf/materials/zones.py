@@ -10,6 +10,7 @@ import numpy as np
 from skancf.arguments import plain, sequence, text
 from skancf.errors import InputError, finite, shown
 from skancf.functions import is_function, true_at
+from skancf.showing import short
 from skancf.surfaces import Interval
 from skancf.tolerances import ONE_PLACE
 
@@ -58,6 +59,8 @@ class Zone:
     thickness: Any = None
     material: Any = None
     offset: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skancf.arguments import plain, sequence
 from skancf.errors import InputError, number, vector
+from skancf.showing import listed
 
 REGION = "regions, as stress_regions finds them or as in [Region((0.5, 0.5), (0.1, 0.1))]"
 
@@ -70,6 +71,8 @@ class Regions(tuple[Region, ...]):
     """
 
     cell: tuple[float, float]
+
+    __repr__ = listed
 
     def __new__(cls, regions: Iterable[Region], cell: tuple[float, float]) -> "Regions":
         self = super().__new__(cls, sequence("regions", regions, Region, REGION))

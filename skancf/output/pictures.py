@@ -16,6 +16,7 @@ from skancf.output.colours import colour_limits, colour_map
 from skancf.output.fields import check_name, place, readable_unit, values, words
 from skancf.output.rendering import check_rendering, quiet
 from skancf.output.sampling import grid, sample_surface
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.tolerances import ONE_PLACE
 
@@ -69,6 +70,8 @@ class Style:
     title: str | None = None
     subdivisions: int | None = None
     size: tuple[int, int] = (1400, 1000)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         check_name(self.field)

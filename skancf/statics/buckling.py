@@ -14,6 +14,7 @@ from skancf.checks import Check
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import in_a_notebook, in_brackets, passed, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.conditioned import curved, is_loaded
@@ -97,6 +98,13 @@ class BucklingResult:
     message: str = ""
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        factors = f"load factors {some(self.load_factors)}" if len(self.load_factors) else self.message
+        return f"BucklingResult: {factors}; {self.linear.system}{passed(self.checks)}"
 
     @property
     def ok(self) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 from skancf.arguments import instance, plain, whole
 from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
+from skancf.showing import short
 from skancf.statics.stopping import Constraint
 from skancf.system.probe import probe
 from skancf.tolerances import ONE_PLACE
@@ -61,6 +62,8 @@ class StepLength:
     easy: int = 5
     growth: float = 1.5
     cut: float = 2.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -121,6 +124,8 @@ class ArcLength:
     first: float = 0.05
     steps: StepLength = StepLength()
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         if number("first", self.first) == 0:
@@ -175,6 +180,8 @@ class DisplacementControl:
     first: float = 0.05
     steps: StepLength = StepLength()
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         number("to", self.to)
@@ -224,6 +231,8 @@ class DisplacementReached:
     at: Sequence[float]
     direction: Sequence[float]
     value: float
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

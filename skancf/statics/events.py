@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.showing import in_brackets, summary
 from skancf.solution import Solution
 from skancf.statics.critical import critical_mode
 from skancf.statics.points import Follower, Point, interpolate
@@ -52,6 +53,12 @@ class Event:
     solution: Solution
     mode: np.ndarray
     refined: bool
+
+    __repr__ = in_brackets
+
+    @summary
+    def __str__(self) -> str:
+        return f"{self.kind} at load factor {self.load_factor:.5g}"
 
 
 def events_between(follower: Follower, a: Point, b: Point, length: float) -> list[Event]:

@@ -15,6 +15,7 @@ from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import counted, in_a_notebook, in_brackets, passed, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.conditioned import conditions_in
@@ -88,6 +89,14 @@ class Modes:
     state: Solution
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        said = f"{counted(len(self.eigenvalues), 'mode')}, frequencies {some(self.frequencies, 'Hz')}"
+        still = [f"{n} {what}" for n, what in ((self.n_rigid, "without stiffness"), (self.n_unstable, "unstable")) if n]
+        return f"Modes: {', '.join([said, *still])}; {self.state.system}{passed(self.checks)}"
 
     @property
     def ok(self) -> bool:

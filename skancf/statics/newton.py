@@ -14,6 +14,7 @@ import numpy as np
 
 from skancf.errors import DidNotConverge
 from skancf.linear import DirectSolver
+from skancf.showing import short
 from skancf.solving import End, Status, iterate
 from skancf.statics.conditioned import tangents_of
 from skancf.statics.corrections import StaticSystem, Tangents, none
@@ -52,6 +53,8 @@ class NewtonResult:
     bound: float = 0.0
     multipliers: np.ndarray = field(default_factory=none)
     pulled: np.ndarray = field(default_factory=none)
+
+    __repr__ = short
 
     @property
     def ok(self) -> bool:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from skancf.arguments import plain, whole
 from skancf.checks import Check
 from skancf.errors import DidNotConverge, InputError, positive, warn
+from skancf.showing import counted, in_a_notebook, in_brackets, passed, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import OPEN, NewtonResult
@@ -87,6 +88,14 @@ class StaticResult:
     attempts: tuple[tuple[float, NewtonResult], ...]
     message: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        steps = counted(len(self.path), "load step")
+        said = f"{self.status.value}, {self.solution.said}, {counted(self.iterations, 'iteration')} in {steps}"
+        return f"StaticResult: {said}{passed(self.checks)}"
 
     @property
     def iterations(self) -> int:

@@ -11,6 +11,7 @@ from skancf.functions import is_function, values_at
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL, POINTS
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
+from skancf.showing import short
 from skancf.supports.conditions import Support
 from skancf.terms.protocols import Assembly
 
@@ -92,6 +93,8 @@ class Spring(Support):
     where: Any
     stiffness: Any
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_factors("stiffness", self.stiffness)
@@ -131,6 +134,8 @@ class Dashpot(Support):
 
     where: Any
     damping: Any
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -177,6 +182,8 @@ class Foundation(Support):
 
     stiffness: Any
     direction: tuple[float, float, float] | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.errors import InputError, shown, unit_vector, warn
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import SpotOfMesh, Support, edges, held_along, no_drilling, no_tilt_along, no_turn_about
 from skancf.supports.plane import check_planes
@@ -38,6 +39,8 @@ class Pin(Support):
     holds = ("position",)
     where: Any
 
+    __repr__ = short
+
     def rows(self, geometry: Geometry) -> list[Row]:
         return held_along(edges_or_points("Pin", geometry, self.where), np.eye(3))
 
@@ -60,6 +63,8 @@ class Clamp(Support):
 
     holds = ("position", "normal")
     where: Any
+
+    __repr__ = short
 
     def rows(self, geometry: Geometry) -> list[Row]:
         place = edges_or_points("Clamp", geometry, self.where)
@@ -87,6 +92,8 @@ class NoRotation(Support):
 
     holds = ("normal",)
     where: Any
+
+    __repr__ = short
 
     def rows(self, geometry: Geometry) -> list[Row]:
         place = edges(geometry, self.where)
@@ -119,6 +126,8 @@ class SimpleSupport(Support):
     holds = ("position",)
     where: Any
     kind: str = "soft"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         checked_kind(self.kind)
@@ -173,6 +182,8 @@ class Roller(Support):
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
     kind: str = "soft"
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         checked_kind(self.kind)
         unit_vector("direction", self.direction, "a roller needs a direction in which it holds")
@@ -222,6 +233,8 @@ class Symmetry(Support):
 
     holds = ("mirror",)
     where: Any
+
+    __repr__ = short
 
     def rows(self, geometry: Geometry) -> list[Row]:
         rows = []

@@ -14,6 +14,7 @@ from skancf.history import History, check_history
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
+from skancf.showing import short
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import Edges, SpotOfMesh, Support, single_points
 from skancf.surfaces import normal
@@ -68,6 +69,8 @@ class Prescribed(Support):
     displacement: Any = (None, None, None)
     history: History | None = None
     rotation: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -8,6 +8,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
@@ -47,6 +48,8 @@ class AnnulusSector(Revolution):
     angle: float = pi / 2
     start: float = 0.0
     closed: Any = False
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.surfaces.cylinder import ALONG_X
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
@@ -51,6 +52,8 @@ class Cone(Revolution):
     closed: Any = False
 
     axes = ALONG_X
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
@@ -56,6 +57,8 @@ class CylinderSector(Revolution):
     closed: Any = False
 
     axes = ALONG_X
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval, parameters
 
 
@@ -43,6 +44,8 @@ class HyperbolicParaboloid:
     length_x: float
     length_y: float
     rise: float
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -9,6 +9,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.errors import InputError, finite, positive, shown
 from skancf.functions import called, is_function
+from skancf.showing import short
 from skancf.surfaces.differences import POINTS, difference
 from skancf.surfaces.kinks import check_kinks
 from skancf.surfaces.protocol import TAKEN, Interval, parameters
@@ -65,6 +66,8 @@ class MappedSurface:
     closed: tuple[bool, bool] = (False, False)
     exact_derivatives: Callable[[np.ndarray, np.ndarray], Any] | None = None
     step: float = 1 / 256
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -8,6 +8,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval, parameters
 
 
@@ -39,6 +40,8 @@ class Parallelogram:
     length_x: float
     length_y: float
     angle: float
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

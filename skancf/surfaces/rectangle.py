@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from skancf.arguments import plain
 from skancf.errors import positive, vector
+from skancf.showing import short
 from skancf.surfaces.plane import Plane
 from skancf.surfaces.protocol import Interval
 
@@ -29,6 +30,8 @@ class Rectangle(Plane):
     length_x: float
     length_y: float
     origin: tuple[float, float] = (0.0, 0.0)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -8,6 +8,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.errors import InputError, positive, vector
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
@@ -54,6 +55,8 @@ class SphereSector(Revolution):
     angle: float
     start: float = 0.0
     closed: Any = False
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

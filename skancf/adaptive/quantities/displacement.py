@@ -8,6 +8,7 @@ import numpy as np
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import plain
 from skancf.errors import unit_vector, vector
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.statics.controls import displacement_row
 
@@ -46,6 +47,8 @@ class Displacement(Smooth):
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     unit: ClassVar[str] = "m"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.arguments import STATE, instance, plain
 from skancf.conditions.solver import curved
 from skancf.errors import unit_vector
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 
@@ -54,6 +55,8 @@ class Reaction:
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     unit: ClassVar[str] = "N"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

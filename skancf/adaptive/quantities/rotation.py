@@ -10,6 +10,7 @@ from skancf.arguments import plain
 from skancf.errors import InputError, unit_vector, vector
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.tolerances import ONE_DIRECTION
 
@@ -60,6 +61,8 @@ class Rotation(Smooth):
     towards: tuple[float, float, float]
 
     unit: ClassVar[str] = "rad"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -12,6 +12,7 @@ from skancf.arguments import STATE, choice, instance, plain
 from skancf.errors import InputError, finite, vector
 from skancf.layout.geometry import Geometry
 from skancf.recovered import gradient, section_forces
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 
@@ -65,6 +66,8 @@ class SectionForce(Smooth):
     component: str
     at: tuple[float, float] | None = None
     within: tuple[Range, Range] | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -22,6 +22,7 @@ from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.point_law import BEYOND, FINE, FOLDED
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -202,6 +203,8 @@ class Ogden(OfInvariants):
     expansion: float = 0.0
     compiled = at_point
     _at_points = staticmethod(at_points)
+
+    __repr__ = short
 
     def _check(self) -> None:
         pairs = finite("terms", self.terms)

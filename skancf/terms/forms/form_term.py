@@ -15,6 +15,7 @@ from skancf.functions import is_function
 from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
+from skancf.showing import short
 from skancf.terms.forms import integrand
 from skancf.terms.forms.fields import VELOCITY
 from skancf.terms.forms.integrand import Integrand
@@ -118,6 +119,8 @@ class FormTerm(Addition):
     load: bool = False
     history: History | None = None
     points: int = 4
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         for name in FORMS:

@@ -21,6 +21,7 @@ from skancf.elements.reference import ancf_functions, of_points
 from skancf.kernels.constants import FUNCTIONS
 from skancf.materials import Section
 from skancf.materials.shear import warn_if_layers_bend_alone
+from skancf.showing import short
 from skancf.theories.full.nodes import N_POSITION, DirectorNodes
 from skancf.theories.full.validity import warn_if_off
 from skancf.vectors import cross
@@ -142,6 +143,8 @@ class Full(DirectorNodes):
     shear = True
     softest = 1e-5
     bytes_per_element, bytes_per_shape = 12_500, 330_000
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         flag("assumed", self.assumed)

@@ -26,6 +26,7 @@ from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import hermite_functions, of_points
 from skancf.kernels.constants import FUNCTIONS
 from skancf.materials import Section
+from skancf.showing import short
 from skancf.theories.kirchhoff.nodes import HermiteNodes
 from skancf.theories.kirchhoff.point import SECOND, dot, dual, gradient, strain, unit_normal
 from skancf.vectors import cross
@@ -90,6 +91,8 @@ class Kirchhoff(HermiteNodes):
     shear = False
     softest = 1e-3
     bytes_per_element, bytes_per_shape = 9_200, 13_000
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         flag("assumed", self.assumed)

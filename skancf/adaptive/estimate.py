@@ -11,6 +11,7 @@ from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.arguments import STATE, having, instance
+from skancf.equality import by_value
 from skancf.errors import InputError, number, vector
 from skancf.functions import called
 from skancf.linear import check_backend
@@ -18,6 +19,7 @@ from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 
 
+@by_value
 @dataclass(frozen=True)
 class Estimate:
     r"""How far a value is from its limit, and where that comes from.

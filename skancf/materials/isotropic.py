@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
 from skancf.materials.law import SHEAR_CORRECTION, build
 
 
+@by_value
 @dataclass(frozen=True)
 class Isotropic:
     r"""Isotropic elasticity.

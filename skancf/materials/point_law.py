@@ -17,6 +17,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -41,6 +42,7 @@ class BeyondLaw(InputError):
         super().__init__(message)
 
 
+@by_value
 @dataclass(frozen=True)
 class PointResponse:
     """What a law says of n points.

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.solution import Solution
 from skancf.statics.critical import critical_mode
 from skancf.statics.points import Follower, Point, interpolate
@@ -16,6 +17,7 @@ REFINEMENTS = 8
 CLOSE = 1e-3
 
 
+@by_value
 @dataclass(frozen=True)
 class Event:
     """A point of the path where its tangent stiffness is singular; its symmetric part, for a bifurcation.

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge
 from skancf.linear import DirectSolver
 from skancf.solving import End, Status, iterate
@@ -19,6 +20,7 @@ from skancf.statics.corrections import StaticSystem, Tangents, none
 from skancf.statics.stopping import Constraint, ConvergenceTest, Pull, moves
 
 
+@by_value
 @dataclass(frozen=True)
 class NewtonResult:
     """Outcome of one solve.

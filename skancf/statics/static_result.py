@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skancf.arguments import plain, whole
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, OutOfDepth, positive
 from skancf.solution import Solution
 from skancf.solving import Status
@@ -38,6 +39,7 @@ class HalveAndGrow:
         return step * self.growth if result.iterations <= self.easy else step
 
 
+@by_value
 @dataclass(frozen=True)
 class StaticResult:
     """Outcome of :func:`solve`.

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
 from skancf.surfaces.protocol import Interval, parameters
 
 
+@by_value
 @dataclass(frozen=True)
 class HyperbolicParaboloid:
     r"""A saddle over a rectangle centred at the origin,

@@ -14,6 +14,7 @@ from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints
 from skancf.system.inertia import Inertia
+from skancf.system.rebuild import Rebuilt
 from skancf.system.unstressed import ByStrains, unstressed
 from skancf.terms.blocks import Blocks, SkewBlocks, coupled
 from skancf.terms.protocols import Assembly, Prescription
@@ -22,7 +23,7 @@ from skancf.terms.sums import Loads, Terms
 from skancf.terms.term import Term
 
 
-class System:
+class System(Rebuilt):
     """Residual, tangent and mass of a problem on a mesh.
 
     Unknowns are one vector q of 12 per block, see :class:`~skancf.layout.layout.Layout`: at a node r, r_x, r_y and r_z
@@ -53,8 +54,6 @@ class System:
     choice
         With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
     """
-
-    choice: Any = None
 
     def __init__(
         self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,

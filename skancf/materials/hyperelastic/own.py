@@ -11,6 +11,7 @@ import numba
 import numpy as np
 
 from skancf.arguments import flag, function, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.materials.hyperelastic.law import Rubber
 from skancf.materials.hyperelastic.own_check import EXAMPLE, check_energy
@@ -18,6 +19,7 @@ from skancf.materials.hyperelastic.own_kernels import Kernels, kernels_of
 from skancf.materials.law import corrected
 
 
+@by_value
 @dataclass(frozen=True)
 class Hyperelastic(Rubber):
     r"""A law with an energy of your own, of the invariants of C or of its components.

@@ -4,7 +4,20 @@ import importlib
 import logging
 from typing import TYPE_CHECKING, Any
 
-from skancf import adaptive, conditions, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
+from skancf import (
+    adaptive,
+    conditions,
+    dynamics,
+    loads,
+    materials,
+    meshes,
+    statics,
+    storage,
+    supports,
+    surfaces,
+    terms,
+    theories,
+)  # fmt: skip
 from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
@@ -107,6 +120,7 @@ from skancf.statics import (
     solve_linear,
     trace,
 )
+from skancf.storage import load, read_problem, run_file, save
 from skancf.supports import (
     Clamp,
     Dashpot,
@@ -259,6 +273,7 @@ __all__ = [
     "dynamics",
     "find_regions",
     "goal_estimate",
+    "load",
     "loads",
     "materials",
     "meshes",
@@ -266,14 +281,18 @@ __all__ = [
     "nodal_measure",
     "output",
     "read_motion",
+    "read_problem",
     "recovery_indicator",
     "remap",
     "residual_indicator",
+    "run_file",
+    "save",
     "simulate",
     "solve",
     "solve_linear",
     "spectrum",
     "statics",
+    "storage",
     "stress_indicator",
     "stress_regions",
     "supports",

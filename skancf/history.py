@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import choice, function, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.functions import called
 from skancf.showing import short
@@ -179,6 +180,7 @@ class Tabulated:
         return float(min(max(time, first), last))
 
 
+@by_value
 @dataclass(frozen=True)
 class Table(Tabulated):
     """A function of time given by values, for example measured ones.
@@ -233,6 +235,7 @@ class Table(Tabulated):
         return float(self._function(self._inside(time)))
 
 
+@by_value
 @dataclass(frozen=True)
 class Path(Tabulated):
     """A way in the parameter plane, straight from point to point; a load that moves follows it.
@@ -295,6 +298,7 @@ class Lasting:
         return self.start, self.start + self.duration
 
 
+@by_value
 @dataclass(frozen=True)
 class Ramp(Lasting):
     r"""Zero before ``start``, one after ``start + duration``, a straight line between: :math:`(t - t_0) / T`.
@@ -333,6 +337,7 @@ PULSES: dict[str, Callable[[float], float]] = {
 """Shapes over 0 < s < 1."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Pulse(Lasting):
     r"""A pulse of height one between ``start`` and ``start + duration``, zero elsewhere.

@@ -9,6 +9,7 @@ import numpy as np
 
 from skancf.arguments import flag, plain, system_like, text
 from skancf.elements.reference import CORNERS
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.history import Case
 from skancf.layout.layout import vectors
@@ -29,6 +30,7 @@ STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 ONE_STRAIN = 1e-3
 
 
+@by_value
 @dataclass(frozen=True)
 class Solution(TrueStresses):
     """One state: nodal coordinates with their system.

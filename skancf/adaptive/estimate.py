@@ -11,6 +11,7 @@ from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.arguments import STATE, having, instance
+from skancf.equality import by_value
 from skancf.errors import InputError, number, vector
 from skancf.functions import called
 from skancf.linear import check_backend
@@ -20,6 +21,7 @@ from skancf.showing import short
 from skancf.solution import Solution
 
 
+@by_value
 @dataclass(frozen=True)
 class Estimate:
     r"""How far a value is from its limit, and where that comes from.

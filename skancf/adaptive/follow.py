@@ -14,6 +14,7 @@ from skancf.dynamics import MeshEvent
 from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, warn
 from skancf.functions import called
 from skancf.history import Case
@@ -37,6 +38,7 @@ PLACES = 5
 """Times until the next check at which places of loads are asked for."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Follow:
     r"""Elements are quartered and merged while the body moves, so that the error stays below an allowed one.

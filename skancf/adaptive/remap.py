@@ -22,6 +22,7 @@ from skancf.adaptive.momenta import Momenta
 from skancf.adaptive.on_conditions import Mass, closed, floats, kept
 from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
+from skancf.equality import by_value
 from skancf.errors import SingularMatrix, vector
 from skancf.linear import DirectSolver, check_backend
 from skancf.showing import short
@@ -39,6 +40,7 @@ STEPS, ENOUGH = 3, 1e-2
 """Steps towards the internal forces, at most, and the excess of strain energy over the energy where they end."""
 
 
+@by_value
 @dataclass(frozen=True)
 class RemapChange:
     """What a change of mesh did to a state.
@@ -89,6 +91,7 @@ class RemapChange:
         return np.asarray(np.linalg.norm(self.momenta[1] - self.momenta[0], axis=1))
 
 
+@by_value
 @dataclass(frozen=True)
 class Remapped:
     """Nodal coordinates on the new mesh, their rates and accelerations (None where none were given), and the change.

@@ -6,12 +6,14 @@ import numpy as np
 
 from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.meshes import MeshQuadTree
 from skancf.showing import in_a_notebook, in_brackets, short
 from skancf.solution import Solution
 from skancf.solving import Status
 
 
+@by_value
 @dataclass(frozen=True)
 class Level:
     """One mesh of the loop.
@@ -89,6 +91,7 @@ class Level:
         return sum(self.seconds.values())
 
 
+@by_value
 @dataclass(frozen=True)
 class AdaptiveResult:
     """Status of :func:`adapt`.

@@ -20,6 +20,7 @@ from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.edges import Chain, segments, side_by_side
 from skancf.conditions.rows import cells_of, extent_of, in_space
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, warn
 from skancf.functions import Noted, is_function
 from skancf.history import Case
@@ -33,6 +34,7 @@ POINTS = 4
 """Gauss points between two knots of either edge."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Hinge(Joint):
     """Two edges of the surface that lie on each other stay together there, and turn freely.
@@ -214,6 +216,7 @@ class Gap(Condition):
         return HingeForce(self.seam.ends, multipliers.reshape(-1, AXES))
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class HingeForce:
     """What the second edge of a hinge exerts on the first.

@@ -10,6 +10,7 @@ from skancf.arguments import plain, text
 from skancf.conditions import distance
 from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.rows import cells_of, extent_of, in_space
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.history import Case
 from skancf.kernels.constants import AXES, VECTORS
@@ -20,6 +21,7 @@ from skancf.terms.blocks import Blocks
 from skancf.tolerances import ONE_PLACE
 
 
+@by_value
 @dataclass(frozen=True)
 class RigidLink(Joint):
     r"""A rigid rod, hinged at both ends, between two points of the mid-surface.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, vector
 from skancf.kernels.constants import R
 from skancf.layout.geometry import Geometry
@@ -17,6 +18,7 @@ from skancf.showing import short
 from skancf.system.system import System
 
 
+@by_value
 @dataclass(frozen=True)
 class RigidVelocity:
     r"""The velocity of a body that moves and turns as a whole, at any configuration.

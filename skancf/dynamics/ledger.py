@@ -19,6 +19,7 @@ from skancf.dynamics.forces import net_force
 from skancf.dynamics.log import Log
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.history import Case
 from skancf.showing import counted, in_a_notebook, in_brackets, short, span, summary
@@ -54,6 +55,7 @@ class MeshEvent:
     """Whether the run went back to here, because the motion had outrun the fine part of the mesh."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Ledger:
     """The ledger at times (n,); energies in J, momenta (n, 3) in N s and, about the origin, N m s.

@@ -11,6 +11,7 @@ from skancf.checks import Check
 from skancf.dynamics.interpolation import StateInterpolation
 from skancf.dynamics.ledger import Ledger
 from skancf.dynamics.pulls import Pulls
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
 from skancf.showing import counted, in_a_notebook, in_brackets, passed, span, summary
@@ -38,6 +39,7 @@ class Step:
     n_dofs: int = 0
 
 
+@by_value
 @dataclass(frozen=True)
 class Segment:
     """A part of a run on one mesh and without a jump of velocities: states (n, n_dofs) at times (n,).
@@ -74,6 +76,7 @@ class Segment:
         return Solution(self.system, q, v, time, multipliers=None if self.pulls is None else self.pulls.at(time))
 
 
+@by_value
 @dataclass(frozen=True)
 class Motion:
     """States over time, as far as the run came.

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from skancf.arguments import choice, whole
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, shown
 from skancf.memory import require_much
 from skancf.showing import counted, in_a_notebook, in_brackets, summary
@@ -72,6 +73,7 @@ class Match:
         return text if self.highest is None else f"{text}; none above {self.highest:.6g} Hz is given: ask for more modes"
 
 
+@by_value
 @dataclass(frozen=True)
 class Spectrum:
     r"""Outcome of :func:`spectrum`.

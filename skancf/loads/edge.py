@@ -10,6 +10,7 @@ import skfem
 
 from skancf.arguments import plain
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.history import History
 from skancf.layout.geometry import Geometry
@@ -20,6 +21,7 @@ from skancf.terms.protocols import Assembly
 from skancf.tolerances import ONE_PLACE, PARALLEL_LINES
 
 
+@by_value
 @dataclass(frozen=True)
 class EdgeLoad:
     """A dead force per undeformed length (N/m) along boundary edges; lengths are those of the surface itself.
@@ -58,6 +60,7 @@ def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") ->
     return Spread(elements, points, forces)
 
 
+@by_value
 @dataclass(frozen=True)
 class LineLoad:
     """A dead force per undeformed length (N/m) along a straight line of the parameter plane.

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import number, vector
 from skancf.functions import is_function
 from skancf.history import Case
@@ -16,6 +17,7 @@ from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
+@by_value
 @dataclass(frozen=True)
 class Impulse:
     r"""An impulse (N s) at a point of the parameter plane: at its time velocities jump, positions do not.
@@ -69,6 +71,7 @@ class Impulse:
         return Blow(nodal, float(self.time), [Singularity("force", at, "an Impulse", self.impulse, at_rest=False)])
 
 
+@by_value
 @dataclass(frozen=True)
 class EdgeImpulse:
     """An impulse per undeformed length (N s/m) along boundary edges; in all else as :class:`Impulse`.

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
@@ -21,6 +22,7 @@ from skancf.tolerances import PARALLEL, ROUNDED_PRODUCT
 from skancf.vectors import cross
 
 
+@by_value
 @dataclass(frozen=True)
 class EdgeMoment:
     r"""A moment per undeformed length (N) on edges, about axes that do not turn.
@@ -73,6 +75,7 @@ class EdgeMoment:
         return EdgeMomentOnNormals(assembly, elements, points, moments, self, ends)
 
 
+@by_value
 @dataclass(frozen=True)
 class PointMoment:
     r"""A moment (N m) at a point of the parameter plane, about an axis that does not turn.

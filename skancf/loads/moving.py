@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, vector
 from skancf.functions import called, is_function
 from skancf.history import Case, History, check_history
@@ -23,6 +24,7 @@ Found = tuple[np.ndarray, Spread]
 """Parameters (2, n) where a load acts, and its forces."""
 
 
+@by_value
 @dataclass(frozen=True)
 class MovingForce:
     """A dead force (N) at a point that moves over the surface: a wheel, a drop that runs down.
@@ -91,6 +93,7 @@ class MovingForce:
         return Moving(geometry, find, singular, self.history, [self.path])
 
 
+@by_value
 @dataclass(frozen=True)
 class MovingLine:
     """A dead force per undeformed length (N/m) along a straight line of the parameter plane, whose ends move.

@@ -6,6 +6,7 @@ from math import pi
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, vector
 from skancf.history import History, check_history
 from skancf.layout.geometry import Geometry
@@ -19,6 +20,7 @@ from skancf.tolerances import ONE_PLACE, VANISHED
 NEWTON = 30
 
 
+@by_value
 @dataclass(frozen=True)
 class PointForce:
     """A force (N) at a point of the parameter plane.
@@ -59,6 +61,7 @@ class PointForce:
         return DeadLoad(nodal, self.history, singular=[Singularity("force", at, "a PointForce", self.force)])
 
 
+@by_value
 @dataclass(frozen=True)
 class DiskForce:
     """A force (N) spread evenly over a small disk of the mid-surface, round where it is seen along the normal at its centre.

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.elements.quad_ancf import square_quadrature
+from skancf.equality import by_value
 from skancf.errors import number
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
@@ -21,6 +22,7 @@ from skancf.terms.protocols import Assembly
 EXACT = 5
 
 
+@by_value
 @dataclass(frozen=True)
 class FollowerPressure:
     r"""A pressure (Pa) on the deformed area, along the deformed normal.

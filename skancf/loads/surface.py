@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import vector
 from skancf.history import History, check_history
 from skancf.kernels.constants import AXES, POINTS
@@ -15,6 +16,7 @@ from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
+@by_value
 @dataclass(frozen=True)
 class SurfaceLoad:
     """A dead force per undeformed area (Pa), that of the elements, of order four on curved surfaces.
@@ -51,6 +53,7 @@ class SurfaceLoad:
         return DeadLoad(over_elements(geometry, forces), self.history)
 
 
+@by_value
 @dataclass(frozen=True)
 class Gravity:
     """Dead weight of the whole plate or shell under an acceleration (m/s2), at the centre of mass of each section.

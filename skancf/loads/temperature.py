@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
@@ -14,6 +15,7 @@ from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
+@by_value
 @dataclass(frozen=True)
 class Temperature:
     r"""A temperature change :math:`T(x, y, z) = T_0 + z T_1`, which strains the material by its ``expansion``.

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
 from skancf.materials.law import SHEAR_CORRECTION, build
 from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Isotropic:
     r"""Isotropic elasticity.

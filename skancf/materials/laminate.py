@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive, shown
 from skancf.materials.law import Law, require_law, stiffness_of, thinning_of, turned, turned_strain, turned_thinning
 from skancf.materials.made import stack
@@ -15,6 +16,7 @@ from skancf.materials.shear import with_shear_of_equilibrium
 from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Layer:
     """A layer of a laminate.
@@ -65,6 +67,7 @@ class Layer:
         return turned_strain(self.material.thermal_strain(), self.angle)
 
 
+@by_value
 @dataclass(frozen=True)
 class Laminate:
     """Perfectly bonded layers; in a problem it stands for the material and the thickness.

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from skancf.arguments import choice, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import Noted, is_ours
 from skancf.showing import short
@@ -148,6 +149,7 @@ def turned_strain(strain: np.ndarray, angle: float) -> np.ndarray:
     return strain_turn(-angle) @ strain
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Anisotropic:
     r"""Any symmetric positive definite 6 x 6 law.

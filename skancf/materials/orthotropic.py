@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import positive, vector
 from skancf.materials.law import SHEAR_CORRECTION, build, check_definite, thinning, turned_strain, turned_thinning
 from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Orthotropic:
     r"""Orthotropic elasticity from engineering constants.

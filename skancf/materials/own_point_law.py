@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, positive, shown, vector
 from skancf.functions import Noted, is_ours
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, SHEAR_CORRECTION, check_definite, corrected
@@ -102,6 +103,7 @@ def check_law(law: Any, C: Any = None, *, tolerance: float = 1e-6) -> dict[str, 
     return differences(respond, STATES if C is None else deformation(C), tolerance, type(law).__name__)
 
 
+@by_value
 @dataclass(frozen=True)
 class OwnPointLaw:
     """A material with ``density`` and ``plane_stress(C, guess)``; what else of a law it has not, follows from these.

@@ -17,6 +17,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.showing import short
 
@@ -52,6 +53,7 @@ class BeyondLaw(InputError):
         super().__init__(message)
 
 
+@by_value
 @dataclass(frozen=True)
 class PointResponse:
     """What a law says of n points.

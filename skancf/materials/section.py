@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, thinning
 from skancf.materials.point_law import PointLaw
@@ -24,6 +25,7 @@ SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Section:
     r"""Layers through the thickness, from bottom to top.

@@ -11,6 +11,7 @@ from scipy.sparse.linalg import LinearOperator
 
 from skancf.arguments import choice
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
@@ -54,6 +55,7 @@ NEVER = 1e4
 COARSE = 0.15
 
 
+@by_value
 @dataclass(frozen=True)
 class BucklingResult:
     r"""Outcome of :func:`buckling`.

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from skancf.arguments import instance, plain, whole
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
 from skancf.showing import short
@@ -85,6 +86,7 @@ class StepLength:
         return float(min(self.largest, step * factor))
 
 
+@by_value
 @dataclass(frozen=True)
 class ArcLength:
     r"""Steps of given length in the displacements; the load factor follows.
@@ -140,6 +142,7 @@ class ArcLength:
         return abs(self.first / measure.unit(along, None))
 
 
+@by_value
 @dataclass(frozen=True)
 class DisplacementControl:
     """Steps of the displacement of a point; the load factor follows.
@@ -202,6 +205,7 @@ class DisplacementControl:
         return self.first * measure.left(q)
 
 
+@by_value
 @dataclass(frozen=True)
 class DisplacementReached:
     """A path ends where the displacement of a point in a direction reaches a value (m).

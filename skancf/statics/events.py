@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.showing import in_brackets, summary
 from skancf.solution import Solution
 from skancf.statics.critical import critical_mode
@@ -17,6 +18,7 @@ REFINEMENTS = 8
 CLOSE = 1e-3
 
 
+@by_value
 @dataclass(frozen=True)
 class Event:
     """A point of the path where its tangent stiffness is singular; its symmetric part, for a bifurcation.

@@ -11,6 +11,7 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 
 from skancf.arguments import whole
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, number, positive
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
@@ -43,6 +44,7 @@ from skancf.tolerances import TINY, ZERO_EIGENVALUE
 logger = logging.getLogger(__name__)
 
 
+@by_value
 @dataclass(frozen=True)
 class Modes:
     r"""Outcome of :func:`modes`, in ascending order.

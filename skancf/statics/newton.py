@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge
 from skancf.linear import DirectSolver
 from skancf.showing import short
@@ -23,6 +24,7 @@ from skancf.statics.stopping import Constraint, ConvergenceTest, Pull, moves
 logger = logging.getLogger(__name__)
 
 
+@by_value
 @dataclass(frozen=True)
 class NewtonResult:
     """Outcome of one solve.

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.checks import Check, failures
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, shown
 from skancf.history import Case
 from skancf.linear import DirectSolver
@@ -44,6 +45,7 @@ CROSSED = (
 logger = logging.getLogger(__name__)
 
 
+@by_value
 @dataclass(frozen=True)
 class PathResult:
     """Outcome of :func:`trace`.

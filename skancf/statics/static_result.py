@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from skancf.arguments import plain, whole
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, positive, warn
 from skancf.showing import counted, in_a_notebook, in_brackets, passed, summary
 from skancf.solution import Solution
@@ -49,6 +50,7 @@ class HalveAndGrow:
         return step * self.growth if result.iterations <= self.easy else step
 
 
+@by_value
 @dataclass(frozen=True)
 class StaticResult:
     """Outcome of :func:`solve`.

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, unit_vector, vector
 from skancf.functions import is_function, values_at
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL, POINTS
@@ -59,6 +60,7 @@ def on_place(geometry: Geometry, where: Any, name: str, factors: Any) -> list[tu
     return parts
 
 
+@by_value
 @dataclass(frozen=True)
 class Spring(Support):
     r"""Linear springs along the axes of space: at points (N/m), or along edges per length (N/m2).
@@ -103,6 +105,7 @@ class Spring(Support):
         return on_place(assembly.geometry, self.where, "stiffness", self.stiffness)
 
 
+@by_value
 @dataclass(frozen=True)
 class Dashpot(Support):
     r"""Linear dashpots along the axes of space: at points (N s/m), or along edges per length (N s/m2).
@@ -148,6 +151,7 @@ class Dashpot(Support):
         return at_place(geometry, self.where, self.holds, "a Dashpot", at_rest=False)
 
 
+@by_value
 @dataclass(frozen=True)
 class Foundation(Support):
     r"""An elastic foundation (Winkler): a linear spring per area under the whole surface (N/m3).

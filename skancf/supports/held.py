@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, unit_vector, warn
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
@@ -23,6 +24,7 @@ def checked_kind(kind: str) -> str:
     return kind
 
 
+@by_value
 @dataclass(frozen=True)
 class Pin(Support):
     """Positions held, as by a hinge along an edge or a ball joint at a point; rotations are free.
@@ -45,6 +47,7 @@ class Pin(Support):
         return held_along(edges_or_points("Pin", geometry, self.where), np.eye(3))
 
 
+@by_value
 @dataclass(frozen=True)
 class Clamp(Support):
     """Positions and normals (directors) held along an edge.
@@ -71,6 +74,7 @@ class Clamp(Support):
         return held_along(place, np.eye(3)) + no_turn_about(geometry, place) + no_drilling(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class NoRotation(Support):
     """The normal (director) does not turn about the edge, at single points not at all; positions are free.
@@ -102,6 +106,7 @@ class NoRotation(Support):
         return no_turn_about(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class SimpleSupport(Support):
     """A hinged edge: positions held, rotation about the edge free.
@@ -142,6 +147,7 @@ IN_PLANE, ASKEW = 1e-3, 0.9
 """Cosines between a direction and the normal below which it lies in the surface, or does not hold the deflection alone."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Roller(Support):
     """Positions held in one direction of space only (by default z).
@@ -207,6 +213,7 @@ class Roller(Support):
         return rows + no_tilt_along(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class Symmetry(Support):
     """The edge lies in a plane of symmetry of the undeformed body and stays in it; edges that meet in a corner have theirs.

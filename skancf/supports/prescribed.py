@@ -8,6 +8,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebpts2, chebvander
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function, values_at
 from skancf.history import History, check_history
@@ -25,6 +26,7 @@ N_EDGE = 9
 """Points on an edge at which functions are differentiated: exact to degree eight."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Prescribed(Support):
     r"""Displacement given in some directions of space, free in the others, and the rotation of the normal if it is given.

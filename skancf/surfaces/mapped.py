@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, positive, shown
 from skancf.functions import called, is_function
 from skancf.showing import short
@@ -22,6 +23,7 @@ SMALLEST_STEP = 1e-7
 MISTAKE = 1e-4
 
 
+@by_value
 @dataclass(frozen=True)
 class MappedSurface:
     r"""A surface by any smooth function :math:`\mathbf X(x, y)` over a rectangle of the parameter plane.

@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, vector
 from skancf.showing import short
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
 
+@by_value
 @dataclass(frozen=True)
 class SphereSector(Revolution):
     r"""A sector of a sphere about the origin,

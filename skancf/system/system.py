@@ -15,6 +15,7 @@ from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints
 from skancf.showing import counted, in_brackets, summary
 from skancf.system.inertia import Inertia
+from skancf.system.rebuild import Rebuilt
 from skancf.system.unstressed import ByStrains, unstressed
 from skancf.terms.blocks import Blocks, SkewBlocks, coupled
 from skancf.terms.protocols import Assembly, Prescription
@@ -23,7 +24,7 @@ from skancf.terms.sums import Loads, Terms
 from skancf.terms.term import Term
 
 
-class System:
+class System(Rebuilt):
     """Residual, tangent and mass of a problem on a mesh.
 
     Unknowns are one vector q of 12 per block, see :class:`~skancf.layout.layout.Layout`: at a node r, r_x, r_y and r_z
@@ -66,8 +67,6 @@ class System:
     >>> print(system.n_dofs, system.mesh.nelements)
     588 36
     """
-
-    choice: Any = None
 
     def __init__(
         self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,

@@ -6,10 +6,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from skancf.arguments import STATE, instance, plain, text
+from skancf.equality import by_value
 from skancf.errors import InputError, unit_vector
 from skancf.solution import Solution
 
 
+@by_value
 @dataclass(frozen=True)
 class ConditionForce:
     r"""The force of a condition (N), by its multipliers: :math:`w \cdot \lambda`.

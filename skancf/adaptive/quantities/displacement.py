@@ -7,12 +7,14 @@ import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import unit_vector, vector
 from skancf.showing import short
 from skancf.solution import Solution
 from skancf.statics.controls import displacement_row
 
 
+@by_value
 @dataclass(frozen=True)
 class Displacement(Smooth):
     r"""Displacement :math:`d \cdot u(x, y)` of the reference surface along a unit direction d of space (m).

@@ -7,12 +7,14 @@ import numpy as np
 
 from skancf.arguments import STATE, instance, plain
 from skancf.conditions.solver import curved
+from skancf.equality import by_value
 from skancf.errors import unit_vector
 from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 
 
+@by_value
 @dataclass(frozen=True)
 class Reaction:
     r"""Force of the supports at a place on the body, along a unit direction of space (N), springs included.

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, unit_vector, vector
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
@@ -24,6 +25,7 @@ class Place(NamedTuple):
     t: np.ndarray
 
 
+@by_value
 @dataclass(frozen=True)
 class Rotation(Smooth):
     r"""Signed angle by which the normal (director) n tilts towards a direction of space (rad):

@@ -9,6 +9,7 @@ import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import STATE, choice, instance, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, vector
 from skancf.layout.geometry import Geometry
 from skancf.recovered import gradient, section_forces
@@ -21,6 +22,7 @@ COMPONENTS = ("N11", "N22", "N12", "M11", "M22", "M12")
 Range = tuple[float, float]
 
 
+@by_value
 @dataclass(frozen=True)
 class SectionForce(Smooth):
     r"""A membrane force (N/m) or moment (N) per length in the local frame, at a point or its mean over a region,

@@ -6,6 +6,7 @@ from math import inf, log1p
 import numpy as np
 
 from skancf.compiled import compiled
+from skancf.equality import by_value
 from skancf.errors import positive
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
@@ -47,6 +48,7 @@ def in_solids(C, par, out):
         store_solid(derivatives, C, k, par, out, inverse, G)
 
 
+@by_value
 @dataclass(frozen=True)
 class Gent(OfInvariants):
     r"""Rubber of chains that end somewhere.

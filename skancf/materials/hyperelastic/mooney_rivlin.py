@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.compiled import compiled
+from skancf.equality import by_value
 from skancf.errors import InputError, number
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
@@ -42,6 +43,7 @@ def in_solids(C, par, out):
         store_solid(derivatives, C, k, par, out, inverse, G)
 
 
+@by_value
 @dataclass(frozen=True)
 class MooneyRivlin(OfInvariants):
     r"""Rubber, :math:`\psi = c_{10} (J^{-2/3} I_1 - 3) + c_{01} (J^{-4/3} I_2 - 3) + \tfrac K4 (J^2 - 1 - 2 \ln J)`.

@@ -10,6 +10,7 @@ import skfem
 from skfem.assembly.form import Form
 
 from skancf.arguments import flag, whole
+from skancf.equality import by_value
 from skancf.errors import InputError, shown
 from skancf.functions import is_function
 from skancf.history import Case, History, check_history
@@ -27,6 +28,7 @@ FORMS = {"energy": (skfem.Functional, "(w)"), "residual": (skfem.LinearForm, "(v
          "tangent": (skfem.BilinearForm, "(u, v, w)")}  # fmt: skip
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class FormTerm(Addition):
     r"""An energy, a residual or both, of one's own, over the undeformed surface or along its edges.

@@ -14,8 +14,9 @@ import skancf
 PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
-    "version", "tolerances", "errors", "functions", "arguments", "memory", "checks", "atomic", "history", "progress",
-    "compiled", "threads", "vectors", "elements", "surfaces", "linear", "kernels", "solving", "materials", "meshes",
+    "version", "tolerances", "errors", "functions", "arguments", "memory", "checks", "atomic", "optional", "tabular",
+    "history", "progress", "compiled", "threads", "vectors", "elements", "surfaces", "linear", "kernels", "solving",
+    "materials", "meshes",
     "theories", "layout", "terms", "conditions", "supports", "loads", "system", "thinness", "problem", "testing",
     "recovered", "true_stress", "solution", "statics", "dynamics", "adaptive", "output",
 ]  # fmt: skip

@@ -16,11 +16,12 @@ from skancf.functions import called
 from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
+from skancf.tabular import Column, Tabular
 
 
 @dataclass(frozen=True)
-class Estimate:
-    r"""How far a value is from its limit, and where that comes from.
+class Estimate(Tabular):
+    r"""How far a value is from its limit, and where that comes from; as a table the indicators of the elements.
 
     Attributes
     ----------
@@ -58,6 +59,9 @@ class Estimate:
     scale: float = 0.0
     halvings: Halvings = NOTHING_KNOWN
     nested: bool = False
+
+    def _table(self) -> dict[str, Column]:
+        return {"element": (np.arange(len(self.indicators)), ""), "indicator": (self.indicators, "")}
 
     @property
     def bar(self) -> float:

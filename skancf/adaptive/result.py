@@ -9,6 +9,7 @@ from skancf.checks import Check
 from skancf.meshes import MeshQuadTree
 from skancf.solution import Solution
 from skancf.solving import Status
+from skancf.tabular import Column, Tabular
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,8 @@ class Level:
 
 
 @dataclass(frozen=True)
-class AdaptiveResult:
-    """Status of :func:`adapt`.
+class AdaptiveResult(Tabular):
+    """Outcome of :func:`adapt`; as a table its meshes, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -111,6 +112,12 @@ class AdaptiveResult:
     unit: str
     checks: tuple[Check, ...] = ()
     theory_error: TheoryError | None = None
+
+    def _table(self) -> dict[str, Column]:
+        units = {"n_elements": "", "n_dofs": "", "n_hanging": "", "value": self.unit, "error": self.unit, "bar": self.unit,
+                 "iterations": "", "total_seconds": "s", "rejected": "", "restarted": "", "coarsened": "", "nested": "",
+                 "note": ""}  # fmt: skip
+        return {name: ([getattr(level, name) for level in self.levels], unit) for name, unit in units.items()}
 
     @property
     def ok(self) -> bool:

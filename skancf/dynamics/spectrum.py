@@ -10,6 +10,7 @@ from skancf.arguments import choice, whole
 from skancf.errors import InputError, finite, number, shown
 from skancf.memory import require_much
 from skancf.statics import Modes
+from skancf.tabular import Column, Tabular, spread
 from skancf.tolerances import EQUIDISTANT, NO_SERIES, TINY
 
 # Half the main lobe of each window: how far apart two frequencies are told apart, in units of 1 / length.
@@ -70,8 +71,8 @@ class Match:
 
 
 @dataclass(frozen=True)
-class Spectrum:
-    r"""Outcome of :func:`spectrum`.
+class Spectrum(Tabular):
+    r"""Outcome of :func:`spectrum`; a table, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -91,6 +92,9 @@ class Spectrum:
     resolution: float
     nyquist: float
     padding: int
+
+    def _table(self) -> dict[str, Column]:
+        return {"frequency": (self.frequencies, "Hz"), **spread("amplitude", self.amplitudes, "")}
 
     @property
     def total(self) -> np.ndarray:

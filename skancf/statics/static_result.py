@@ -9,6 +9,8 @@ from skancf.errors import DidNotConverge, InputError, OutOfDepth, positive
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import OPEN, NewtonResult
+from skancf.statics.tables import attempts_of, states_of
+from skancf.tabular import Column, Columns, Tabular
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,8 @@ class HalveAndGrow:
 
 
 @dataclass(frozen=True)
-class StaticResult:
-    """Outcome of :func:`solve`.
+class StaticResult(Tabular):
+    """Outcome of :func:`solve`; as a table its path, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -65,6 +67,14 @@ class StaticResult:
     attempts: tuple[tuple[float, NewtonResult], ...]
     message: str = ""
     checks: tuple[Check, ...] = ()
+
+    def _table(self) -> dict[str, Column]:
+        return states_of(self.path)
+
+    @property
+    def attempt_table(self) -> Columns:
+        """Every solve, with its load factor, status, iterations and last residual."""
+        return attempts_of(self.attempts)
 
     @property
     def iterations(self) -> int:

@@ -534,6 +534,7 @@ def add_output(add: Any, s: Scene) -> None:
         kinds={"states": "any"})  # fmt: skip
     add("read", o.read, path=s.vtu, aliases=file)
     add("save_table", o.save_table, path=s.folder / "table.csv", columns={"a": [1.0, 2.0]}, aliases=file)
+    add("Columns", o.Columns, columns={"a": [1.0, 2.0]}, units={"a": "m"}, takes="units:none", kinds={"units": "mapping"})
     add("check_folder", o.check_folder, path=s.folder / "new", aliases={"path": "folder"}, takes="path:half")
     add("mesh_chart", o.mesh_chart, mesh=s.plain, path=png, surface=s.surface, regions=[s.region], points={"a": (0.5, 0.5)},
         title="a", aliases=file, kinds={"regions": "items"})  # fmt: skip

@@ -19,12 +19,13 @@ from skancf.meshes import MeshQuadTree
 from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.showing import short
 from skancf.solution import Solution
+from skancf.tabular import Column, Tabular
 
 
 @by_value
 @dataclass(frozen=True)
-class Estimate:
-    r"""How far a value is from its limit, and where that comes from.
+class Estimate(Tabular):
+    r"""How far a value is from its limit, and where that comes from; as a table the indicators of the elements.
 
     Attributes
     ----------
@@ -78,6 +79,9 @@ class Estimate:
     nested: bool = False
 
     __repr__ = short
+
+    def _table(self) -> dict[str, Column]:
+        return {"element": (np.arange(len(self.indicators)), ""), "indicator": (self.indicators, "")}
 
     @property
     def bar(self) -> float:

@@ -11,6 +11,7 @@ from skancf.meshes import MeshQuadTree
 from skancf.showing import in_a_notebook, in_brackets, short
 from skancf.solution import Solution
 from skancf.solving import Status
+from skancf.tabular import Column, Tabular
 
 
 @by_value
@@ -93,8 +94,8 @@ class Level:
 
 @by_value
 @dataclass(frozen=True)
-class AdaptiveResult:
-    """Status of :func:`adapt`.
+class AdaptiveResult(Tabular):
+    """Outcome of :func:`adapt`; as a table its meshes, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -144,6 +145,12 @@ class AdaptiveResult:
     theory_error: TheoryError | None = None
 
     __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    def _table(self) -> dict[str, Column]:
+        units = {"n_elements": "", "n_dofs": "", "n_hanging": "", "value": self.unit, "error": self.unit, "bar": self.unit,
+                 "iterations": "", "total_seconds": "s", "rejected": "", "restarted": "", "coarsened": "", "nested": "",
+                 "note": ""}  # fmt: skip
+        return {name: ([getattr(level, name) for level in self.levels], unit) for name, unit in units.items()}
 
     @property
     def ok(self) -> bool:

@@ -24,6 +24,7 @@ from skancf.errors import InputError, finite
 from skancf.history import Case
 from skancf.showing import counted, in_a_notebook, in_brackets, short, span, summary
 from skancf.system.system import System
+from skancf.tabular import Column, Columns, Tabular, of_objects, spread
 from skancf.tolerances import ABOVE_ZERO
 from skancf.vectors import sum_of_cross
 
@@ -57,8 +58,8 @@ class MeshEvent:
 
 @by_value
 @dataclass(frozen=True)
-class Ledger:
-    """The ledger at times (n,); energies in J, momenta (n, 3) in N s and, about the origin, N m s.
+class Ledger(Tabular):
+    """The ledger at times (n,), a table; energies in J, momenta (n, 3) in N s and, about the origin, N m s.
 
     Attributes
     ----------
@@ -136,13 +137,21 @@ class Ledger:
         columns = {name: _interpolated(wanted, self.times, getattr(self, name)) for name in COLUMNS}
         return Ledger(wanted, **columns, events=self.events)
 
-    def table(self) -> dict[str, np.ndarray]:
-        """Columns of numbers with names, as :func:`skancf.output.save_table` writes them."""
-        out: dict[str, np.ndarray] = {"time": self.times}
+    def _table(self) -> dict[str, Column]:
+        out: dict[str, Column] = {"time": (self.times, "s")}
         for name in COLUMNS:
-            values = getattr(self, name)
-            out |= {name: values} if values.ndim == 1 else {f"{name}_{i}": values[:, k] for k, i in enumerate("xyz")}
-        return out | {"balance": self.balance}
+            out |= spread(name, getattr(self, name), "N m s" if "angular" in name else "N s" if "linear" in name else "J")
+        return out | {"balance": (self.balance, "J")}
+
+    def table(self) -> dict[str, np.ndarray]:
+        """Columns of numbers with names, as :func:`skancf.output.save_table` writes them: those of ``columns``."""
+        return self.columns
+
+    @property
+    def event_table(self) -> Columns:
+        """The changes of the mesh."""
+        return of_objects(self.events, time="s", before="", after="", strain="J", kinetic="J", linear="N s",
+                          angular="N m s", again="")  # fmt: skip
 
 
 COLUMNS = tuple(field.name for field in fields(Ledger) if field.name not in ("times", "events"))

@@ -19,6 +19,7 @@ from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.system.probe import probe
 from skancf.system.system import System
+from skancf.tabular import Column, Columns, Tabular, of_objects, spread
 
 
 @dataclass(frozen=True)
@@ -78,8 +79,8 @@ class Segment:
 
 @by_value
 @dataclass(frozen=True)
-class Motion:
-    """States over time, as far as the run came.
+class Motion(Tabular):
+    """States over time, as far as the run came; as a table its output times, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -147,6 +148,39 @@ class Motion:
         if not self.ok:
             raise DidNotConverge(self.message)
         return self
+
+    def _table(self) -> dict[str, Column]:
+        ledger = self.output_ledger()
+        largest = [float(np.linalg.norm(state.displacements, axis=0).max()) for state in self.states]
+        return {
+            "time": (self.times, "s"), "largest_displacement": (largest, "m"), "kinetic": (ledger.kinetic, "J"),
+            "strain": (ledger.strain, "J"), "potential": (ledger.potential, "J"),
+            **({} if self.error is None else {"error": (self.error, "m")}),
+        }  # fmt: skip
+
+    @property
+    def record_table(self) -> Columns:
+        """The recorded quantities at every accepted step, each component a column; their units are those of the caller.
+
+        Raises
+        ------
+        InputError
+            Where nothing was recorded.
+        """
+        if not self.records:
+            raise InputError("record_table: this motion has no records; ask simulate for some, as in "
+                             "record={'tip': lambda state: state.displacement((1, 0.5))}")  # fmt: skip
+        times = next(iter(self.records.values()))[0]
+        table = {"time": (times, "s")}
+        for name, (_, values) in self.records.items():
+            table |= spread(name, values, "")
+        return Columns({name: values for name, (values, _) in table.items()}, {"time": "s"})
+
+    @property
+    def step_table(self) -> Columns:
+        """Every attempted step."""
+        return of_objects(self.steps, time="s", dt="s", error="", iterations="", factorisations="", accepted="",
+                          imbalance="", n_dofs="")  # fmt: skip
 
     @property
     def times(self) -> np.ndarray:

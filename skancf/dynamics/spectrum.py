@@ -12,6 +12,7 @@ from skancf.errors import InputError, finite, number, shown
 from skancf.memory import require_much
 from skancf.showing import counted, in_a_notebook, in_brackets, summary
 from skancf.statics import Modes
+from skancf.tabular import Column, Tabular, spread
 from skancf.tolerances import EQUIDISTANT, NO_SERIES, TINY
 
 # Half the main lobe of each window: how far apart two frequencies are told apart, in units of 1 / length.
@@ -75,8 +76,8 @@ class Match:
 
 @by_value
 @dataclass(frozen=True)
-class Spectrum:
-    r"""Outcome of :func:`spectrum`.
+class Spectrum(Tabular):
+    r"""Outcome of :func:`spectrum`; a table, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -113,6 +114,9 @@ class Spectrum:
             f"Spectrum: up to {self.nyquist:.4g} Hz, {columns}, tells frequencies {self.resolution:.3g} Hz apart; "
             f"largest amplitude {self.total.max():.4g} at {self.frequencies[self.total.argmax()]:.4g} Hz"
         )
+
+    def _table(self) -> dict[str, Column]:
+        return {"frequency": (self.frequencies, "Hz"), **spread("amplitude", self.amplitudes, "")}
 
     @property
     def total(self) -> np.ndarray:

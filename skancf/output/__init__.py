@@ -9,8 +9,10 @@ from skancf.output.pictures import Style, animation, picture
 from skancf.output.sampling import Samples, sample
 from skancf.output.spectrum_chart import spectrum_chart
 from skancf.output.tables import save_table
+from skancf.tabular import Columns
 
 __all__ = [
+    "Columns",
     "Samples",
     "Style",
     "animation",

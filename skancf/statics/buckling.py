@@ -45,6 +45,7 @@ from skancf.statics.validity import warn_without_time
 from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
+from skancf.tabular import Column, Tabular
 from skancf.tolerances import AT_REST, ZERO_EIGENVALUE
 
 logger = logging.getLogger(__name__)
@@ -57,8 +58,8 @@ COARSE = 0.15
 
 @by_value
 @dataclass(frozen=True)
-class BucklingResult:
-    r"""Outcome of :func:`buckling`.
+class BucklingResult(Tabular):
+    r"""Outcome of :func:`buckling`; as a table the load factors, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -124,6 +125,9 @@ class BucklingResult:
         with the form F of :mod:`skancf.thinness.form`; zero in theory `full`.
         """
         return buckling_changes(self.linear, self.shapes)
+
+    def _table(self) -> dict[str, Column]:
+        return {"mode": (np.arange(len(self.load_factors)), ""), "load_factor": (self.load_factors, "")}
 
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""

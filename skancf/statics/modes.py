@@ -38,6 +38,7 @@ from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.statics.validity import warn_without_time
 from skancf.system.rigid import free_rigid_motions
 from skancf.system.system import System
+from skancf.tabular import Column, Tabular
 from skancf.thinness import warn_if_mass_is_off
 from skancf.tolerances import TINY, ZERO_EIGENVALUE
 
@@ -46,8 +47,8 @@ logger = logging.getLogger(__name__)
 
 @by_value
 @dataclass(frozen=True)
-class Modes:
-    r"""Outcome of :func:`modes`, in ascending order.
+class Modes(Tabular):
+    r"""Outcome of :func:`modes`, in ascending order; as a table the frequencies, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -118,6 +119,12 @@ class Modes:
         stiffness and unstable ones.
         """
         return frequency_changes(self.state, self.eigenvalues, self.shapes)
+
+    def _table(self) -> dict[str, Column]:
+        return {
+            "mode": (np.arange(len(self.eigenvalues)), ""), "frequency": (self.frequencies, "Hz"),
+            "omega": (self.omega, "rad/s"), "eigenvalue": (self.eigenvalues, "1/s2"),
+        }  # fmt: skip
 
     @property
     def omega(self) -> np.ndarray:

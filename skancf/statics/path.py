@@ -23,9 +23,11 @@ from skancf.statics.diagnosis import NEAR, require_support
 from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.points import Follower, Point
+from skancf.statics.tables import attempts_of, states_of
 from skancf.statics.validity import warn_without_time
 from skancf.statics.verify import Balance, checks_of
 from skancf.system.system import System
+from skancf.tabular import Column, Columns, Tabular, of_objects
 from skancf.tolerances import ONE_PLACE, ROUNDED_COORDINATE
 
 FIRST_TURN = 0.5
@@ -47,8 +49,8 @@ logger = logging.getLogger(__name__)
 
 @by_value
 @dataclass(frozen=True)
-class PathResult:
-    """Outcome of :func:`trace`.
+class PathResult(Tabular):
+    """Outcome of :func:`trace`; as a table its equilibria, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -100,6 +102,19 @@ class PathResult:
         found = f"{counted(len(loads), 'equilibrium', 'equilibria')}, load factors {span(min(loads), max(loads))}"
         met = "".join(f"; {event}" for event in self.events[:FEW]) + ("; ..." if len(self.events) > FEW else "")
         return f"PathResult: {self.status.value}, {found}, at the end {self.solution.said}{met}{passed(self.checks)}"
+
+    def _table(self) -> dict[str, Column]:
+        return {**states_of(self.solutions), "negative_pivots": (self.negative_pivots, "")}
+
+    @property
+    def event_table(self) -> Columns:
+        """The limit points and bifurcation points, with their load factors."""
+        return of_objects(self.events, kind="", load_factor="", refined="")
+
+    @property
+    def attempt_table(self) -> Columns:
+        """Every solve, with its load factor, status, iterations and last residual."""
+        return attempts_of((result.load_factor, result) for result in self.attempts)
 
     @property
     def load_factors(self) -> np.ndarray:

@@ -10,6 +10,8 @@ from skancf.showing import counted, in_a_notebook, in_brackets, passed, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import OPEN, NewtonResult
+from skancf.statics.tables import attempts_of, states_of
+from skancf.tabular import Column, Columns, Tabular
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,8 @@ class HalveAndGrow:
 
 @by_value
 @dataclass(frozen=True)
-class StaticResult:
-    """Outcome of :func:`solve`.
+class StaticResult(Tabular):
+    """Outcome of :func:`solve`; as a table its path, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -98,6 +100,14 @@ class StaticResult:
         steps = counted(len(self.path), "load step")
         said = f"{self.status.value}, {self.solution.said}, {counted(self.iterations, 'iteration')} in {steps}"
         return f"StaticResult: {said}{passed(self.checks)}"
+
+    def _table(self) -> dict[str, Column]:
+        return states_of(self.path)
+
+    @property
+    def attempt_table(self) -> Columns:
+        """Every solve, with its load factor, status, iterations and last residual."""
+        return attempts_of(self.attempts)
 
     @property
     def iterations(self) -> int:

@@ -11,6 +11,8 @@ from skancf.output.sampling import Samples, sample
 from skancf.output.spectrum_chart import spectrum_chart
 from skancf.output.style import Style
 from skancf.output.tables import save_table
+from skancf.output.viewer import view
+from skancf.output.web import write_html
 
 __all__ = [
     "Samples",
@@ -30,5 +32,7 @@ __all__ = [
     "sample",
     "save_table",
     "spectrum_chart",
+    "view",
     "write",
+    "write_html",
 ]

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,9 @@ def new_plotter(style: Style, off_screen: bool | None = None) -> Any:
     plotter = pyvista.Plotter(off_screen=off_screen, window_size=[int(pixels) for pixels in style.size])
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
+    if plotter.off_screen:
+        with quiet():
+            plotter.render_window.Render()
     return plotter
 
 
@@ -46,8 +49,15 @@ def panel_size(plotter: Any) -> tuple[float, float]:
     return (right - left) * width, (top - bottom) * height
 
 
-def draw(plotter: Any, frame: Frame, style: Style, limits: tuple[float, float]) -> None:
-    """Add the surface, lines, colour bar, title and directions of a frame to the active renderer."""
+class Drawn(NamedTuple):
+    """Actors of a frame, and the title of its colour bar."""
+
+    actors: list[Any]
+    bar: str
+
+
+def draw(plotter: Any, frame: Frame, style: Style, limits: tuple[float, float]) -> Drawn:
+    """Add surface, lines, colour bar and title of a frame to the active renderer; what is returned :func:`erase` removes."""
     import pyvista
 
     height = panel_size(plotter)[1]
@@ -57,27 +67,43 @@ def draw(plotter: Any, frame: Frame, style: Style, limits: tuple[float, float]) 
     cells = np.column_stack([np.full(len(frame.cells), 4), frame.cells])
     surface = pyvista.PolyData(frame.points, cells.ravel())
     surface.point_data["values"] = factor * frame.values
-    plotter.add_mesh(
-        surface,
-        scalars="values",
-        clim=(low, high),
-        cmap=colour_map(low, high),
-        n_colors=256,
-        smooth_shading=True,
-        ambient=0.55,
-        diffuse=0.5,
-        specular=0.0,
-        scalar_bar_args=_bar(plotter, style, shown_unit, frame.where, font),
-    )
+    bar = _bar(plotter, style, shown_unit, frame.where, font)
+    drawn = [
+        plotter.add_mesh(
+            surface,
+            scalars="values",
+            clim=(low, high),
+            cmap=colour_map(low, high),
+            n_colors=256,
+            smooth_shading=True,
+            ambient=0.55,
+            diffuse=0.5,
+            specular=0.0,
+            scalar_bar_args=bar,
+        )
+    ]
     if style.show_undeformed:
-        plotter.add_mesh(lines(frame.outline), color=GREY, line_width=width, lighting=False)
+        drawn.append(plotter.add_mesh(lines(frame.outline), color=GREY, line_width=width, lighting=False))
     if style.show_mesh:
         # Lines lie in the surface; this draws them before it, by units of 2^-24 of the depth of the picture.
         edges = plotter.add_mesh(lines(frame.edges), color=DARK, line_width=width, lighting=False)
         edges.mapper.SetResolveCoincidentTopologyToPolygonOffset()
         edges.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, -500)
+        drawn.append(edges)
     if frame.title:
-        plotter.add_text(frame.title, position=(0.04, 0.93), viewport=True, font_size=font, color=DARK)
+        place = {"position": (0.04, 0.93), "viewport": True}
+        drawn.append(plotter.add_text(frame.title, font_size=font, color=DARK, **place))
+    return Drawn(drawn, bar["title"])
+
+
+def erase(plotter: Any, drawn: Drawn) -> None:
+    """Remove a frame, and leave camera, lights and directions as they are."""
+    plotter.remove_actor(drawn.actors, reset_camera=False, render=False)
+    plotter.remove_scalar_bar(drawn.bar, render=False)
+
+
+def add_directions(plotter: Any) -> None:
+    """Arrows along x, y and z, in a corner."""
     plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", color=DARK, viewport=(0.84, 0, 1, 0.18))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, SkancfError, positive, shown
-from skancf.output.drawing import draw, look_at, unseen_plotter
+from skancf.output.drawing import add_directions, draw, erase, look_at, unseen_plotter
 from skancf.output.frames import Survey, frame_of, survey
 from skancf.output.style import Style
 from skancf.solution import Solution
@@ -79,11 +79,12 @@ def _even(style: Style) -> Style:
 def _images(states: Sequence[Solution], style: Style, seen: Survey) -> Iterator[np.ndarray]:
     """Pictures (height, width, 3), drawn when they are asked for."""
     with unseen_plotter(style) as plotter:
+        add_directions(plotter)
         for state in states:
-            plotter.clear()
-            draw(plotter, frame_of(state, style), style, seen.limits)
+            drawn = draw(plotter, frame_of(state, style), style, seen.limits)
             look_at(plotter, seen, style)
             yield plotter.screenshot(return_img=True)
+            erase(plotter, drawn)
 
 
 def _save_gif(images: Iterator[np.ndarray], file: Path, seconds_per_frame: float) -> None:

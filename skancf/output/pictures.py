@@ -5,7 +5,7 @@ from typing import Any
 
 from skancf.arguments import flag, having
 from skancf.atomic import AnyPath, check_file, replacing
-from skancf.output.drawing import draw, look_at, new_plotter, unseen_plotter
+from skancf.output.drawing import add_directions, draw, look_at, new_plotter, unseen_plotter
 from skancf.output.frames import frame_of, survey
 from skancf.output.style import Style
 from skancf.solution import Solution
@@ -39,6 +39,7 @@ def picture(solution: Solution, path: AnyPath, **options: Any) -> Path:
     seen = survey([frame], style)
     with replacing(file) as part, unseen_plotter(style) as plotter:
         draw(plotter, frame, style, seen.limits)
+        add_directions(plotter)
         look_at(plotter, seen, style)
         plotter.screenshot(str(part))
     return file
@@ -94,5 +95,6 @@ def plot(solution: Solution, plotter: Any = None, *, off_screen: bool | None = N
     seen, empty = survey([frame], style), not plotter.renderer.actors
     draw(plotter, frame, style, seen.limits)
     if empty:
+        add_directions(plotter)
         look_at(plotter, seen, style)
     return plotter

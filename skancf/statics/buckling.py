@@ -100,14 +100,15 @@ class BucklingResult:
 
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""
-        return moved_along(self._start, nth(self.shapes, i), size)
+        return moved_along(self.start, nth(self.shapes, i), size)
 
     def swing(self, i: int, size: float | None = None, *, frames: int = 24) -> tuple[Solution, ...]:
         """Mode ``i`` to and fro, for films that repeat: see :meth:`Modes.swing`."""
-        return swung_along(self._start, nth(self.shapes, i), size, frames)
+        return swung_along(self.start, nth(self.shapes, i), size, frames)
 
     @property
-    def _start(self) -> Solution:
+    def start(self) -> Solution:
+        """The undeformed structure, from which the modes lead away."""
         return Solution(self.linear.system, self.linear.system.undeformed.copy(), load_factor=0.0)
 
 

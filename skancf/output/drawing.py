@@ -21,11 +21,11 @@ def new_plotter(style: Style, off_screen: bool | None = None) -> Any:
     check_rendering()
     import pyvista
 
-    plotter = pyvista.Plotter(off_screen=off_screen, window_size=[int(pixels) for pixels in style.size])
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa")
-    if plotter.off_screen:
-        with quiet():
+    with quiet():
+        plotter = pyvista.Plotter(off_screen=off_screen, window_size=[int(pixels) for pixels in style.size])
+        plotter.set_background("white")
+        plotter.enable_anti_aliasing("ssaa")
+        if off_screen:
             plotter.render_window.Render()
     return plotter
 

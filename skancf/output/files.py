@@ -64,10 +64,10 @@ def write(
 
     Notes
     -----
-    Curved cells have the exact mid-surface in two thirds of the size: positions and displacements are right everywhere in an
-    element, and fields interpolate their values at its 4 x 4 points. VTK, and so ParaView and pyvista, draws one through 3 x 3
-    facets, and through twice as many in each direction for each further "Nonlinear Subdivision Level" of ParaView. Few other
-    programs know such cells, and some filters do not: that is why flat ones are the default.
+    Curved cells have the exact mid-surface in two thirds of the size: positions and displacements are right everywhere in
+    an element, and fields interpolate their values at its 4 x 4 points. VTK, and so ParaView and pyvista, draws one through
+    3 x 3 facets, and through twice as many in each direction for each further "Nonlinear Subdivision Level" of ParaView.
+    Few other programs know such cells, and some filters do not: that is why flat ones are the default.
 
     Points lie on the deformed mid-surface. Point data are ``displacement`` (m), ``velocity`` (m/s, if there is one),
     and for each depth, say ``top``,

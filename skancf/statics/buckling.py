@@ -38,6 +38,7 @@ from skancf.statics.modes import (
     lanczos,
     moved_along,
     nth,
+    swung_along,
 )
 from skancf.statics.motions import Motions, motions_of
 from skancf.statics.tangents import warn_if_skew
@@ -131,8 +132,16 @@ class BucklingResult(Tabular):
 
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""
-        start = Solution(self.linear.system, self.linear.system.undeformed.copy(), load_factor=0.0)
-        return moved_along(start, nth(self.shapes, i), size)
+        return moved_along(self.start, nth(self.shapes, i), size)
+
+    def swing(self, i: int, size: float | None = None, *, frames: int = 24) -> tuple[Solution, ...]:
+        """Mode ``i`` to and fro, for films that repeat: see :meth:`Modes.swing`."""
+        return swung_along(self.start, nth(self.shapes, i), size, frames)
+
+    @property
+    def start(self) -> Solution:
+        """The undeformed structure, from which the modes lead away."""
+        return Solution(self.linear.system, self.linear.system.undeformed.copy(), load_factor=0.0)
 
 
 def buckling(

@@ -2,6 +2,7 @@
 
 import logging
 from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -139,6 +140,19 @@ class Modes(Tabular):
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The equilibrium moved along mode ``i``, for pictures; ``size`` is the largest displacement of a node (m)."""
         return moved_along(self.state, nth(self.shapes, i), size)
+
+    def swing(self, i: int, size: float | None = None, *, frames: int = 24) -> tuple[Solution, ...]:
+        r"""One period of mode ``i`` about the equilibrium, for films that repeat: the shape times :math:`\sin 2 \pi k / n`
+        in the k-th of n ``frames``; ``size`` is the largest displacement of a node (m).
+
+        Examples
+        --------
+        >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3, 1e3), [sk.Clamp("left")])
+        >>> modes = sk.modes(strip.on(sk.meshes.uniform(strip.surface, 4, 1)), 1)
+        >>> [round(float(abs(state.displacement((1.0, 0.0))[2]), 3) for state in modes.swing(0, size=0.1, frames=4)]
+        [0.0, 0.1, 0.0, 0.1]
+        """
+        return swung_along(self.state, nth(self.shapes, i), size, frames)
 
 
 def modes(
@@ -431,3 +445,11 @@ def moved_along(state: Solution, mode: np.ndarray, size: float | None) -> Soluti
     size = 0.1 * float(np.linalg.norm(np.ptp(r, axis=0))) if size is None else positive("size", size, "m")
     largest = float(np.linalg.norm(layout.positions(mode), axis=1).max()) or _largest_inside(state.system, mode)
     return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor, note=MODE)
+
+
+def swung_along(state: Solution, mode: np.ndarray, size: float | None, frames: int) -> tuple[Solution, ...]:
+    """A period of a swing about a state along a mode, in equal parts; see :meth:`Modes.swing`."""
+    far = moved_along(state, mode, size)
+    n = whole("frames", frames, 2)
+    parts = np.sin(2 * np.pi * np.arange(n) / n)
+    return tuple(replace(far, q=state.q + part * (far.q - state.q)) for part in parts)

@@ -1,8 +1,8 @@
 """Quadratic bricks with 20 nodes through the thickness of a plate or shell, one for each layer.
 
-Nodes stand on *lines* through the thickness: at each corner of an element and in the middle of each of its sides. At a corner
-a layer has three nodes on the line, in the middle of a side two. What acts on the reference surface acts on a line by weights
-that integrate over the thickness,
+Nodes stand on *lines* through the thickness: at each corner of an element and in the middle of each of its sides. At a
+corner a layer has three nodes on the line, in the middle of a side two. What acts on the reference surface acts on a line
+by weights that integrate over the thickness,
 
 .. math:: \\int f(z) \\, N_k(z) \\, dz, \\qquad f = \\alpha + \\beta z,
 
@@ -74,8 +74,8 @@ class Bricks:
         """
         geometry = system.geometry
         if geometry.hanging.nodes.size:
-            raise InputError("system: its mesh has hanging nodes, which bricks cannot have; put the problem on a mesh without "
-                             "them, such as sk.meshes.uniform or sk.meshes.graded")  # fmt: skip
+            raise InputError("system: its mesh has hanging nodes, which bricks cannot have; put the problem on a mesh "
+                             "without them, such as sk.meshes.uniform or sk.meshes.graded")  # fmt: skip
         if geometry.ties.poles:
             raise InputError("system: a side of its surface shrinks to a point, where bricks would have no volume; end the "
                              "surface before it")  # fmt: skip

@@ -28,11 +28,11 @@ def calculix(
 ) -> CalculixDeck:
     r"""Write a static problem as an input deck of CalculiX (and of Abaqus): quadratic bricks, one for each layer.
 
-    Each element becomes a brick with 20 nodes through the thickness, on the true surface, with the thickness, offset and layers
-    that the problem has there. CalculiX makes the same bricks of its own shell elements, but ties a rotation at a node to a
-    rigid cross-section, which bricks do not need. A support holds what it does here: positions of the reference surface
-    (averages over the thickness), tilts of the line through the thickness at clamped and symmetric edges; the thickness stays
-    free. Dead loads act on the reference surface too, half of a pressure on each face.
+    Each element becomes a brick with 20 nodes through the thickness, on the true surface, with the thickness, offset and
+    layers that the problem has there. CalculiX makes the same bricks of its own shell elements, but ties a rotation at a
+    node to a rigid cross-section, which bricks do not need. A support holds what it does here: positions of the reference
+    surface (averages over the thickness), tilts of the line through the thickness at clamped and symmetric edges; the
+    thickness stays free. Dead loads act on the reference surface too, and half of a pressure acts on each face.
 
     The loads are those of :func:`skancf.solve`: full amplitude, histories are left out.
 
@@ -40,10 +40,10 @@ def calculix(
     ----------
     system : System
         A problem on a mesh of any theory, without hanging nodes. What is exported: :class:`~skancf.Isotropic`,
-        :class:`~skancf.Orthotropic` and laminates of them, zones whose faces meet, thickness and offset as functions of place;
-        clamps, pins, simple supports, rollers, symmetry and prescribed displacements along edges, those that hold positions at
-        points too; hinges between edges with matching elements; dead loads, weight, pressure and temperature; moments with
-        ``nonlinear=False``.
+        :class:`~skancf.Orthotropic` and laminates of them, zones whose faces meet, thickness and offset as functions of
+        place; clamps, pins, simple supports, rollers, symmetry and prescribed displacements along edges, and at points those
+        that hold positions only; hinges between edges with matching elements; dead loads, weight, pressure and temperature;
+        moments with ``nonlinear=False``.
     path : str or Path
         Of the deck, ending in ``.inp``.
     nonlinear : bool
@@ -68,10 +68,9 @@ def calculix(
 
     Notes
     -----
-    Bricks have three-dimensional elasticity with the material's own constants. So the deck differs from theory `full` where
-    that is approximate: by shear stresses that are no parabola, thick curved shells, at point loads and clamped corners. Of
-    bricks with reduced integration, a single row of elements may show hourglass motions at point supports: compare with
-    ``refine`` one larger. Bricks of 1/1000 of their length still work; their answers lose half their digits.
+    Bricks have three-dimensional elasticity with the material's own constants: their answer differs from that of a theory of
+    plates under point loads, at clamped corners and where a shell is thick. Reduced integration leaves hourglass motions of
+    a single row of elements, with which a nonlinear step of a strip does not converge: give ``refine=1``.
 
     Examples
     --------
@@ -95,7 +94,9 @@ def calculix(
         system = system.problem.on(system.mesh.refined(times), system.geometry.theory)
     _refuse(system)
     bricks = Bricks.of(system)
-    deck = Deck(bricks, groups(bricks), Forces.of(bricks, nonlinear), *equations(bricks).reduced(), nonlinear, element, share)
+    deck = Deck(
+        bricks, groups(bricks), Forces.of(bricks, nonlinear), *equations(bricks).reduced(), nonlinear, element, share
+    )
     with replacing(file) as part:
         part.write_text("\n".join(deck.lines()) + "\n", encoding="ascii")
     return CalculixDeck(file, bricks, nonlinear)
@@ -104,8 +105,8 @@ def calculix(
 def _refuse(system: Any) -> None:
     problem = system.problem
     if problem.terms:
-        raise InputError(f"terms: {type(problem.terms[0]).__name__} is of your own, which another program does not know; export "
-                         "the problem without it")  # fmt: skip
+        raise InputError(f"terms: {type(problem.terms[0]).__name__} is of your own, which another program does not know; "
+                         "export the problem without it")  # fmt: skip
     if system.geometry.integration.kinds.any():
         raise InputError("system: it has integration points of its own, which bricks do not have")
 

@@ -64,11 +64,11 @@ class Forces:
         out = cls(bricks)
         for load in bricks.system.problem.loads:
             if type(load) not in LOADS:
-                raise InputError(f"load {shown(load)}: a {type(load).__name__} is not exported; these are: "
+                raise InputError(f"load {shown(load)}: class {type(load).__name__} is not exported; these are: "
                                  f"{', '.join(kind.__name__ for kind in LOADS)}")  # fmt: skip
             if nonlinear and isinstance(load, EdgeMoment | PointMoment):
-                raise InputError(f"load {shown(load)}: bricks take a moment as a couple of dead forces, which does not turn with "
-                                 "them; export it with nonlinear=False")  # fmt: skip
+                raise InputError(f"load {shown(load)}: bricks take a moment as a couple of dead forces, which does not turn "
+                                 "with them; export it with nonlinear=False")  # fmt: skip
             out._add(load)
         return out
 

@@ -1,4 +1,4 @@
-"""What supports and hinges hold of the nodes of bricks: linear equations, reduced so that each has a displacement of its own."""
+"""What supports and hinges hold of the nodes of bricks: linear equations, each with a displacement that no other has."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -50,10 +50,11 @@ class Spots:
 def spots(bricks: Bricks, where: Any) -> Spots:
     """Those of a place, see :class:`~skancf.supports.Support`."""
     geometry = bricks.system.geometry
-    at_nodes = [(geometry.ties.node_of[node], way) for node, ways in edges(geometry, where).items() for way in ways or [None]]
+    alone = [np.zeros(2)]
+    at_nodes = [(geometry.ties.node_of[node], way) for node, ways in edges(geometry, where).items() for way in ways or alone]
     facets = geometry.points_and_facets(where)[1]
     lines = np.array([*(line for line, _ in at_nodes), *bricks.lines_of_facets(facets)], dtype=int)
-    ways = np.array([*(np.zeros(2) if way is None else way for _, way in at_nodes), *geometry.facet_directions(facets).T])
+    ways = np.array([*(way for _, way in at_nodes), *geometry.facet_directions(facets).T])
     slopes = np.stack(geometry.surface.derivatives(*bricks.at[:, lines]))
     tangents = np.einsum("md,dim->mi", ways.reshape(-1, 2), slopes)
     size = np.linalg.norm(tangents, axis=1)[:, None]
@@ -129,15 +130,15 @@ def _reduced(matrix: np.ndarray, values: np.ndarray, unknowns: np.ndarray) -> li
     scale, pivots = np.abs(matrix).max(), []
     while left.size:
         sizes = np.abs(work[left, :-1])
-        row, column = np.unravel_index(np.argmax(sizes), sizes.shape)
-        if sizes[row, column] <= DEPENDENT * scale:
+        first, column = (int(k) for k in np.unravel_index(np.argmax(sizes), sizes.shape))
+        if sizes[first, column] <= DEPENDENT * scale:
             break
-        pivot = left[row]
+        pivot = int(left[first])
         work[pivot] /= work[pivot, column]
         others = np.arange(len(work)) != pivot
         work[others] -= np.outer(work[others, column], work[pivot])
         pivots.append((pivot, column))
-        left = np.delete(left, row)
+        left = np.delete(left, first)
     if left.size and np.abs(work[left, -1]).max() > CONTRADICTION * np.abs(values).max():
         raise InputError("supports: two prescribe different displacements of the same place")
     out = []
@@ -201,8 +202,8 @@ def _prescribed(bricks: Bricks, support: Prescribed, out: Equations) -> None:
 def _edges(bricks: Bricks, support: Any) -> Spots:
     place = spots(bricks, support.where)
     if not place.along_edges:
-        raise InputError(f"support {shown(support)}: at single points it holds a rotation, which a brick does not have; give "
-                         "an edge, or export a Pin")  # fmt: skip
+        raise InputError(f"support {shown(support)}: at single points it holds a rotation, which a brick does not have; "
+                         "give an edge, or export a Pin")  # fmt: skip
     return place
 
 
@@ -223,12 +224,12 @@ def equations(bricks: Bricks) -> Equations:
     problem, out = bricks.system.problem, Equations(bricks)
     for support in problem.supports:
         if type(support) not in SUPPORTS:
-            raise InputError(f"support {shown(support)}: a {type(support).__name__} is not exported; these are: "
+            raise InputError(f"support {shown(support)}: class {type(support).__name__} is not exported; these are: "
                              f"{', '.join(kind.__name__ for kind in SUPPORTS)}")  # fmt: skip
         SUPPORTS[type(support)](bricks, support, out)
     for condition in problem.conditions:
         if type(condition) is not Hinge:
-            raise InputError(f"condition {condition.name!r}: a {type(condition).__name__} is not exported; a Hinge is")
+            raise InputError(f"condition {condition.name!r}: class {type(condition).__name__} is not exported; Hinge is")
         _hinge(bricks, condition, out)
     return out
 
@@ -239,8 +240,8 @@ def _hinge(bricks: Bricks, hinge: Hinge, out: Equations) -> None:
     distance, nearest = cKDTree(places[second]).query(places[first])
     size = np.ptp(places[first], axis=0).max()
     if len(first) != len(second) or distance.max() > SEVEN_DIGITS * size or len(np.unique(nearest)) < len(nearest):
-        raise InputError(f"condition {hinge.name!r}: the elements of its two edges do not match; give both edges as many, of the "
-                         "same lengths, for an export")  # fmt: skip
+        raise InputError(f"condition {hinge.name!r}: the elements of its two edges do not match; give both as many, of "
+                         "the same lengths")  # fmt: skip
     apart = sp.csr_matrix(bricks.weights[0][first] - bricks.weights[0][second[nearest]])
     for axis in AXES:
         out.add(apart, np.tile(axis, (len(first), 1)))

@@ -14,6 +14,7 @@ from skancf.atomic import AnyPath, as_path
 from skancf.errors import InputError, SkancfError, finite, positive
 from skancf.export.bricks import Bricks
 from skancf.solution import Solution
+from skancf.tolerances import SEVEN_DIGITS
 
 
 class Printed(NamedTuple):
@@ -35,7 +36,7 @@ class Printed(NamedTuple):
 
 
 def read_calculix(path: AnyPath) -> Printed:
-    """The last displacements in a ``.dat`` file of CalculiX, which ``*NODE PRINT`` with ``U`` writes.
+    r"""The last displacements in a ``.dat`` file of CalculiX, which ``*NODE PRINT`` with ``U`` writes.
 
     Raises
     ------
@@ -44,7 +45,9 @@ def read_calculix(path: AnyPath) -> Printed:
 
     Examples
     --------
-    >>> _ = open("job.dat", "w").write(" displacements (vx,vy,vz) for set NALL and time  0.1000000E+01\\n\\n 7 0. 0. -2.5E-3\\n")
+    >>> from pathlib import Path
+    >>> text = " displacements (vx,vy,vz) for set NALL and time  0.1000000E+01\n\n  7  0.0  0.0  -2.5E-3\n"
+    >>> _ = Path("job.dat").write_text(text)
     >>> sk.export.read_calculix("job.dat").displacements
     array([[ 0.    ,  0.    , -0.0025]])
     """
@@ -118,8 +121,8 @@ class CalculixDeck:
         threads, timeout = whole("threads", threads), positive("timeout", timeout, "s")
         program = shutil.which(text("ccx", ccx))
         if program is None:
-            raise InputError(f"ccx = {ccx!r}: there is no such program; install CalculiX (on Debian: apt install calculix-ccx), "
-                             "or run the deck elsewhere and read its .dat file with result()")  # fmt: skip
+            raise InputError(f"ccx = {ccx!r}: there is no such program; install CalculiX (on Debian: apt install "
+                             "calculix-ccx), or run the deck elsewhere and read its .dat file with result()")  # fmt: skip
         self.path.with_suffix(".dat").unlink(missing_ok=True)
         try:
             done = subprocess.run(
@@ -148,9 +151,9 @@ class CalculixDeck:
         if not np.array_equal(printed.nodes, np.arange(1, self.n_nodes + 1)):
             raise InputError(f"path = '{file}': has displacements of {len(printed.nodes)} nodes, and this deck has "
                              f"{self.n_nodes}; give the file of this deck")  # fmt: skip
-        if abs(printed.time - 1.0) > 1e-6:
-            raise InputError(f"path = '{file}': ends at {printed.time:.4g} of the load; look into CalculiX's .sta file, and give "
-                             "a smaller increment=")  # fmt: skip
+        if abs(printed.time - 1.0) > SEVEN_DIGITS:
+            raise InputError(f"path = '{file}': ends at {printed.time:.4g} of the load; look into CalculiX's .sta file, and "
+                             "give a smaller increment=")  # fmt: skip
         return CalculixResult(self, printed.displacements)
 
 
@@ -184,8 +187,8 @@ class CalculixResult:
         return np.asarray(out[0] if np.ndim(at) == 1 else out)
 
     def difference(self, solution: Any) -> float:
-        """The largest distance to the displacements of a solution, over the largest of these, at all corners and middles of sides
-        of the elements of the deck.
+        """The largest distance between the displacements of a solution and these, over the largest of these, at all corners
+        and middles of sides of the elements of the deck.
 
         Raises
         ------

@@ -79,8 +79,8 @@ def _layers(material: Any) -> list[tuple[Any, float]]:
         found = [(material, getattr(material, "angle", 0.0))]
     for each, _ in found:
         if type(each) not in (Isotropic, Orthotropic):
-            raise InputError(f"material: a {type(each).__name__} is not exported; Isotropic, Orthotropic and a Laminate of them "
-                             "are")  # fmt: skip
+            raise InputError(f"material: class {type(each).__name__} is not exported; Isotropic, Orthotropic and a "
+                             "Laminate of them are")  # fmt: skip
     return found
 
 
@@ -92,7 +92,11 @@ def cards(material: Any, name: str, density: bool, expansion: bool) -> list[str]
         kind, values = "ISO", [material.expansion]
     else:
         constants = [*material.young, *material.poisson, *material.shear]
-        lines += ["*ELASTIC,TYPE=ENGINEERING CONSTANTS", ",".join(f"{v:.12g}" for v in constants[:8]), f"{constants[8]:.12g}"]
+        lines += [
+            "*ELASTIC,TYPE=ENGINEERING CONSTANTS",
+            ",".join(f"{v:.12g}" for v in constants[:8]),
+            f"{constants[8]:.12g}",
+        ]
         kind, values = "ORTHO", [*material.expansion]
     if expansion:
         lines += [f"*EXPANSION,TYPE={kind}", ",".join(f"{v:.12g}" for v in values)]

@@ -149,7 +149,7 @@ from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
 if TYPE_CHECKING:
-    from skancf import output, testing
+    from skancf import export, output, testing
     from skancf.materials import Hyperelastic, MooneyRivlin, NeoHooke, Ogden
     from skancf.terms.forms import FormTerm
 
@@ -271,6 +271,7 @@ __all__ = [
     "buckling",
     "conditions",
     "dynamics",
+    "export",
     "find_regions",
     "goal_estimate",
     "load",
@@ -315,7 +316,7 @@ RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
 
 def __getattr__(name: str) -> Any:
     """Some are loaded when they are first used: many runs show nothing, and few have rubber, forms or tests of terms."""
-    if name in ("output", "testing"):
+    if name in ("export", "output", "testing"):
         return importlib.import_module(f"skancf.{name}")
     if name == "FormTerm":
         return importlib.import_module("skancf.terms.forms").FormTerm

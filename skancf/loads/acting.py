@@ -164,7 +164,7 @@ def over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:
     return geometry.nodal(geometry.integration.gathered(local), np.arange(geometry.n_elements))
 
 
-def point_forces(geometry: Geometry, elements: Any, local: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Nodal forces of forces (m, 3) at local points (m, 2) of elements (m,)."""
+def at_points(elements: Any, local: np.ndarray, forces: np.ndarray) -> Spread:
+    """Forces (m, 3) at local points (m, 2) of elements (m,)."""
     on_both = np.stack([forces, np.zeros_like(forces)], axis=1)[..., None]
-    return Spread(np.asarray(elements), local[:, :, None], on_both).nodal(geometry)
+    return Spread(np.asarray(elements), local[:, :, None], on_both)

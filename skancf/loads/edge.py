@@ -49,7 +49,11 @@ class EdgeLoad:
     def on(self, assembly: Assembly) -> DeadLoad:
         geometry = assembly.geometry
         ends = partial(at_place, geometry, self.where, "force", "an EdgeLoad", single=False)
-        return DeadLoad(on_edges(geometry, self.where, self.force).nodal(geometry), self.history, singular=ends)
+        return DeadLoad(self.spread(assembly).nodal(geometry), self.history, singular=ends)
+
+    def spread(self, assembly: Assembly) -> Spread:
+        """The forces at points of the edges."""
+        return on_edges(assembly.geometry, self.where, self.force)
 
 
 def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") -> Spread:
@@ -101,10 +105,17 @@ class LineLoad:
             raise InputError(f"start = end = {self.start}: a line needs two different ends")
 
     def on(self, assembly: Assembly) -> DeadLoad:
-        ends = np.asarray(self.start, float), np.asarray(self.end, float)
-        at, spread = on_line(assembly.geometry, *ends, self.force)
-        singular = [along_line(assembly.geometry, *ends, "a LineLoad")]
+        at, spread = on_line(assembly.geometry, *self._ends, self.force)
+        singular = [along_line(assembly.geometry, *self._ends, "a LineLoad")]
         return DeadLoad(spread.nodal(assembly.geometry), self.history, at.reshape(2, -1), singular)
+
+    def spread(self, assembly: Assembly) -> Spread:
+        """The forces at points of the line."""
+        return on_line(assembly.geometry, *self._ends, self.force)[1]
+
+    @property
+    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.asarray(self.start, float), np.asarray(self.end, float)
 
 
 def on_line(

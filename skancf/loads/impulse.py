@@ -11,7 +11,7 @@ from skancf.errors import number, vector
 from skancf.functions import is_function
 from skancf.history import Case
 from skancf.layout.singularities import Singularity, at_place
-from skancf.loads.acting import Acting, point_forces
+from skancf.loads.acting import Acting, at_points
 from skancf.loads.edge import on_edges
 from skancf.showing import short
 from skancf.terms.protocols import Assembly
@@ -66,7 +66,7 @@ class Impulse:
     def on(self, assembly: Assembly) -> "Blow":
         geometry = assembly.geometry
         element, local = geometry.locate(self.at)
-        nodal = point_forces(geometry, [element], local[None], np.array([self.impulse], float))
+        nodal = at_points([element], local[None], np.array([self.impulse], float)).nodal(geometry)
         at = geometry.within(np.asarray(self.at, float)[:, None])
         return Blow(nodal, float(self.time), [Singularity("force", at, "an Impulse", self.impulse, at_rest=False)])
 

@@ -1,7 +1,6 @@
 """Small free vibrations about an equilibrium."""
 
 import logging
-from dataclasses import dataclass
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple

@@ -10,6 +10,7 @@ from skancf.output.sampling import Samples, sample
 from skancf.output.spectrum_chart import spectrum_chart
 from skancf.output.tables import save_table
 from skancf.tabular import Columns
+from skancf.tensors import principal_directions, principal_stresses, signed_von_mises, tresca, von_mises
 
 __all__ = [
     "Columns",
@@ -25,9 +26,14 @@ __all__ = [
     "mesh_chart",
     "mesh_levels",
     "picture",
+    "principal_directions",
+    "principal_stresses",
     "read",
     "sample",
     "save_table",
+    "signed_von_mises",
     "spectrum_chart",
+    "tresca",
+    "von_mises",
     "write",
 ]

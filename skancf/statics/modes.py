@@ -149,7 +149,8 @@ class Modes(Tabular):
         --------
         >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3, 1e3), [sk.Clamp("left")])
         >>> modes = sk.modes(strip.on(sk.meshes.uniform(strip.surface, 4, 1)), 1)
-        >>> [round(float(abs(state.displacement((1.0, 0.0))[2]), 3) for state in modes.swing(0, size=0.1, frames=4)]
+        >>> swing = modes.swing(0, size=0.1, frames=4)
+        >>> [round(float(abs(state.displacement((1.0, 0.0))[2])), 3) for state in swing]
         [0.0, 0.1, 0.0, 0.1]
         """
         return swung_along(self.state, nth(self.shapes, i), size, frames)

@@ -14,7 +14,7 @@ import skancf
 PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
-    "version", "tolerances", "errors", "functions", "arguments", "equality", "memory", "checks", "atomic", "history",
+    "version", "tolerances", "errors", "functions", "arguments", "equality", "rows", "memory", "checks", "atomic", "history",
     "progress", "compiled", "threads", "vectors", "elements", "surfaces", "linear", "kernels", "solving", "materials",
     "meshes", "theories", "layout", "terms", "conditions", "supports", "loads", "system", "thinness", "problem", "testing",
     "recovered", "true_stress", "solution", "statics", "dynamics", "adaptive", "output", "storage",

@@ -15,8 +15,8 @@ PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
     "version", "tolerances", "errors", "functions", "arguments", "memory", "checks", "atomic", "history", "progress",
-    "compiled", "threads", "vectors", "elements", "surfaces", "linear", "kernels", "solving", "materials", "meshes",
-    "theories", "layout", "terms", "conditions", "supports", "loads", "system", "thinness", "problem", "testing",
+    "compiling", "compiled", "threads", "vectors", "elements", "surfaces", "linear", "kernels", "solving", "materials",
+    "meshes", "theories", "layout", "terms", "conditions", "supports", "loads", "system", "thinness", "problem", "testing",
     "recovered", "true_stress", "solution", "statics", "dynamics", "adaptive", "output",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.

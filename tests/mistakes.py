@@ -534,6 +534,7 @@ def add_output(add: Any, s: Scene) -> None:
         kinds={"states": "any"})  # fmt: skip
     add("read", o.read, path=s.vtu, aliases=file)
     add("save_table", o.save_table, path=s.folder / "table.csv", columns={"a": [1.0, 2.0]}, aliases=file)
+    add("Columns", o.Columns, columns={"a": [1.0, 2.0]}, units={"a": "m"}, takes="units:none", kinds={"units": "mapping"})
     add("check_folder", o.check_folder, path=s.folder / "new", aliases={"path": "folder"}, takes="path:half")
     add("mesh_chart", o.mesh_chart, mesh=s.plain, path=png, surface=s.surface, regions=[s.region], points={"a": (0.5, 0.5)},
         title="a", aliases=file, kinds={"regions": "items"})  # fmt: skip
@@ -551,7 +552,7 @@ def add_output(add: Any, s: Scene) -> None:
         aliases={"path": "file", "modes": "natural"}, takes="modes:none,limit:none")  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),
         colours=np.ones((1, 4)), light=(0.5, -0.4, 0.8), stretch=(1.0, 1.0, 1.0))  # fmt: skip
-    from skancf.output.pictures import Style
+    from skancf.output.style import Style
 
     add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
         show_undeformed=False, title="a", subdivisions=2, size=(300, 200),

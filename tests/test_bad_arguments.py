@@ -11,7 +11,7 @@ import pytest
 from mistakes import Call, Fault, Scene, answer, calls, fault, faults, mistakes, parameters
 
 import skancf as sk
-from skancf.output.pictures import Style
+from skancf.output.style import Style
 
 LEAST = 1500
 

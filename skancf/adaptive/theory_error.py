@@ -39,6 +39,19 @@ class TheoryError:
         Is it an estimate to count on, not an order of magnitude only?
     note : str
         Why it is not, or cannot be told.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> missing = sk.theory_error(sk.solve_linear(system))
+    >>> print(missing.sound, f"{100 * missing.share:.2f} % of the energy")
+    True 0.27 % of the energy
     """
 
     value: float
@@ -89,7 +102,16 @@ def theory_error(
 
     Examples
     --------
-    >>> sk.theory_error(sk.solve_linear(system), sk.Displacement(at=(0.5, 0.5))).share
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> missing = sk.theory_error(sk.solve_linear(system), sk.Displacement(at=(0.5, 0.5)))
+    >>> print(f"{100 * missing.share:.2f} % of the deflection")
+    0.19 % of the deflection
     """
     instance("solution", solution, Solution, STATE)
     check_backend(backend)
@@ -117,7 +139,7 @@ def theory_error(
 
 
 def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
-    """:func:`theory_error`, or the reason why there is none."""
+    """:func:`theory_error`, or the reason why it cannot be given."""
     try:
         return theory_error(solution, quantity, backend=backend, progress=False)
     except Exception as none:  # a user's quantity may fail in many ways, and the rest of a result is there

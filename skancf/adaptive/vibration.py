@@ -42,6 +42,18 @@ class Eigenfrequency:
     ------
     InputError
         For a number that is no whole number of at least 0.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> result = sk.adapt(plate, sk.Eigenfrequency(), rtol=1e-2)
+    >>> print(f"{result.value:.1f} Hz")
+    89.8 Hz
     """
 
     number: int = 0

@@ -92,8 +92,8 @@ def simulate(
     checkpoint : Checkpoint or folder, optional
         Write the run to a folder while it goes on: see :class:`Checkpoint`.
     resume : bool
-        Go on with the run in that folder, to the same bytes as without a stop; begin it where there is none. The problem and
-        all settings must be those it was begun with.
+        Go on with the run in that folder, to the same bytes as without a stop; begin it where the folder has none. The
+        problem and all settings must be those it was begun with.
     newton_rtol : float, optional
         Newton's method ends when the energy of its correction is less than this squared times the largest kinetic energy
         so far, or the step's first correction. Default: that of the rule.
@@ -113,6 +113,16 @@ def simulate(
     InputError
         For times, tolerances or velocities that cannot be used, a start that does not meet the conditions of the system, and
         with conditions for :class:`Trapezoidal`.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.01, rtol=1e-2, outputs=11, progress=False)
+    >>> print(motion.status.value, motion.displacement((1.0, 0.05)).shape)
+    finished (11, 3)
     """
     check_arguments(system, backend, start=start, resume=resume, check=check)
     check_progress(progress)

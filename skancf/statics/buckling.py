@@ -11,9 +11,11 @@ from scipy.sparse.linalg import LinearOperator
 
 from skancf.arguments import choice
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import in_a_notebook, in_brackets, passed, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.conditioned import curved, is_loaded
@@ -36,6 +38,7 @@ from skancf.statics.modes import (
     lanczos,
     moved_along,
     nth,
+    swung_along,
 )
 from skancf.statics.motions import Motions, motions_of
 from skancf.statics.tangents import warn_if_skew
@@ -43,19 +46,21 @@ from skancf.statics.validity import warn_without_time
 from skancf.system.linearised import Linearised, geometric_stiffness
 from skancf.system.system import System
 from skancf.system.unstressed import unstressed
+from skancf.tabular import Column, Tabular
 from skancf.tolerances import AT_REST, ZERO_EIGENVALUE
 
 logger = logging.getLogger(__name__)
 
-# A load factor that is so many times the smallest one of either sign counts as infinite.
+# A load factor that is this many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
 # Membrane strains as they are may ask for this much more of the load before a mesh is called too coarse.
 COARSE = 0.15
 
 
+@by_value
 @dataclass(frozen=True)
-class BucklingResult:
-    r"""Outcome of :func:`buckling`.
+class BucklingResult(Tabular):
+    r"""Outcome of :func:`buckling`; as a table the load factors, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -75,6 +80,20 @@ class BucklingResult:
         A bound on the relative error of each load factor from its residual, the worst of them; products of the shapes; and
         whether any of the lowest is missing, by the signs of the pivots of :math:`K_0 + s K_\sigma`, s in the gap behind
         the last.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> found = sk.buckling(system, 1)
+    >>> print(found.load_factors.shape, found.shape(0, size=1.0).note)
+    (1,) mode of arbitrary size
     """
 
     load_factors: np.ndarray
@@ -83,6 +102,13 @@ class BucklingResult:
     message: str = ""
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        factors = f"load factors {some(self.load_factors)}" if len(self.load_factors) else self.message
+        return f"BucklingResult: {factors}; {self.linear.system}{passed(self.checks)}"
 
     @property
     def ok(self) -> bool:
@@ -101,10 +127,21 @@ class BucklingResult:
         """
         return buckling_changes(self.linear, self.shapes)
 
+    def _table(self) -> dict[str, Column]:
+        return {"mode": (np.arange(len(self.load_factors)), ""), "load_factor": (self.load_factors, "")}
+
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""
-        start = Solution(self.linear.system, self.linear.system.undeformed.copy(), load_factor=0.0)
-        return moved_along(start, nth(self.shapes, i), size)
+        return moved_along(self.start, nth(self.shapes, i), size)
+
+    def swing(self, i: int, size: float | None = None, *, frames: int = 24) -> tuple[Solution, ...]:
+        """Mode ``i`` to and fro, for films that repeat: see :meth:`Modes.swing`."""
+        return swung_along(self.start, nth(self.shapes, i), size, frames)
+
+    @property
+    def start(self) -> Solution:
+        """The undeformed structure, from which the modes lead away."""
+        return Solution(self.linear.system, self.linear.system.undeformed.copy(), load_factor=0.0)
 
 
 def buckling(
@@ -148,6 +185,21 @@ def buckling(
     OutOfDepth
         Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found. Where
         a check fails, for example as load factors are missing that further searches did not find.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> critical = 4 * np.pi**2 * steel.young * 0.01**3 / 12 / (1 - steel.poisson**2)  # for sides of 1 m
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[
+    ...         sk.Roller("boundary", kind="hard"), sk.Roller("left", (1, 0, 0)), sk.Roller((0.0, 0.0), (0, 1, 0)),
+    ...     ],
+    ...     loads=[sk.EdgeLoad("right", (-critical, 0.0, 0.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(f"{sk.buckling(system, 1).load_factors[0]:.3f}")
+    1.000
     """
     check_arguments(system, backend)
     check_progress(progress)
@@ -223,10 +275,10 @@ class _Pencil:
 
     def lowest(self, n: int, signs: str) -> tuple[np.ndarray, np.ndarray, int, Check]:
         """Inverse load factors (m,) and shapes (m, n_dofs) of the lowest load factors, up to the first gap behind n of them;
-        the number of those before the gap; and whether so many are there.
+        the number of those before the gap; and whether that number exists.
 
         Sylvester: each load factor between 0 and s makes one eigenvalue of K_0 + s K_sigma negative. So many are looked for
-        beside what was found until the numbers agree.
+        in addition to what was found until the numbers agree.
         """
         which = "LA" if signs == "positive" else "LM"
         limit = NEVER / np.abs(self._more(1, "LM", (np.zeros(0), self._none))[0]).max()
@@ -289,14 +341,14 @@ class _Pencil:
     def _more(
         self, n: int, which: str, known: tuple[np.ndarray, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """The known ones and the n largest beside them, in size or as they are; of few coordinates all."""
+        """The known ones and the n largest besides them, in size or as they are; of few coordinates all."""
         if 2 * (n + len(known[0])) >= self.motions.room:
             return _dense(self.stiffness, self.geometric, self.motions)
         new = self._lanczos(n, which, known[1])
         return np.append(known[0], new[0]), np.vstack([known[1], new[1]])
 
     def _lanczos(self, n: int, which: str, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The n largest, in size or as they are, beside the known ones."""
+        """The n largest, in size or as they are, besides the known ones."""
         shape = self.stiffness.shape
         elastic, load = (self._projected(matrix) for matrix in (self.stiffness, self.geometric))
         weights = np.array([elastic(v) for v in known]).reshape(known.shape)

@@ -66,6 +66,18 @@ def solve(
     ------
     InputError
         When a rigid motion is free.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> result = sk.solve(system)
+    >>> print(result.status.value, result.iterations)
+    converged 4
+    >>> print(f"{1000 * result.unwrap().displacement((1.0, 0.05))[2]:.3f} mm")
+    1.905 mm
     """
     check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
                 follow=follow, relax=relax)  # fmt: skip

@@ -36,6 +36,16 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     OutOfDepth
         Where they are out of balance by more than a millionth, and where the answer is out of the depth of its theory or
         of its mesh.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> solution = sk.solve_linear(system)
+    >>> print(f"{1000 * solution.displacement((1.0, 0.05))[2]:.3f} mm")  # F L^3 / 3 E I
+    1.905 mm
     """
     check_arguments(system, backend)
     require_support(system)

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.checks import Check, failures
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, shown
 from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import FEW, counted, in_a_notebook, in_brackets, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
@@ -21,9 +23,11 @@ from skancf.statics.diagnosis import NEAR, require_support
 from skancf.statics.events import LIMIT, Event, events_between
 from skancf.statics.newton import NewtonResult, largest_turn
 from skancf.statics.points import Follower, Point
+from skancf.statics.tables import attempts_of, states_of
 from skancf.statics.validity import warn_without_time
 from skancf.statics.verify import Balance, checks_of
 from skancf.system.system import System
+from skancf.tabular import Column, Columns, Tabular, of_objects
 from skancf.tolerances import ONE_PLACE, ROUNDED_COORDINATE
 
 FIRST_TURN = 0.5
@@ -43,9 +47,10 @@ CROSSED = (
 logger = logging.getLogger(__name__)
 
 
+@by_value
 @dataclass(frozen=True)
-class PathResult:
-    """Outcome of :func:`trace`.
+class PathResult(Tabular):
+    """Outcome of :func:`trace`; as a table its equilibria, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -65,6 +70,20 @@ class PathResult:
         Why it stopped.
     checks : tuple of Check
         Of the last equilibrium; converged is only a path whose end passed them.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> path = sk.trace(system, until=0.5, progress=False)
+    >>> print(path.status.value, path.load_factors[-1], path.displacement(crown).shape[1])
+    converged 0.5 3
     """
 
     solutions: tuple[Solution, ...]
@@ -74,6 +93,28 @@ class PathResult:
     attempts: tuple[NewtonResult, ...]
     message: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        loads = [solution.load_factor for solution in self.solutions]
+        found = f"{counted(len(loads), 'equilibrium', 'equilibria')}, load factors {span(min(loads), max(loads))}"
+        met = "".join(f"; {event}" for event in self.events[:FEW]) + ("; ..." if len(self.events) > FEW else "")
+        return f"PathResult: {self.status.value}, {found}, at the end {self.solution.said}{met}{passed(self.checks)}"
+
+    def _table(self) -> dict[str, Column]:
+        return {**states_of(self.solutions), "negative_pivots": (self.negative_pivots, "")}
+
+    @property
+    def event_table(self) -> Columns:
+        """The limit points and bifurcation points, with their load factors."""
+        return of_objects(self.events, kind="", load_factor="", refined="")
+
+    @property
+    def attempt_table(self) -> Columns:
+        """Every solve, with its load factor, status, iterations and last residual."""
+        return attempts_of((result.load_factor, result) for result in self.attempts)
 
     @property
     def load_factors(self) -> np.ndarray:
@@ -132,7 +173,7 @@ def trace(
     until : float or DisplacementReached, optional
         The path ends where it reaches this load factor, or a displacement.
     steps : int
-        Or after so many steps.
+        Or after this number of steps.
     rtol, max_iterations, mixed, backend, progress
         As for :func:`solve`.
 
@@ -145,6 +186,20 @@ def trace(
     ------
     InputError
         When a rigid motion is free, nothing loads the structure, or the controlled displacement does not move with the load.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> path = sk.trace(system, sk.ArcLength(first=0.1), until=1.0, progress=False)
+    >>> print([(event.kind, round(event.load_factor, 2)) for event in path.events])
+    [('limit point', 0.74), ('limit point', 0.17)]
     """
     check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
                 mixed=mixed)  # fmt: skip

@@ -224,7 +224,8 @@ def traced(
         raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")
     if not is_loaded(system, at.q, at.load_factor):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
-    with DirectSolver(system.pattern, system.constraints, backend) as solver, Bar("path", steps, progress) as bar:
+    most = steps if until is None else None
+    with DirectSolver(system.pattern, system.constraints, backend) as solver, Bar("path", most, progress) as bar:
         follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)
         return _Run(system, control, follower, until, int(steps), bar).go(at)
 

@@ -7,7 +7,7 @@ import numpy as np
 from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
 from skancf.meshes import MeshQuadTree
-from skancf.showing import in_a_notebook, in_brackets, short
+from skancf.showing import in_a_notebook, in_brackets, short, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 
@@ -131,6 +131,7 @@ class AdaptiveResult:
         """
         return abs(self.value) <= self.error_bar
 
+    @summary
     def __str__(self) -> str:
         n, zero = self.solution.system.n_dofs, ", and zero lies within it" if self.is_zero else ""
         said = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit}".rstrip() + self._left_out()

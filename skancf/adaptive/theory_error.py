@@ -12,6 +12,7 @@ from skancf.arguments import STATE, instance
 from skancf.conditions.solver import curved
 from skancf.errors import InputError
 from skancf.linear import DirectSolver, check_backend
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.statics.conditioned import factored_about, rows_of, solved
 from skancf.statics.corrections import skew_part
@@ -44,6 +45,8 @@ class TheoryError:
     share: float
     sound: bool = True
     note: str = ""
+
+    __repr__ = short
 
 
 NOTHING = TheoryError(0.0, 0.0)

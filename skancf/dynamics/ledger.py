@@ -41,6 +41,8 @@ class MeshEvent:
     again: bool = False
     """Whether the run went back to here, because the motion had outrun the fine part of the mesh."""
 
+    __repr__ = short
+
 
 @dataclass(frozen=True)
 class Ledger:

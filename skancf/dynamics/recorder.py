@@ -12,6 +12,7 @@ from skancf.dynamics.motion import Segment
 from skancf.dynamics.pulls import Pulls
 from skancf.dynamics.state import State
 from skancf.functions import called
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, ONE_TIME
@@ -29,6 +30,8 @@ class Knot:
     v: np.ndarray
     output: bool
 
+    __repr__ = short
+
 
 @dataclass(frozen=True)
 class Pull:
@@ -38,6 +41,8 @@ class Pull:
     end: float
     acting: float
     values: np.ndarray
+
+    __repr__ = short
 
 
 class Recorder:

@@ -117,6 +117,8 @@ class Frame:
     title: str
     where: str = ""
 
+    __repr__ = short
+
 
 def picture(solution: Solution, path: AnyPath, **options: Any) -> Path:
     """Draw a deformed plate, coloured by a field.

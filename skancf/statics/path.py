@@ -9,7 +9,7 @@ from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfErro
 from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Progress
-from skancf.showing import FEW, counted, in_a_notebook, in_brackets, passed, span, summary
+from skancf.showing import FEW, counted, in_a_notebook, in_brackets, of_state, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
@@ -80,7 +80,7 @@ class PathResult:
         loads = [solution.load_factor for solution in self.solutions]
         found = f"{counted(len(loads), 'equilibrium', 'equilibria')}, load factors {span(min(loads), max(loads))}"
         met = "".join(f"; {event}" for event in self.events[:FEW]) + ("; ..." if len(self.events) > FEW else "")
-        return f"PathResult: {self.status.value}, {found}, at the end {self.solution.said}{met}{passed(self.checks)}"
+        return f"PathResult: {self.status.value}, {found}; at the end: {of_state(self.solution)}{met}{passed(self.checks)}"
 
     @property
     def load_factors(self) -> np.ndarray:

@@ -325,6 +325,8 @@ class Ramp(Lasting):
     duration: float
     start: float = 0.0
 
+    __repr__ = short
+
     def __call__(self, time: float) -> float:
         return min(max((_moment(time) - self.start) / self.duration, 0.0), 1.0)
 
@@ -369,6 +371,8 @@ class Pulse(Lasting):
     duration: float
     start: float = 0.0
     shape: str = "sine"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

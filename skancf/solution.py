@@ -14,7 +14,7 @@ from skancf.layout.layout import vectors
 from skancf.lines import AtPlaces
 from skancf.local_fields import LocalFields
 from skancf.materials.heights import Depth, depth_of
-from skancf.showing import in_a_notebook, in_brackets, summary
+from skancf.showing import in_a_notebook, in_brackets, state_in_words
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
@@ -72,11 +72,7 @@ class Solution(LocalFields, AtPlaces):
     note: str = field(default="", kw_only=True)
     multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
-
-    @summary
-    def __str__(self) -> str:
-        return f"Solution: {self.said}"
+    __repr__, __str__, _repr_html_ = in_brackets, state_in_words, in_a_notebook
 
     def __post_init__(self) -> None:
         plain(self)
@@ -103,20 +99,6 @@ class Solution(LocalFields, AtPlaces):
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.
             object.__setattr__(self, "small", small if np.array_equal(self.system.undeformed + small, self.q) else None)
-
-    @property
-    def said(self) -> str:
-        """What a person wants to know of it, in one line."""
-        parts = [str(self.system)]
-        if self.time is not None:
-            parts.append(f"t = {self.time:.4g} s")
-        if self.load_factor != 1:
-            parts.append(f"load factor {self.load_factor:.5g}")
-        parts += ["small deflections"] * self.linear + [self.note] * bool(self.note)
-        moved = np.linalg.norm(self.displacements, axis=0)
-        k = int(np.argmax(moved))
-        place = ", ".join(f"{x:.4g}" for x in self.system.mesh.p[:, k])
-        return ", ".join([*parts, f"largest displacement {moved[k]:.4g} at ({place})"])
 
     @property
     def case(self) -> Case:

@@ -26,6 +26,7 @@ from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, RunFiles
 from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
 from skancf.errors import InputError, SkancfError
+from skancf.showing import short
 from skancf.solving import Status
 from skancf.system.system import System
 
@@ -78,6 +79,8 @@ class Checkpoint:
     folder: AnyPath
     every: int = 100
     in_memory: bool = True
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         as_path("folder", self.folder)

@@ -28,6 +28,9 @@ class Grid(NamedTuple):
     cells: np.ndarray
     rim: np.ndarray
 
+    def __repr__(self) -> str:
+        return short(self)
+
 
 @dataclass(frozen=True)
 class SampledSurface:

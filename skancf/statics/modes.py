@@ -16,7 +16,7 @@ from skancf.errors import DidNotConverge, InputError, number
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.progress import Bar, ShowProgress, check_progress
-from skancf.showing import counted, in_a_notebook, in_brackets, passed, some, summary
+from skancf.showing import counted, in_a_notebook, in_brackets, passed, short, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.conditioned import conditions_in
@@ -247,6 +247,9 @@ class Pairs(NamedTuple):
     shapes: np.ndarray
     errors: np.ndarray
     allowed: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
     def of(self, order: Any) -> "Pairs":
         return Pairs(*(part[order] for part in self))

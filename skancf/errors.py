@@ -66,7 +66,7 @@ def shown(value: Any) -> str:
 def finite(name: str, value: Any) -> np.ndarray:
     """``value`` as a float array; :class:`InputError` where it is no number, not finite, or beyond :data:`LARGEST`.
 
-    Text, truth values and complex numbers are none, and neither are masked entries.
+    Text, truth values, complex numbers and masked entries are refused.
     """
     array = _as_floats(name, value)
     wrong = ~(np.abs(array) <= LARGEST)
@@ -135,7 +135,7 @@ NO_DIRECTION = "this is no direction; give three components, not all zero"
 
 
 def unit_vector(name: str, value: Any, need: str = NO_DIRECTION) -> np.ndarray:
-    """``value`` as a direction of space, of length one; ``need`` says why zero is none."""
+    """``value`` as a direction of space, of length one; ``need`` says why it may not be zero."""
     direction = vector(name, value, 3)
     length = float(np.linalg.norm(direction))
     if not length:

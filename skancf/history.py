@@ -107,6 +107,15 @@ def check_cover(history: Any, begin: float, end: float) -> None:
         Any; a function without ``span = (first, last)`` covers all times.
     begin, end : float
         Of the run (s).
+
+    Examples
+    --------
+    >>> sk.history.check_cover(sk.Table((0.0, 1.0), (0.0, 1.0)), 0.0, 0.5)
+    >>> try:
+    ...     sk.history.check_cover(sk.Table((0.0, 1.0), (0.0, 1.0)), 0.0, 2.0)
+    ... except sk.InputError as reason:
+    ...     print(str(reason)[:60])
+    Table from t = 0 to 1 s does not cover the run from t = 0 to
     """
     span = getattr(history, "span", None)
     if span is None:
@@ -186,8 +195,9 @@ class Table(Tabulated):
 
     Examples
     --------
-    >>> gust = sk.Table([0.0, 0.5, 2.0], [0.0, 1.0, 0.3], kind="smooth")
-    >>> load = sk.SurfaceLoad((0.0, 0.0, 200.0), history=gust)
+    >>> measured = sk.Table(times=(0.0, 0.1, 0.3), values=(0.0, 1.0, 0.5))
+    >>> measured(0.2)
+    0.75
     """
 
     times: Sequence[float]
@@ -231,6 +241,12 @@ class Path(Tabulated):
     InputError
         For times that do not ascend, fewer than two, points that are not finite or not as many; when called, for a time
         outside the range.
+
+    Examples
+    --------
+    >>> lane = sk.Path(times=(0.0, 2.0), points=[(0.0, 0.5), (10.0, 0.5)])
+    >>> print(lane(1.0))
+    [5.  0.5]
     """
 
     times: Sequence[float]
@@ -284,6 +300,12 @@ class Ramp(Lasting):
     ------
     InputError
         For a duration that is not positive, or a start that is not finite.
+
+    Examples
+    --------
+    >>> ramp = sk.Ramp(duration=0.2, start=0.1)
+    >>> ramp(0.1), ramp(0.2), ramp(1.0)
+    (0.0, 0.5, 1.0)
     """
 
     duration: float
@@ -321,6 +343,12 @@ class Pulse(Lasting):
     ------
     InputError
         For a duration that is not positive, a start that is not finite, and an unknown shape.
+
+    Examples
+    --------
+    >>> tap = sk.Pulse(duration=0.01)
+    >>> print(tap(0.005), tap(0.02))
+    1.0 0.0
     """
 
     duration: float

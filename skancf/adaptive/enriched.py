@@ -272,7 +272,7 @@ class _Chord:
 
 @dataclass(frozen=True)
 class _Shrinking:
-    """Ends where corrections are small beside the first, of energy ``largest``, and where they do not shrink fast."""
+    """Ends where corrections are small against the first, of energy ``largest``, and where they do not shrink fast."""
 
     largest: float
 

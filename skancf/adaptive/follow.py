@@ -1,4 +1,4 @@
-"""Meshes that follow a motion: a policy beside the loop in time."""
+"""Meshes that follow a motion: a policy that the loop in time asks."""
 
 import warnings
 from collections.abc import Callable
@@ -41,7 +41,8 @@ PLACES = 5
 class Follow:
     r"""Elements are quartered and merged while the body moves, so that the error stays below an allowed one.
 
-    Every so many steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with an allowed error,
+    At regular intervals of steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with an
+    allowed error,
 
     .. math:: \sum_K \eta_K^2 \le \tau^2 E
 
@@ -67,7 +68,7 @@ class Follow:
     indicator : function of a Solution
         Squared errors of the elements (J), (n_elements,), as :func:`~skancf.recovery_indicator`.
     max_dofs : int
-        No element is quartered beyond so many unknowns; it is warned of.
+        No element is quartered beyond this number of unknowns; a warning tells of it.
     smallest : float
         Size of the smallest elements, of the extent of the surface.
     coarsest : int
@@ -80,7 +81,7 @@ class Follow:
     Raises
     ------
     InputError
-        For numbers that are not positive, and for an indicator that is none.
+        For numbers that are not positive, and for an invalid indicator.
     """
 
     rtol: float = 0.2
@@ -182,7 +183,7 @@ class Follow:
         return finer
 
     def _merged(self, system: System, target: MeshQuadTree, values: np.ndarray, allowed: float) -> MeshQuadTree | None:
-        """The target with elements merged that will have little of the error; None where there are none."""
+        """The target with elements merged that will have little of the error; None without such elements."""
         leaves: Leaves = system.mesh.leaves
         # The merged element has what its quarters have over what a quartering leaves.
         added = values * (1 / left_per_halving(system.geometry.theory) - 1)

@@ -35,7 +35,7 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     mean of those at the ends of the edge that it divides.
 
     Shear forces are left out: their boundary layers would be taken for errors. Loads and supports along a line inside the
-    surface, where moments have a kink or a jump, are taken for errors of the elements beside them. At borders of zones,
+    surface, where moments have a kink or a jump, are taken for errors of the elements next to them. At borders of zones,
     where forces along them jump, each side has polynomials of its own.
 
     C is that of the undeformed state, with laws at points too: the second Piola-Kirchhoff stress of a stretched sheet of
@@ -131,7 +131,7 @@ class _Patches:
 
     def about(self, node: np.ndarray, element: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Patches about nodes of the mesh in the zones of elements, and their trust: 2 for those with elements all around, 1
-        for those of three elements at least, 0 for others; -1 where there is none. Both (m,).
+        for those of three elements at least, 0 for others; -1 where no element is there. Both (m,).
 
         Fewer elements are in a row, and do not tell a quadratic field from a linear one across it.
         """

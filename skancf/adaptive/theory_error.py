@@ -106,7 +106,7 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
 
 
 def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
-    """:func:`theory_error`, or the reason why there is none."""
+    """:func:`theory_error`, or the reason why it cannot be given."""
     try:
         return theory_error(solution, quantity, backend=backend)
     except Exception as none:  # a user's quantity may fail in many ways, and the rest of a result is there

@@ -2,9 +2,9 @@ r"""Conditions on the unknowns,
 
 .. math:: g(q) = 0, \qquad M \ddot q + \sum_k f_k(q, \dot q, t) + G(q)^T \lambda = 0, \qquad G = \partial g / \partial q .
 
-The multipliers :math:`\lambda` are the forces that keep them. They are no unknowns of the matrix: solvers carry them beside
-it, see :mod:`skancf.linear.conditioned`. A :class:`Condition` gives g, its gradient and its curvature; whatever solvers and
-checks know of conditions is a sum over them.
+The multipliers :math:`\lambda` are the forces that keep them. They are not unknowns of the matrix: solvers carry them
+outside of it, see :mod:`skancf.linear.conditioned`. A :class:`Condition` gives g, its gradient and its curvature; whatever
+solvers and checks know of conditions is a sum over them.
 """
 
 from typing import Any

@@ -37,14 +37,21 @@ class RigidLink(Joint):
     Raises
     ------
     InputError
-        For points that are none; on a mesh, for one off the surface, and for two that are one place, whose link has no
+        For invalid points; on a mesh, for one off the surface, and for two that are one place, whose link has no
         direction.
 
     Examples
     --------
-    >>> problem = sk.Problem(..., conditions=[sk.RigidLink((1.0, 0.0), (1.0, 2.0), name="rod")])
-    >>> sk.solve(problem.on(mesh)).unwrap().conditions["rod"]
-    -12.3
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> strut = sk.RigidLink((0.0, 0.05), (1.0, 0.05), name="strut")
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.002, steel,
+    ...     supports=[sk.Pin([(0.0, 0.0), (0.0, 0.1)]), sk.Roller([(1.0, 0.0), (1.0, 0.1)])],
+    ...     loads=[sk.EdgeLoad("right", (1000.0, 0.0, 0.0))], conditions=[strut],
+    ... )
+    >>> solution = sk.solve(strip.on(sk.meshes.uniform(strip.surface, 4, 2), "kirchhoff")).unwrap()
+    >>> print(f"{solution.conditions['strut']:.1f} N")
+    76.8 N
     """
 
     a: tuple[float, float]

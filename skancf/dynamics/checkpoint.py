@@ -49,7 +49,7 @@ class Checkpoint:
     Raises
     ------
     InputError
-        For a number of steps that is none.
+        For an invalid number of steps.
 
     Notes
     -----

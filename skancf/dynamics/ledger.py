@@ -5,7 +5,7 @@ r"""The ledger of a run: energies, work, dissipation and momenta, and whether th
 with the kinetic, strain and potential energy T, U and V (of weight without a history), the work W of all other loads, of
 supports and conditions that move, of impulses and of temperature, the energy D that damping takes, D_h that the rule takes
 out of what the steps do not resolve (its numerical dissipation), and the change R by changes of the mesh. What is left over
-is the error of the integration: what a rule gains or loses beside that.
+is the error of the integration: what a rule gains or loses on top of that.
 Momenta change by the impulses of loads, supports, conditions, springs and damping.
 """
 

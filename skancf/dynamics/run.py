@@ -1,4 +1,4 @@
-"""The loop in time: integrator, step control, meshes and output are objects beside it."""
+"""The loop in time: integrator, step control, meshes and output are separate objects."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -46,7 +46,7 @@ class NewMesh:
 
 
 class MeshPolicy(Protocol):
-    """Decides on meshes, every so many steps, and carries states over."""
+    """Decides on meshes, at regular intervals of steps, and carries states over."""
 
     @property
     def every(self) -> int:
@@ -82,7 +82,7 @@ class Settings:
 
 
 OWN = ("dt", "shortest", "farthest", "hardest", "origin", "tries")
-"""What a run remembers beside its parts."""
+"""What a run remembers besides its parts."""
 
 
 class Run:
@@ -132,7 +132,7 @@ class Run:
         return {name: part for name, part in parts.items() if isinstance(part, HasState)}
 
     def state(self) -> dict[str, Any]:
-        """All that the steps to come depend on, beside what was asked for, and how long the logs are."""
+        """All that the steps to come depend on, besides what was asked for, and how long the logs are."""
         own = {name: getattr(self, name) for name in OWN} | {"strikes": np.array(self.strikes), "now": self.now.state()}
         own["counts"] = {name: len(log) for name, log in self.logs.items()}
         return own | {name: part.state() for name, part in self.parts.items()}
@@ -290,7 +290,7 @@ class Run:
         self.set_rollback()
 
     def _check_mesh(self) -> None:
-        """Ask the policy of meshes, every so many accepted steps."""
+        """Ask the policy of meshes, at regular intervals of accepted steps."""
         follow = self.settings.follow
         if follow is None:
             return
@@ -373,7 +373,7 @@ def _unmeasured(attempt: Attempt) -> float:
 FIRST_STEP = 50
 """Part of the run that is tried at first; what is too long is rejected, and costs little."""
 SUDDEN = 4
-"""Where the displacement grows more than so many times in a step, and the acceleration doubles, the motion only begins."""
+"""Where the displacement grows by more than this factor in a step, and the acceleration doubles, the motion only begins."""
 TRIES = 2
 """How often a run goes back to the same check."""
 NOISE = 1e3

@@ -92,8 +92,8 @@ def simulate(
     checkpoint : Checkpoint or folder, optional
         Write the run to a folder while it goes on: see :class:`Checkpoint`.
     resume : bool
-        Go on with the run in that folder, to the same bytes as without a stop; begin it where there is none. The problem and
-        all settings must be those it was begun with.
+        Go on with the run in that folder, to the same bytes as without a stop; begin it where the folder has none. The
+        problem and all settings must be those it was begun with.
     newton_rtol : float, optional
         Newton's method ends when the energy of its correction is less than this squared times the largest kinetic energy
         so far, or the step's first correction. Default: that of the rule.

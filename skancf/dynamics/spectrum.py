@@ -1,4 +1,4 @@
-"""Histories as frequencies, and the natural frequencies beside them."""
+"""Histories as frequencies, compared with natural frequencies."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,13 +16,13 @@ from skancf.tolerances import EQUIDISTANT, NO_SERIES, TINY
 LOBES = {"boxcar": 1, "hann": 2, "hamming": 2, "blackman": 3, "blackmanharris": 4, "flattop": 5}
 DEGREES = {None: -1, "constant": 0, "linear": 1}
 FEWEST = 8
-# Other times are resampled to at most so many times as many: steps grow from a tiny first one.
+# Other times are resampled to at most this many times their number: steps grow from a tiny first one.
 OVERSAMPLING = 16
 
 
 @dataclass(frozen=True)
 class Match:
-    """A peak beside the natural frequencies.
+    """A peak and the nearest natural frequency.
 
     Attributes
     ----------
@@ -186,7 +186,7 @@ def spectrum(
         Any quantities, for example those of ``Motion.records`` or ``Motion.displacement``.
     window : str
         ``"hann"`` for most; ``"boxcar"`` resolves twice as much, but its peaks disturb each other; ``"blackman"``, and more
-        so ``"blackmanharris"``, show small peaks beside large ones; ``"flattop"`` is for amplitudes read without
+        so ``"blackmanharris"``, show small peaks next to large ones; ``"flattop"`` is for amplitudes read without
         interpolation, and its frequencies are coarse; or ``"hamming"``.
     detrend : str or None
         What is removed before: the mean, ``"constant"``, or a straight line, ``"linear"``; fitted with the window as weight,

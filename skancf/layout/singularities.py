@@ -50,7 +50,7 @@ class Singularity:
     Raises
     ------
     InputError
-        For an unknown kind, points that are none, and a force or moment at a single point without its vector.
+        For an unknown kind, invalid points, and a force or moment at a single point without its vector.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def at_place(
 ) -> list[Singularity]:
     """What acts at a place: at the ends of its boundary edges, and at its nodes that are on none, single points.
 
-    Nodes that are beside each other where a function is true are a line, or a part of the surface, and no single points.
+    Adjacent nodes at which a function is true are a line, or a part of the surface, and no single points.
     Nothing where ``where`` is no place of this mesh, as one of a user's own class may mean something else by that name.
     """
     try:

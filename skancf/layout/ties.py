@@ -77,7 +77,7 @@ def _close(mesh: skfem.MeshQuad, surface: Surface, axis: int, first: np.ndarray,
     slack, other = ONE_PLACE * (high - low), mesh.p[1 - axis]
     ends = [np.flatnonzero((np.abs(mesh.p[axis] - end) <= slack) & ~hanging) for end in (low, high)]
     start, end = (nodes[np.argsort(other[nodes])] for nodes in ends)
-    # Single precision may have left them beside each other, by less than would exchange neighbours.
+    # Single precision may have left them apart, by less than would exchange neighbours.
     steps = [np.diff(other[nodes]).min(initial=np.inf) for nodes in (start, end)]
     reach = max(ONE_PLACE * np.ptp(other), min(SINGLE_PRECISION * np.abs(other).max(), MOVED_OF_EDGE * min(steps)))
     if len(start) != len(end) or (np.abs(other[start] - other[end]) > reach).any():

@@ -34,7 +34,7 @@ STIFFNESS = 1e3
 """Of P, over the stiffness that the matrix has against a row: so much a pass gains. With more, its rounding is more than the
 bending stiffness of very thin shells."""
 SOFTER = 1e-2
-"""Of a P that is stiffer than that: what is tried next where a motion beside it looks like rounding."""
+"""Of a P that is stiffer than that: what is tried next where a motion next to it looks like rounding."""
 VECTOR = 3
 MOST = 12
 """Passes of a linear solve; five to eight are the rule."""
@@ -82,7 +82,7 @@ class ConditionedSolver:
         self.passes, self.lost = 0, 0.0
 
     def factor(self, matrix: BlockMatrix, skew: Any = None, sizes: BlockMatrix | None = None) -> "ConditionedSolver":
-        """Factors of A for K and, where there is one, a skew part (n_dofs, n_dofs) beside it; P is judged by ``sizes``, by
+        """Factors of A for K and, where there is one, a skew part (n_dofs, n_dofs) besides it; P is judged by ``sizes``, by
         default K, which may have lost its stiffness somewhere.
 
         Raises
@@ -122,7 +122,7 @@ class ConditionedSolver:
     @property
     def negative_pivots(self) -> int:
         """Negative eigenvalues of K among motions that meet the conditions: those of A, which are no fewer, and no more but
-        in a band beside a critical point, as wide as one over P."""
+        in a band next to a critical point, as wide as one over P."""
         return self.direct.negative_pivots
 
     def multiply(self, x: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 r"""Tangents with a skew-symmetric part, as loads that follow the surface have them.
 
 Only the symmetric part K is factored. (K + S) x = b is solved by GMRES on :math:`(1 + K^{-1} S)\,x = K^{-1} b`; where S is
-small beside K, a few products are enough.
+small against K, a few products are enough.
 """
 
 from typing import Any

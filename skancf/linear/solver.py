@@ -101,7 +101,7 @@ class DirectSolver:
         Raises
         ------
         SingularMatrix
-            When there are none. The message names the node and the coordinate that move freely.
+            When it is singular. The message names the node and the coordinate that move freely.
         """
         if self._closed:
             raise SkancfError("the solver is closed: make a new one")

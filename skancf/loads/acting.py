@@ -33,7 +33,7 @@ class Acting:
         """Add minus the derivative of the force, by ``blocks.add(elements, matrices)``. Default: zero, the force is dead."""
 
     def initial_stresses(self, case: Case) -> np.ndarray | None:
-        """Stresses (n_elements, n_strains, n_points) that hold back a free strain; None if there are none."""
+        """Stresses (n_elements, n_strains, n_points) that suppress a free strain; None without any."""
         return None
 
     def temperature(self, points: np.ndarray, case: Case) -> np.ndarray | None:

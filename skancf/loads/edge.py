@@ -21,7 +21,17 @@ from skancf.tolerances import ONE_PLACE, PARALLEL_LINES
 
 @dataclass(frozen=True)
 class EdgeLoad:
-    """A dead force per undeformed length (N/m) along boundary edges; lengths are those of the surface itself."""
+    """A dead force per undeformed length (N/m) along boundary edges; lengths are those of the surface itself.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (1e5, 0.0, 0.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> end = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")).displacement((1.0, 0.05))
+    >>> print(f"{1e6 * end[0]:.2f} micrometres")  # N L / E h
+    47.62 micrometres
+    """
 
     where: Any
     force: Any
@@ -60,6 +70,15 @@ class LineLoad:
     ------
     InputError
         For a line without length, or one that leaves the surface.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> wall = sk.LineLoad(start=(0.0, 0.5), end=(1.0, 0.5), force=(0.0, 0.0, -200.0))
+    >>> slab = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, supports=[sk.Clamp("boundary")], loads=[wall])
+    >>> solution = sk.solve_linear(slab.on(sk.meshes.uniform(slab.surface, 4, 4), "kirchhoff"))
+    >>> print(f"{solution.reactions()[2]:.4f} N")
+    200.0000 N
     """
 
     start: tuple[float, float]

@@ -37,6 +37,15 @@ class Impulse:
     ------
     InputError
         For entries that are not finite or of another number; on a mesh, for a point outside the surface.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> blow = sk.Impulse((1.0, 0.05), (0.0, 0.0, -0.1))
+    >>> hit = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[blow])
+    >>> motion = sk.simulate(hit.on(sk.meshes.uniform(hit.surface, 4, 1), "kirchhoff"), 2e-3, rtol=1e-2, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     at: tuple[float, float]
@@ -74,6 +83,15 @@ class EdgeImpulse:
     ------
     InputError
         For entries that are not finite or of another number; on a mesh, for a place without an edge.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> blow = sk.EdgeImpulse("right", (0.0, 0.0, -1.0))
+    >>> hit = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[blow])
+    >>> motion = sk.simulate(hit.on(sk.meshes.uniform(hit.surface, 4, 1), "kirchhoff"), 2e-3, rtol=1e-2, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     where: Any

@@ -51,7 +51,13 @@ class MovingForce:
 
     Examples
     --------
-    >>> wheel = sk.MovingForce(sk.Path([0.0, 2.0], [(-0.1, 0.5), (1.1, 0.5)]), force=(0.0, 0.0, -50.0))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> wheel = sk.MovingForce(sk.Path((0.0, 0.1), [(0.0, 0.05), (1.0, 0.05)]), (0.0, 0.0, -10.0))
+    >>> bridge = sk.Problem(sk.Rectangle(1.0, 0.1), 0.005, steel, [sk.Pin("left"), sk.Pin("right")], [wheel])
+    >>> system = bridge.on(sk.meshes.uniform(bridge.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.1, rtol=0.05, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     path: Place
@@ -103,6 +109,13 @@ class MovingLine:
     ------
     InputError
         For ends that are neither functions nor points, and what :class:`LineLoad` refuses.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> start, end = (sk.Path((0.0, 0.1), [(0.0, y), (1.0, y)]) for y in (0.0, 0.1))
+    >>> axle = sk.MovingLine(start, end, (0.0, 0.0, -100.0))
+    >>> bridge = sk.Problem(sk.Rectangle(1.0, 0.1), 0.005, steel, [sk.Pin("left"), sk.Pin("right")], [axle])
     """
 
     start: Any

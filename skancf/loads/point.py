@@ -24,6 +24,18 @@ class PointForce:
 
     In theory `full` the deflection under it has no limit as the mesh is refined: it grows with the logarithm of the
     element size. :class:`DiskForce` has a limit.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.PointForce((0.5, 0.5), (0.0, 0.0, -100.0))],
+    ... )
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 8, 8), "kirchhoff"))
+    >>> print(f"{1000 * solution.displacement((0.5, 0.5))[2]:.4f} mm")  # 0.00560 F a^2 / D
+    -0.0290 mm
     """
 
     at: tuple[float, float]
@@ -62,6 +74,15 @@ class DiskForce:
     InputError
         For a radius that is not positive and entries that are not finite; on a mesh, for a disk that reaches over the
         edge of the surface, or so far around it that it has no one point under each of the disk.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> foot = sk.DiskForce(at=(0.5, 0.5), radius=0.05, force=(0.0, 0.0, -100.0))
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, supports=[sk.Clamp("boundary")], loads=[foot])
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 8, 8), "kirchhoff"))
+    >>> print(f"{solution.reactions()[2]:.4f} N")
+    100.0000 N
     """
 
     at: tuple[float, float]

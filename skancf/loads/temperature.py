@@ -26,6 +26,14 @@ class Temperature:
         :math:`T_0`, at the reference surface (K): constant, or a function of the parameters (x, y).
     gradient : float or callable
         :math:`T_1`, through the thickness (K/m).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0, expansion=12e-6)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, [sk.Clamp("left")], [sk.Temperature(gradient=1000.0)])
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 4), "kirchhoff"))
+    >>> print(f"{1000 * solution.displacement((1.0, 0.5))[2]:.2f} mm")  # 10 K between its faces
+    -6.60 mm
     """
 
     change: Any = 0.0

@@ -34,6 +34,12 @@ class Isotropic:
     ------
     InputError
         For a modulus or density that is not positive or a Poisson's ratio outside (-1, 0.5).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0, expansion=12e-6)
+    >>> print(f"{steel.stiffness()[0, 0] / 1e9:.1f} GPa")  # E / (1 - nu^2), plane stress
+    230.8 GPa
     """
 
     young: float

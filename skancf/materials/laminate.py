@@ -31,6 +31,13 @@ class Layer:
     ------
     InputError
         For a thickness that is not positive, an angle that is not finite, and a material that is no law.
+
+    Examples
+    --------
+    >>> ply = sk.Orthotropic(young=(138e9, 9e9, 9e9), poisson=(0.3, 0.3, 0.4), shear=(7e9, 7e9, 3.2e9), density=1600.0)
+    >>> cross = sk.Laminate([sk.Layer(ply, 0.125e-3, angle) for angle in (0, np.pi / 2, np.pi / 2, 0)])
+    >>> print(f"{1000 * cross.section().thickness} mm")
+    0.5 mm
     """
 
     material: Law
@@ -69,7 +76,7 @@ class Laminate:
     Raises
     ------
     InputError
-        For no layers, a layer that is none, and an offset that is not finite.
+        For no layers, an invalid layer, and an offset that is not finite.
 
     Notes
     -----
@@ -102,7 +109,7 @@ class Laminate:
         object.__setattr__(self, "layers", tuple(self.layers))
         for layer in self.layers:
             if not isinstance(layer, Layer):
-                raise InputError(f"layers: {shown(layer)} is none; give Layer(material, thickness, angle)")
+                raise InputError(f"layers: {shown(layer)} is not a layer; give Layer(material, thickness, angle)")
         number("offset", self.offset)
 
     def section(self) -> Section:

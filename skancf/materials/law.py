@@ -44,7 +44,7 @@ def require_law(material: Any) -> None:
 
 
 def stiffness_of(law: Any) -> np.ndarray:
-    """The stiffness of a law, checked where the law is none of this library's."""
+    """The stiffness of a law, checked where the law does not come from this library."""
     if is_ours(law):
         return np.asarray(law.stiffness())
     with Noted("material"):
@@ -160,6 +160,13 @@ class Anisotropic:
     ------
     InputError
         For a matrix that is not symmetric positive definite, or values that are not finite or not positive.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0, kind="3d")
+    >>> ribbed = sk.Anisotropic(steel.stiffness() + np.diag([20e9, 0, 0, 0, 0, 0]), density=7850.0)
+    >>> print(f"{(ribbed.stiffness()[0, 0] - ribbed.stiffness()[1, 1]) / 1e9:.1f} GPa")
+    20.0 GPa
     """
 
     matrix: Any

@@ -34,6 +34,13 @@ class Orthotropic:
     ------
     InputError
         For moduli that are not positive, or Poisson's ratios for which the law is not positive definite.
+
+    Examples
+    --------
+    >>> ply = sk.Orthotropic(young=(138e9, 9e9, 9e9), poisson=(0.3, 0.3, 0.4), shear=(7e9, 7e9, 3.2e9), density=1600.0)
+    >>> along, across = ply.stiffness()[[0, 1], [0, 1]] / 1e9
+    >>> print(f"{along:.1f} GPa along the fibres, {across:.1f} GPa across")
+    138.8 GPa along the fibres, 9.1 GPa across
     """
 
     young: tuple[float, float, float]

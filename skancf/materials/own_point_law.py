@@ -20,7 +20,7 @@ TOLERANCE = 1e-5
 
 
 def point_law_of(material: Any) -> PointLaw:
-    """A law at points as sections know it; one that is none of this library's is checked at a few states.
+    """A law at points as sections know it; one from outside this library is checked at a few states.
 
     Raises
     ------

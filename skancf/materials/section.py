@@ -57,6 +57,12 @@ class Section:
     ------
     InputError
         For heights that do not increase, and for arrays that do not fit to them.
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0))
+    >>> plate.section.z, plate.section.thickness
+    (array([-0.005,  0.005]), 0.01)
     """
 
     z: np.ndarray

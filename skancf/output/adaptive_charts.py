@@ -71,7 +71,7 @@ def mesh_levels(
     for mesh in meshes:
         drawable(mesh, surface)
     if not meshes:
-        raise InputError("meshes: there are none to draw; give at least one")
+        raise InputError("meshes: the sequence is empty; give at least one")
     if titles is None:
         titles = [f"{mesh.t.shape[1]} elements, {mesh.p.shape[1]} nodes" for mesh in meshes]
     titles = sequence("titles", titles, str, "texts")
@@ -229,7 +229,7 @@ def effectivity(
         raise InputError(f"band = {band}: give a smaller and a larger ratio about 1, both greater than zero")
     drawn = curves_of(curves)
     if not drawn:
-        raise InputError("curves: there are none to draw; give at least one")
+        raise InputError("curves: the sequence is empty; give at least one")
     for text, (x, _) in drawn.items():
         if not (x > 0).all():
             raise InputError(f"{text!r}: x = {x.min()} cannot be drawn on a logarithmic axis; give numbers above zero")
@@ -315,7 +315,7 @@ def _legend_below(axes: Any, given: Any) -> None:
 
 
 def _draw_triangles(axes: Any, drawn: Sequence[tuple[np.ndarray, np.ndarray]], slopes: Sequence[float]) -> None:
-    """Right triangles beside the curves, the steeper half of the slopes below them."""
+    """Right triangles next to the curves, the steeper half of the slopes below them."""
     steep_first = sorted(number("slopes", slope) for slope in slopes)
     if 0 in steep_first:
         raise InputError("slopes: a slope of 0 makes no triangle; leave it out")

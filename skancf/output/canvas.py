@@ -66,7 +66,7 @@ def save(figure: Any, path: AnyPath) -> Path:
 
 
 def contour_colours(values: np.ndarray, limits: tuple[float, float] | None, levels: int) -> dict[str, Any]:
-    """About so many levels between limits, and their colours."""
+    """About the asked number of levels between limits, and their colours."""
     from matplotlib.ticker import MaxNLocator
 
     levels = whole("levels", levels, most=1000)

@@ -34,7 +34,7 @@ def write(
 ) -> Path:
     """Write one state as a ``.vtu`` file, or many as a ``.pvd`` collection that ParaView plays as a film.
 
-    A collection ``run.pvd`` lists the files of the folder ``run`` beside it. Every file appears under its name when it
+    A collection ``run.pvd`` lists the files of the folder ``run`` next to it. Every file appears under its name when it
     is whole, and those of a collection only when all are: after a failure, older results are as they were.
 
     Parameters

@@ -98,7 +98,7 @@ def survey(frames: Iterable[Frame], style: Style) -> Survey:
         lows.append(seen.min(axis=0))
         highs.append(seen.max(axis=0))
     if not lows:
-        raise InputError("states: there are none to draw; give at least one")
+        raise InputError("states: the sequence is empty; give at least one")
     limits = colour_limits(least, most) if style.limits is None else style.limits
     return Survey(limits, np.min(lows, axis=0), np.max(highs, axis=0))
 

@@ -87,7 +87,7 @@ def grid(subdivisions: int) -> Grid:
 
 
 def require_points(subdivisions: int, n_elements: int) -> None:
-    """Refuse so many cells along an element's edge that their points would not fit into memory."""
+    """Refuse a number of cells along an element's edge whose points would not fit into memory."""
     n = n_elements * (whole("subdivisions", subdivisions) + 1) ** 2
     require_much(EACH * n, f"subdivisions = {subdivisions}", f"a surface of {n} points", "take fewer")
 

@@ -62,7 +62,7 @@ def spectrum_chart(
     for label, each in drawn.items():
         instance(f"spectra[{label!r}]", each, Spectrum, "a Spectrum")
     if not drawn:
-        raise InputError("spectra: there are none to draw; give at least one")
+        raise InputError("spectra: the sequence is empty; give at least one")
     largest = max(float(each.total.max()) for each in drawn.values())
     if not largest > 0:
         raise InputError("spectra: all amplitudes are zero, and have no place on a logarithmic scale; nothing moved")

@@ -1,4 +1,4 @@
-"""Newton's method, once: what its tangents are, and when it ends, are objects beside it."""
+"""Newton's method, once: what its tangents are, and when it ends, are separate objects."""
 
 from dataclasses import dataclass
 from typing import Protocol

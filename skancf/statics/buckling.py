@@ -44,7 +44,7 @@ from skancf.system.system import System
 from skancf.system.unstressed import unstressed
 from skancf.tolerances import AT_REST, ZERO_EIGENVALUE
 
-# A load factor that is so many times the smallest one of either sign counts as infinite.
+# A load factor that is this many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
 # Membrane strains as they are may ask for this much more of the load before a mesh is called too coarse.
 COARSE = 0.15
@@ -215,10 +215,10 @@ class _Pencil:
 
     def lowest(self, n: int, signs: str) -> tuple[np.ndarray, np.ndarray, int, Check]:
         """Inverse load factors (m,) and shapes (m, n_dofs) of the lowest load factors, up to the first gap behind n of them;
-        the number of those before the gap; and whether so many are there.
+        the number of those before the gap; and whether that number exists.
 
         Sylvester: each load factor between 0 and s makes one eigenvalue of K_0 + s K_sigma negative. So many are looked for
-        beside what was found until the numbers agree.
+        in addition to what was found until the numbers agree.
         """
         which = "LA" if signs == "positive" else "LM"
         limit = NEVER / np.abs(self._more(1, "LM", (np.zeros(0), self._none))[0]).max()
@@ -280,14 +280,14 @@ class _Pencil:
     def _more(
         self, n: int, which: str, known: tuple[np.ndarray, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """The known ones and the n largest beside them, in size or as they are; of few coordinates all."""
+        """The known ones and the n largest besides them, in size or as they are; of few coordinates all."""
         if 2 * (n + len(known[0])) >= self.motions.room:
             return _dense(self.stiffness, self.geometric, self.motions)
         new = self._lanczos(n, which, known[1])
         return np.append(known[0], new[0]), np.vstack([known[1], new[1]])
 
     def _lanczos(self, n: int, which: str, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The n largest, in size or as they are, beside the known ones."""
+        """The n largest, in size or as they are, besides the known ones."""
         shape = self.stiffness.shape
         elastic, load = (self._projected(matrix) for matrix in (self.stiffness, self.geometric))
         weights = np.array([elastic(v) for v in known]).reshape(known.shape)

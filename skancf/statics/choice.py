@@ -85,7 +85,7 @@ def assessed(system: System, tolerance: float) -> Choice:
     try:
         change = small_change(system)
     except SingularMatrix as free:
-        raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
+        raise InputError(f"theory = 'auto' judges by a static answer, which does not exist ({free}); {way_out}") from free
     model = Linearised(system)
     energy, heat = model.strain_energy(change), system.shell.thermal_energy()
     if not (energy > 0 or heat > 0):

@@ -198,11 +198,11 @@ class _Spectrum:
 
     def lowest(self, n: int) -> tuple[Pairs, int, Check]:
         """All pairs up to the first gap behind the n lowest, all unstable ones and all without stiffness; the number of
-        pairs before that gap; and whether so many are there.
+        pairs before that gap; and whether that number exists.
 
         Lanczos' method may pass over one of several equal eigenvalues, or a negative one far from the shift. By Sylvester's
-        law the pivots of K - s M count those below s, with s in the gap, and what is missing is looked for beside what was
-        found.
+        law the pivots of K - s M count those below s, with s in the gap, and what is missing is looked for in addition to
+        what was found.
         """
         room = self.motions.room
         shift, ask, lost, stuck, tries, searched_again = None, n + 1, room, 0, 0, False
@@ -272,7 +272,7 @@ class _Spectrum:
         return float(np.sqrt(v @ self.with_mass(v)))
 
     def _lanczos(self, n: int, shift: float, known: np.ndarray) -> np.ndarray:
-        """Shapes (n, n_dofs) of the eigenvalues nearest to the shift, beside the known ones."""
+        """Shapes (n, n_dofs) of the eigenvalues nearest to the shift, besides the known ones."""
 
         def apart(v: np.ndarray) -> np.ndarray:
             return v - known.T @ (known @ self.with_mass(v))
@@ -287,7 +287,7 @@ class _Spectrum:
         )[1]  # fmt: skip
 
     def _dense(self) -> tuple[Pairs, int]:
-        """All, and how many there are, for so many modes of so few coordinates that Lanczos' method has no room."""
+        """All, and how many there are, for nearly as many modes as coordinates, where Lanczos' method has no room."""
         free = self.motions.directions()
         stiffness, mass = (free @ matrix.to_scipy() @ free.T for matrix in (self.stiffness, self.mass))
         values, shapes, noise = self._clean(eigh(stiffness, mass)[1].T @ free)

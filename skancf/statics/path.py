@@ -129,7 +129,7 @@ def trace(
     until : float or DisplacementReached, optional
         The path ends where it reaches this load factor, or a displacement.
     steps : int
-        Or after so many steps.
+        Or after this number of steps.
     rtol, max_iterations, mixed, backend
         As for :func:`solve`.
 

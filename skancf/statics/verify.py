@@ -20,7 +20,7 @@ from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
 TIMES = 10.0
-"""A residual of so many times the asked tolerance fails."""
+"""A residual above this multiple of the asked tolerance fails."""
 POLISHES = 3
 
 
@@ -139,7 +139,7 @@ class Balance:
         cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray, multipliers: np.ndarray | None = None
     ) -> "Balance":
         energy = stored(system, q, Case(load_factor))
-        # At rest and cold there is none.
+        # Nothing is stored at rest and cold.
         if (origin != system.undeformed).any() or system.shell.heats:
             energy += stored(system, origin, Case(load_factor))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())

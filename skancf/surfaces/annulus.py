@@ -34,6 +34,12 @@ class AnnulusSector(Revolution):
     ------
     InputError
         For radii or an angle out of range, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> ring = sk.AnnulusSector(inner=0.2, outer=0.5, angle=2 * np.pi, closed=True)
+    >>> print(ring.position(0.5, np.pi / 4).round(3))
+    [0.354 0.354 0.   ]
     """
 
     inner: float

@@ -35,6 +35,12 @@ class Cone(Revolution):
     ------
     InputError
         For values out of range, an apex, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> funnel = sk.Cone(radius_low=0.5, radius_high=0.1, height=0.6, angle=2 * np.pi, closed=True)
+    >>> print(funnel.position(0.3, np.pi / 4).round(3))
+    [ 0.3   -0.212  0.212]
     """
 
     radius_low: float

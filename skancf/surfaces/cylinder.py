@@ -41,6 +41,12 @@ class CylinderSector(Revolution):
     ------
     InputError
         For values out of range, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> tube = sk.CylinderSector(radius=0.5, length=1.5, angle=2 * np.pi, closed=True)
+    >>> print(tube.position(1.0, np.pi / 4).round(3))
+    [ 1.    -0.354  0.354]
     """
 
     radius: float

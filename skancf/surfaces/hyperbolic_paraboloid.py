@@ -32,6 +32,12 @@ class HyperbolicParaboloid:
     ------
     InputError
         For lengths that are not positive, and for no rise.
+
+    Examples
+    --------
+    >>> saddle = sk.HyperbolicParaboloid(2.0, 2.0, rise=0.5)
+    >>> print(saddle.position(1.0, 1.0))
+    [1.  1.  0.5]
     """
 
     length_x: float

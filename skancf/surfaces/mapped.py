@@ -51,6 +51,12 @@ class MappedSurface:
         For bounds that do not increase, a function whose values are no three finite components (the point is named) or that
         has a kink, a closed direction that does not close or has a kink there, exact derivatives that are those of another
         function, and parameters outside the bounds.
+
+    Examples
+    --------
+    >>> wave = sk.MappedSurface(lambda x, y: (x, y, 0.05 * np.sin(np.pi * x)), bounds=((0.0, 2.0), (0.0, 1.0)))
+    >>> print(wave.position(0.5, 0.0).round(3))
+    [0.5  0.   0.05]
     """
 
     function: Callable[[np.ndarray, np.ndarray], Any]

@@ -28,6 +28,12 @@ class Parallelogram:
     ------
     InputError
         For values out of range.
+
+    Examples
+    --------
+    >>> skew = sk.Parallelogram(1.0, 0.8, angle=np.pi / 3)
+    >>> print(skew.position(1.0, 0.8).round(3))
+    [1.4   0.693 0.   ]
     """
 
     length_x: float

@@ -18,6 +18,12 @@ class Rectangle(Plane):
     ------
     InputError
         For a length that is not positive.
+
+    Examples
+    --------
+    >>> sheet = sk.Rectangle(1.2, 0.8, origin=(-0.6, -0.4))
+    >>> sheet.bounds
+    ((-0.6, 0.6), (-0.4, 0.4))
     """
 
     length_x: float

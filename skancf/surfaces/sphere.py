@@ -41,6 +41,12 @@ class SphereSector(Revolution):
     ------
     InputError
         For values out of range, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> dome = sk.SphereSector(10.0, polar=(0.0, np.pi / 2), angle=2 * np.pi, closed=True)
+    >>> print(dome.position(np.pi / 4, np.pi / 4).round(3))
+    [5.    5.    7.071]
     """
 
     radius: float

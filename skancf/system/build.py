@@ -50,7 +50,7 @@ def build(problem: Any, geometry: Geometry) -> System:
 
 
 def _acting(load: Any, assembly: Assembly) -> Any:
-    """What a load is on a mesh; checked where the load is none of this library's."""
+    """What a load is on a mesh; checked where the load does not come from this library."""
     if is_ours(load):
         return load.on(assembly)
     with Noted("load.on"):

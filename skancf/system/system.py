@@ -110,7 +110,7 @@ class System:
         return blocks.matrix()
 
     def skew(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> sp.csr_matrix | None:
-        """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
+        """Skew part of the derivative of the residual, which follower loads have at free edges; None without one."""
         blocks = SkewBlocks(self.pattern)
         self.terms.add_tangents(q, v, case, blocks, first=1)
         return blocks.skew_matrix()

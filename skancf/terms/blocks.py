@@ -124,7 +124,7 @@ class OnElements:
         Raises
         ------
         InputError
-            For matrices of another shape, and for elements that are none of the mesh.
+            For matrices of another shape, and for elements that the mesh does not have.
         """
         elements, matrices = _of_elements(elements, matrices, len(self.cells))
         if self.skew:

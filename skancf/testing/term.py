@@ -282,7 +282,7 @@ MOST_EIGENVALUES = 1500
 
 
 def _part(skew: Any, matrix: BlockMatrix) -> float:
-    """How large the skew part is beside the other."""
+    """How large the skew part is against the other."""
     if skew is None:
         return 0.0
     largest = float(abs(skew).max())

@@ -45,7 +45,7 @@ class SectionForce(Smooth):
     Raises
     ------
     InputError
-        For an unknown component, for both a point and a rectangle, for a rectangle that is none; with a state, for a point
+        For an unknown component, for both a point and a rectangle, for an invalid rectangle; with a state, for a point
         outside the surface and for a rectangle that holds no integration point.
 
     Examples

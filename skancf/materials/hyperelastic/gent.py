@@ -67,6 +67,13 @@ class Gent(OfInvariants):
     ------
     InputError
         For a shear modulus or a limit that is not positive, and as for :class:`~skancf.NeoHooke`.
+
+    Examples
+    --------
+    >>> tissue = sk.materials.Gent(shear=0.4e6, most=30.0, density=1000.0)
+    >>> stress = tissue.plane_stress(np.array([[4.0], [0.5], [0.0]])).stress  # stretched to twice its length
+    >>> print((4 * stress[0]).round(1), "Pa")
+    [1500000.] Pa
     """
 
     shear: float

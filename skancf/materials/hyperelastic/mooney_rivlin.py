@@ -58,6 +58,14 @@ class MooneyRivlin(OfInvariants):
     ------
     InputError
         For a shear modulus that is not positive, and as for :class:`~skancf.NeoHooke`.
+
+    Examples
+    --------
+    >>> rubber = sk.MooneyRivlin(c10=0.15e6, c01=0.05e6, density=1000.0)
+    >>> stretch = 2.0  # along 1, free across: Cauchy's stress is 2 (stretch^2 - 1 / stretch) (c10 + c01 / stretch)
+    >>> stress = rubber.plane_stress(np.array([[stretch**2], [1 / stretch], [0.0]])).stress
+    >>> print((stress[0] * stretch**2).round(1), "Pa")
+    [1225000.] Pa
     """
 
     c10: float

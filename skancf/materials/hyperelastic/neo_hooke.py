@@ -67,8 +67,10 @@ class NeoHooke(OfInvariants):
     Examples
     --------
     >>> rubber = sk.NeoHooke(shear=0.4e6, density=1000.0)
-    >>> stretch = 2.0
-    >>> rubber.plane_stress([[stretch**2], [1 / stretch], [0.0]]).stress * stretch**2  # Cauchy's; mu (4 - 1/2) along 1
+    >>> stretch = 2.0  # along 1, free across: Cauchy's stress is mu (stretch^2 - 1 / stretch)
+    >>> stress = rubber.plane_stress(np.array([[stretch**2], [1 / stretch], [0.0]])).stress
+    >>> print((stress[0] * stretch**2).round(1), "Pa")
+    [1400000.] Pa
     """
 
     shear: float

@@ -190,6 +190,9 @@ class Ogden(OfInvariants):
     Examples
     --------
     >>> rubber = sk.Ogden([(6.3e5, 1.3), (0.012e5, 5.0), (-0.1e5, -2.0)], density=1000.0)
+    >>> stress = rubber.plane_stress(np.array([[4.0], [0.5], [0.0]])).stress  # stretched to twice its length
+    >>> print((4 * stress[0]).round(1), "Pa")
+    [1205443.2] Pa
     """
 
     terms: Sequence[Any]

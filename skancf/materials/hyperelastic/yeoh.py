@@ -60,6 +60,13 @@ class Yeoh(OfInvariants):
     ------
     InputError
         For a ``c10`` that is not positive, and as for :class:`~skancf.NeoHooke`.
+
+    Examples
+    --------
+    >>> tyre = sk.materials.Yeoh(c10=0.2e6, c20=-2e3, c30=50.0, density=1100.0)
+    >>> stress = tyre.plane_stress(np.array([[4.0], [0.5], [0.0]])).stress  # stretched to twice its length
+    >>> print((4 * stress[0]).round(1), "Pa")
+    [1348200.] Pa
     """
 
     c10: float

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import choice, function, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.functions import called
+from skancf.showing import short
 from skancf.tolerances import ONE_TIME
 
 History = Callable[[float], float]
@@ -64,6 +66,11 @@ class Case:
         Of all loads and prescribed motions.
     time : float or None
         In seconds. Statics has none: there every history counts with its full amplitude.
+
+    Examples
+    --------
+    >>> sk.Case(0.5), sk.Case(time=0.1)
+    (Case(factor=0.5, time=None), Case(factor=1.0, time=0.1))
     """
 
     factor: float = 1.0
@@ -173,6 +180,7 @@ class Tabulated:
         return float(min(max(time, first), last))
 
 
+@by_value
 @dataclass(frozen=True)
 class Table(Tabulated):
     """A function of time given by values, for example measured ones.
@@ -204,6 +212,8 @@ class Table(Tabulated):
     values: Sequence[float]
     kind: str = "linear"
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         n, values = self._set_times(), finite("values", self.values)
@@ -225,6 +235,7 @@ class Table(Tabulated):
         return float(self._function(self._inside(time)))
 
 
+@by_value
 @dataclass(frozen=True)
 class Path(Tabulated):
     """A way in the parameter plane, straight from point to point; a load that moves follows it.
@@ -251,6 +262,8 @@ class Path(Tabulated):
 
     times: Sequence[float]
     points: Sequence[tuple[float, float]]
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -285,6 +298,7 @@ class Lasting:
         return self.start, self.start + self.duration
 
 
+@by_value
 @dataclass(frozen=True)
 class Ramp(Lasting):
     r"""Zero before ``start``, one after ``start + duration``, a straight line between: :math:`(t - t_0) / T`.
@@ -323,6 +337,7 @@ PULSES: dict[str, Callable[[float], float]] = {
 """Shapes over 0 < s < 1."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Pulse(Lasting):
     r"""A pulse of height one between ``start`` and ``start + duration``, zero elsewhere.

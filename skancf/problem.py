@@ -10,6 +10,7 @@ import skfem
 
 from skancf.arguments import MESH, instance, plain
 from skancf.conditions import Joint
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, shown, warn
 from skancf.layout.geometry import Geometry
 from skancf.loads import Load
@@ -18,6 +19,7 @@ from skancf.materials.zones import check_zones
 from skancf.memory import require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
+from skancf.showing import in_a_notebook, short
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.surfaces.checks import require_surface, require_vectors
@@ -31,6 +33,7 @@ CHOICES: dict[str, Callable[[Callable[[Theory], System], float], System]] = {}
 theory, by solving, puts its name here."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Problem:
     """Surface, thickness, material, supports and loads; knows no mesh.
@@ -86,6 +89,10 @@ class Problem:
     offset: float | Callable[..., Any] = 0.0
     zones: Sequence[Zone] = field(default_factory=tuple)
     conditions: Sequence[Joint] = field(default_factory=tuple)
+
+    __repr__ = short
+
+    _repr_html_ = in_a_notebook
 
     def __post_init__(self) -> None:
         plain(self)

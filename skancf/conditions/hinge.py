@@ -20,18 +20,21 @@ from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.edges import Chain, segments, side_by_side
 from skancf.conditions.rows import cells_of, extent_of, in_space
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, warn
 from skancf.functions import Noted, is_function
 from skancf.history import Case
 from skancf.kernels.constants import AXES
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
+from skancf.showing import short
 from skancf.tolerances import ONE_PLACE, SEVEN_DIGITS
 
 POINTS = 4
 """Gauss points between two knots of either edge."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Hinge(Joint):
     """Two edges of the surface that lie on each other stay together there, and turn freely.
@@ -69,6 +72,8 @@ class Hinge(Joint):
     first: Any
     second: Any
     name: str = "hinge"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -211,6 +216,7 @@ class Gap(Condition):
         return HingeForce(self.seam.ends, multipliers.reshape(-1, AXES))
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class HingeForce:
     """What the second edge of a hinge exerts on the first.
@@ -237,6 +243,8 @@ class HingeForce:
 
     ends: np.ndarray
     multipliers: np.ndarray
+
+    __repr__ = short
 
     def per_length(self, s: Any) -> np.ndarray:
         """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3). They count from its end

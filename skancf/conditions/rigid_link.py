@@ -10,15 +10,18 @@ from skancf.arguments import plain, text
 from skancf.conditions import distance
 from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.rows import cells_of, extent_of, in_space
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.history import Case
 from skancf.kernels.constants import AXES, VECTORS
 from skancf.layout.layout import Layout, vectors
 from skancf.layout.singularities import Singularity
+from skancf.showing import short
 from skancf.terms.blocks import Blocks
 from skancf.tolerances import ONE_PLACE
 
 
+@by_value
 @dataclass(frozen=True)
 class RigidLink(Joint):
     r"""A rigid rod, hinged at both ends, between two points of the mid-surface.
@@ -57,6 +60,8 @@ class RigidLink(Joint):
     a: tuple[float, float]
     b: tuple[float, float]
     name: str = "rigid link"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -13,6 +13,7 @@ import numpy as np
 from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import Run, Settings
 from skancf.history import Case
+from skancf.showing import in_full
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, SAME_VALUE
 from skancf.version import __version__
@@ -115,7 +116,7 @@ def _said(value: Any) -> Any:
         value = value.item()
     if isinstance(value, (int, float, str)):
         return value
-    text = repr(value)
+    text = in_full(value)
     if ADDRESS.search(text) and hasattr(value, "__dict__") and not callable(value):
         text = f"{type(value).__qualname__}({vars(value)})"  # an object without a repr of its own
     return ADDRESS.sub("", text)

@@ -15,6 +15,7 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError
+from skancf.showing import short
 from skancf.surfaces import Surface, check_regular, closed_directions
 from skancf.theories import Theory
 from skancf.tolerances import MOVED_OF_EDGE, ONE_DIRECTION, ONE_PLACE, SINGLE_PRECISION
@@ -39,6 +40,8 @@ class Ties:
     representative: np.ndarray
     mix: np.ndarray
     poles: dict[int, np.ndarray]
+
+    __repr__ = short
 
 
 def find_ties(mesh: skfem.MeshQuad, surface: Surface, theory: Theory) -> Ties:

@@ -10,15 +10,18 @@ import skfem
 
 from skancf.arguments import plain
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.history import History
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import DeadLoad, Spread, check_distributed, values_at
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 from skancf.tolerances import ONE_PLACE, PARALLEL_LINES
 
 
+@by_value
 @dataclass(frozen=True)
 class EdgeLoad:
     """A dead force per undeformed length (N/m) along boundary edges; lengths are those of the surface itself.
@@ -37,6 +40,8 @@ class EdgeLoad:
     force: Any
     history: History | None = None
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_distributed(self.force, self.history)
@@ -44,7 +49,11 @@ class EdgeLoad:
     def on(self, assembly: Assembly) -> DeadLoad:
         geometry = assembly.geometry
         ends = partial(at_place, geometry, self.where, "force", "an EdgeLoad", single=False)
-        return DeadLoad(on_edges(geometry, self.where, self.force).nodal(geometry), self.history, singular=ends)
+        return DeadLoad(self.spread(assembly).nodal(geometry), self.history, singular=ends)
+
+    def spread(self, assembly: Assembly) -> Spread:
+        """The forces at points of the edges."""
+        return on_edges(assembly.geometry, self.where, self.force)
 
 
 def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") -> Spread:
@@ -55,6 +64,7 @@ def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") ->
     return Spread(elements, points, forces)
 
 
+@by_value
 @dataclass(frozen=True)
 class LineLoad:
     """A dead force per undeformed length (N/m) along a straight line of the parameter plane.
@@ -86,6 +96,8 @@ class LineLoad:
     force: Any
     history: History | None = None
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_distributed(self.force, self.history)
@@ -93,10 +105,17 @@ class LineLoad:
             raise InputError(f"start = end = {self.start}: a line needs two different ends")
 
     def on(self, assembly: Assembly) -> DeadLoad:
-        ends = np.asarray(self.start, float), np.asarray(self.end, float)
-        at, spread = on_line(assembly.geometry, *ends, self.force)
-        singular = [along_line(assembly.geometry, *ends, "a LineLoad")]
+        at, spread = on_line(assembly.geometry, *self._ends, self.force)
+        singular = [along_line(assembly.geometry, *self._ends, "a LineLoad")]
         return DeadLoad(spread.nodal(assembly.geometry), self.history, at.reshape(2, -1), singular)
+
+    def spread(self, assembly: Assembly) -> Spread:
+        """The forces at points of the line."""
+        return on_line(assembly.geometry, *self._ends, self.force)[1]
+
+    @property
+    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.asarray(self.start, float), np.asarray(self.end, float)
 
 
 def on_line(

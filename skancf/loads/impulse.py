@@ -6,15 +6,18 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import number, vector
 from skancf.functions import is_function
 from skancf.history import Case
 from skancf.layout.singularities import Singularity, at_place
-from skancf.loads.acting import Acting, point_forces
+from skancf.loads.acting import Acting, at_points
 from skancf.loads.edge import on_edges
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
+@by_value
 @dataclass(frozen=True)
 class Impulse:
     r"""An impulse (N s) at a point of the parameter plane: at its time velocities jump, positions do not.
@@ -52,6 +55,8 @@ class Impulse:
     impulse: tuple[float, float, float]
     time: float = 0.0
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         vector("at", self.at, 2)
@@ -61,11 +66,12 @@ class Impulse:
     def on(self, assembly: Assembly) -> "Blow":
         geometry = assembly.geometry
         element, local = geometry.locate(self.at)
-        nodal = point_forces(geometry, [element], local[None], np.array([self.impulse], float))
+        nodal = at_points([element], local[None], np.array([self.impulse], float)).nodal(geometry)
         at = geometry.within(np.asarray(self.at, float)[:, None])
         return Blow(nodal, float(self.time), [Singularity("force", at, "an Impulse", self.impulse, at_rest=False)])
 
 
+@by_value
 @dataclass(frozen=True)
 class EdgeImpulse:
     """An impulse per undeformed length (N s/m) along boundary edges; in all else as :class:`Impulse`.
@@ -97,6 +103,8 @@ class EdgeImpulse:
     where: Any
     impulse: Any
     time: float = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
@@ -13,6 +14,7 @@ from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import Acting
+from skancf.showing import short
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 from skancf.theories.kirchhoff.point import R1, R2, dual, unit_normal
@@ -20,6 +22,7 @@ from skancf.tolerances import PARALLEL, ROUNDED_PRODUCT
 from skancf.vectors import cross
 
 
+@by_value
 @dataclass(frozen=True)
 class EdgeMoment:
     r"""A moment per undeformed length (N) on edges, about axes that do not turn.
@@ -54,6 +57,8 @@ class EdgeMoment:
     moment: Any
     history: History | None = None
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_history(self.history)
@@ -62,14 +67,22 @@ class EdgeMoment:
 
     def on(self, assembly: Assembly) -> Acting:
         geometry = assembly.geometry
-        elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
-        moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
+        elements, points, moments = self.spread(assembly)
+        moments = moments.swapaxes(0, 1)
         ends = at_place(geometry, self.where, "moment", "an EdgeMoment", single=False)
         if geometry.theory.directors:
             return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history, ends)
         return EdgeMomentOnNormals(assembly, elements, points, moments, self, ends)
 
+    def spread(self, assembly: Assembly) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Elements (m,), local points (m, 2, n) along the edges, and moments there (m, 3, n) (N m)."""
+        geometry = assembly.geometry
+        elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
+        moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
+        return elements, points, moments.swapaxes(0, 1)
 
+
+@by_value
 @dataclass(frozen=True)
 class PointMoment:
     r"""A moment (N m) at a point of the parameter plane, about an axis that does not turn.
@@ -107,6 +120,8 @@ class PointMoment:
     moment: tuple[float, float, float]
     history: History | None = None
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_history(self.history)
@@ -115,9 +130,8 @@ class PointMoment:
 
     def on(self, assembly: Assembly) -> Acting:
         geometry = assembly.geometry
-        element, local_point = geometry.locate(self.at)
-        elements, moment = np.array([element]), np.asarray(self.moment, float)
-        points = local_point[None, :, None]
+        elements, points, _ = self.spread(assembly)
+        moment = np.asarray(self.moment, float)
         n = geometry.theory.normals(geometry.undeformed_local[elements], points[0], geometry.side[elements])[0, :, 0]
         size = np.linalg.norm(moment)
         if size and np.linalg.norm(np.cross(moment, n)) < PARALLEL * size * np.linalg.norm(n):
@@ -129,6 +143,11 @@ class PointMoment:
             tables = geometry.theory.position_table(points[0])[1].T
             return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, singular)
         return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, singular)
+
+    def spread(self, assembly: Assembly) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The element (1,), its local point (1, 2, 1), and the moment (1, 3, 1) (N m)."""
+        element, local = assembly.geometry.locate(self.at)
+        return np.array([element]), local[None, :, None], np.asarray(self.moment, float)[None, :, None]
 
 
 def _on_nodes(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, vector
 from skancf.functions import called, is_function
 from skancf.history import Case, History, check_history
@@ -14,6 +15,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity
 from skancf.loads.acting import Acting, Spread, check_distributed
 from skancf.loads.edge import along_line, on_line
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 Place = Callable[[float], Any]
@@ -22,6 +24,7 @@ Found = tuple[np.ndarray, Spread]
 """Parameters (2, n) where a load acts, and its forces."""
 
 
+@by_value
 @dataclass(frozen=True)
 class MovingForce:
     """A dead force (N) at a point that moves over the surface: a wheel, a drop that runs down.
@@ -64,6 +67,8 @@ class MovingForce:
     force: tuple[float, float, float]
     history: History | None = None
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_history(self.history)
@@ -88,6 +93,7 @@ class MovingForce:
         return Moving(geometry, find, singular, self.history, [self.path])
 
 
+@by_value
 @dataclass(frozen=True)
 class MovingLine:
     """A dead force per undeformed length (N/m) along a straight line of the parameter plane, whose ends move.
@@ -122,6 +128,8 @@ class MovingLine:
     end: Any
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

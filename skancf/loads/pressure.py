@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.elements.quad_ancf import square_quadrature
+from skancf.equality import by_value
 from skancf.errors import number
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
@@ -14,12 +15,14 @@ from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.loads.acting import Acting
 from skancf.loads.pressure_kernel import pressure_stiffness
+from skancf.showing import short
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
 EXACT = 5
 
 
+@by_value
 @dataclass(frozen=True)
 class FollowerPressure:
     r"""A pressure (Pa) on the deformed area, along the deformed normal.
@@ -62,6 +65,8 @@ class FollowerPressure:
 
     pressure: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -6,13 +6,16 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
 from skancf.loads.acting import Acting
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
+@by_value
 @dataclass(frozen=True)
 class Temperature:
     r"""A temperature change :math:`T(x, y, z) = T_0 + z T_1`, which strains the material by its ``expansion``.
@@ -39,6 +42,8 @@ class Temperature:
     change: Any = 0.0
     gradient: Any = 0.0
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number
 
 
+@by_value
 @dataclass(frozen=True)
 class Damping:
     r"""Viscous damping in proportion to mass and stiffness, in dynamics; a state of rest does not see it.

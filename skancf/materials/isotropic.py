@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
 from skancf.materials.law import SHEAR_CORRECTION, build
+from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Isotropic:
     r"""Isotropic elasticity.
@@ -49,6 +52,8 @@ class Isotropic:
     shear_correction: float = SHEAR_CORRECTION
     expansion: float = 0.0
     angle = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -6,14 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive, shown
 from skancf.materials.law import Law, require_law, stiffness_of, thinning_of, turned, turned_strain, turned_thinning
 from skancf.materials.made import stack
 from skancf.materials.point_law import is_point_law
 from skancf.materials.section import Section
 from skancf.materials.shear import with_shear_of_equilibrium
+from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Layer:
     """A layer of a laminate.
@@ -44,6 +47,8 @@ class Layer:
     thickness: float
     angle: float = 0.0
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         if is_point_law(self.material):
@@ -62,6 +67,7 @@ class Layer:
         return turned_strain(self.material.thermal_strain(), self.angle)
 
 
+@by_value
 @dataclass(frozen=True)
 class Laminate:
     """Perfectly bonded layers; in a problem it stands for the material and the thickness.
@@ -101,6 +107,8 @@ class Laminate:
 
     layers: Sequence[Layer]
     offset: float = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

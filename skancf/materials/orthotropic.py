@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import positive, vector
 from skancf.materials.law import SHEAR_CORRECTION, build, check_definite, thinning, turned_strain, turned_thinning
+from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Orthotropic:
     r"""Orthotropic elasticity from engineering constants.
@@ -51,6 +54,8 @@ class Orthotropic:
     kind: str = "plane_stress"
     shear_correction: float = SHEAR_CORRECTION
     expansion: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -17,7 +17,9 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
+from skancf.showing import short
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Rows and columns of the six numbers of a stiffness D: 11, 22, 12, each with itself, then 11, 22; 11, 12; 22, 12."""
@@ -51,6 +53,7 @@ class BeyondLaw(InputError):
         super().__init__(message)
 
 
+@by_value
 @dataclass(frozen=True)
 class PointResponse:
     """What a law says of n points.
@@ -83,6 +86,8 @@ class PointResponse:
     stretch33: np.ndarray
     code: Any = None
     history: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         n = np.shape(self.energy)[-1:]

@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, thinning
 from skancf.materials.point_law import PointLaw
+from skancf.showing import short
 from skancf.tolerances import ROUNDED_PLACE
 
 LEAST, MOST = 1e-80, 1e80
@@ -23,6 +25,7 @@ SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Section:
     r"""Layers through the thickness, from bottom to top.
@@ -72,6 +75,8 @@ class Section:
     thinning: Any = None
     points_law: PointLaw | None = None
     places: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         if self.places is not None:

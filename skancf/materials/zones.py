@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain, sequence, text
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown
 from skancf.functions import is_function, true_at
+from skancf.showing import short
 from skancf.surfaces import Interval
 from skancf.tolerances import ONE_PLACE
 
@@ -18,6 +20,7 @@ NONE_CLOSED: Mapping[int, Interval] = {}
 ZONES = "zones, as in [Zone('doubler', ((0.2, 0.4), (0.1, 0.3)), thickness=0.02)]"
 
 
+@by_value
 @dataclass(frozen=True)
 class Zone:
     """A part of the parameter plane where the section is another one.
@@ -58,6 +61,8 @@ class Zone:
     thickness: Any = None
     material: Any = None
     offset: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -4,11 +4,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from skancf.arguments import plain, sequence
+from skancf.equality import by_value
 from skancf.errors import InputError, number, vector
+from skancf.showing import listed
 
 REGION = "regions, as stress_regions finds them or as in [Region((0.5, 0.5), (0.1, 0.1))]"
 
 
+@by_value
 @dataclass(frozen=True)
 class Region:
     r"""A rectangle of the parameter plane in which the mesh shall be fine.
@@ -70,6 +73,8 @@ class Regions(tuple[Region, ...]):
     """
 
     cell: tuple[float, float]
+
+    __repr__ = listed
 
     def __new__(cls, regions: Iterable[Region], cell: tuple[float, float]) -> "Regions":
         self = super().__new__(cls, sequence("regions", regions, Region, REGION))

@@ -13,8 +13,10 @@ from skancf.output.style import Style
 from skancf.output.tables import save_table
 from skancf.output.viewer import view
 from skancf.output.web import write_html
+from skancf.tabular import Columns
 
 __all__ = [
+    "Columns",
     "Samples",
     "Style",
     "animation",

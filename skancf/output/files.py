@@ -13,6 +13,7 @@ from skancf.materials import Section
 from skancf.output.collection import read_collection, write_collection
 from skancf.output.fields import values, von_mises
 from skancf.output.sampling import grid, sample_strain, sample_surface
+from skancf.progress import Bar, ShowProgress, check_progress, number_of
 from skancf.solution import Solution
 
 FILE_ORDER = (0, 1, 2, 5, 3, 4)
@@ -30,6 +31,7 @@ def write(
     *,
     subdivisions: int | None = None,
     depths: Mapping[str, float] | None = None,
+    progress: ShowProgress = True,
     cells: str = "flat",
 ) -> Path:
     """Write one state as a ``.vtu`` file, or many as a ``.pvd`` collection that ParaView plays as a film.
@@ -48,6 +50,8 @@ def write(
     depths : mapping from name to z (m), optional
         Where stress and strain are written. Default: the faces ``top`` and ``bottom`` and ``mid``, halfway between
         them. ``{}``: displacements and velocities only, a tenth of the size.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each state; see :class:`~skancf.Progress`.
     cells : {"flat", "curved"}
         Each element cut into small flat quadrilaterals, which every program reads; or one curved cell for each element, the
         Lagrange quadrilateral of order 3 of VTK, which is the element's own polynomial.
@@ -85,6 +89,7 @@ def write(
     The time of a state without one is its load factor if these increase, else its number.
     """
     choice("cells", cells, ("flat", "curved"))
+    check_progress(progress)
     if subdivisions is not None:
         whole("subdivisions", subdivisions)
         if cells == "curved":
@@ -101,9 +106,14 @@ def write(
     if not isinstance(states, Iterable) or isinstance(states, str | bytes) or getattr(states, "ndim", 1) == 0:
         what = type(states).__name__
         raise InputError(f"states: give a Solution or a sequence of them, as motion.states or result.path, not {what}")
-    return write_collection(
-        check_file(path, ".pvd"), states, lambda state, file: write_state(state, file, subdivisions or 4, depths, cells)
-    )
+    file = check_file(path, ".pvd")
+    with Bar("write", number_of(states), progress) as bar:
+
+        def write_one(state: Solution, part: Path) -> None:
+            write_state(state, part, subdivisions or 4, depths, cells)
+            bar.next(part.name)
+
+        return write_collection(file, states, write_one)
 
 
 def write_state(

@@ -9,6 +9,7 @@ from skancf.errors import InputError, number, vector
 from skancf.materials.heights import DEPTHS, Depth
 from skancf.output.fields import check_name, words
 from skancf.output.sampling import grid
+from skancf.showing import short
 from skancf.solution import Solution
 
 MOST_PIXELS = 16_384
@@ -58,6 +59,8 @@ class Style:
     title: str | None = None
     subdivisions: int | None = None
     size: tuple[int, int] = (1400, 1000)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         check_name(self.field)

@@ -11,6 +11,7 @@ from skancf.conditions.solver import conditions_in
 from skancf.errors import SingularMatrix
 from skancf.history import Case
 from skancf.linear import DirectSolver
+from skancf.showing import short
 from skancf.statics.conditioned import solved, tangent_at
 from skancf.statics.corrections import none
 from skancf.statics.stopping import is_rigid, moves, stored, work
@@ -53,6 +54,8 @@ class Verified:
     measured: tuple[Measured, ...]
     negative_pivots: int
     multipliers: np.ndarray = field(default_factory=none)
+
+    __repr__ = short
 
     @property
     def unmet(self) -> list[Measured]:

@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, unit_vector, vector
 from skancf.functions import is_function, values_at
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL, POINTS
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
+from skancf.showing import short
 from skancf.supports.conditions import Support
 from skancf.terms.protocols import Assembly
 
@@ -58,6 +60,7 @@ def on_place(geometry: Geometry, where: Any, name: str, factors: Any) -> list[tu
     return parts
 
 
+@by_value
 @dataclass(frozen=True)
 class Spring(Support):
     r"""Linear springs along the axes of space: at points (N/m), or along edges per length (N/m2).
@@ -92,6 +95,8 @@ class Spring(Support):
     where: Any
     stiffness: Any
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_factors("stiffness", self.stiffness)
@@ -100,6 +105,7 @@ class Spring(Support):
         return on_place(assembly.geometry, self.where, "stiffness", self.stiffness)
 
 
+@by_value
 @dataclass(frozen=True)
 class Dashpot(Support):
     r"""Linear dashpots along the axes of space: at points (N s/m), or along edges per length (N s/m2).
@@ -132,6 +138,8 @@ class Dashpot(Support):
     where: Any
     damping: Any
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_factors("damping", self.damping)
@@ -143,6 +151,7 @@ class Dashpot(Support):
         return at_place(geometry, self.where, self.holds, "a Dashpot", at_rest=False)
 
 
+@by_value
 @dataclass(frozen=True)
 class Foundation(Support):
     r"""An elastic foundation (Winkler): a linear spring per area under the whole surface (N/m3).
@@ -177,6 +186,8 @@ class Foundation(Support):
 
     stiffness: Any
     direction: tuple[float, float, float] | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, unit_vector, warn
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import SpotOfMesh, Support, edges, held_along, no_drilling, no_tilt_along, no_turn_about
 from skancf.supports.plane import check_planes
@@ -22,6 +24,7 @@ def checked_kind(kind: str) -> str:
     return kind
 
 
+@by_value
 @dataclass(frozen=True)
 class Pin(Support):
     """Positions held, as by a hinge along an edge or a ball joint at a point; rotations are free.
@@ -38,10 +41,13 @@ class Pin(Support):
     holds = ("position",)
     where: Any
 
+    __repr__ = short
+
     def rows(self, geometry: Geometry) -> list[Row]:
         return held_along(edges_or_points("Pin", geometry, self.where), np.eye(3))
 
 
+@by_value
 @dataclass(frozen=True)
 class Clamp(Support):
     """Positions and normals (directors) held along an edge.
@@ -61,11 +67,14 @@ class Clamp(Support):
     holds = ("position", "normal")
     where: Any
 
+    __repr__ = short
+
     def rows(self, geometry: Geometry) -> list[Row]:
         place = edges_or_points("Clamp", geometry, self.where)
         return held_along(place, np.eye(3)) + no_turn_about(geometry, place) + no_drilling(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class NoRotation(Support):
     """The normal (director) does not turn about the edge, at single points not at all; positions are free.
@@ -88,6 +97,8 @@ class NoRotation(Support):
     holds = ("normal",)
     where: Any
 
+    __repr__ = short
+
     def rows(self, geometry: Geometry) -> list[Row]:
         place = edges(geometry, self.where)
         if hint := geometry.strays(self.where):
@@ -95,6 +106,7 @@ class NoRotation(Support):
         return no_turn_about(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class SimpleSupport(Support):
     """A hinged edge: positions held, rotation about the edge free.
@@ -120,6 +132,8 @@ class SimpleSupport(Support):
     where: Any
     kind: str = "soft"
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         checked_kind(self.kind)
 
@@ -133,6 +147,7 @@ IN_PLANE, ASKEW = 1e-3, 0.9
 """Cosines between a direction and the normal below which it lies in the surface, or does not hold the deflection alone."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Roller(Support):
     """Positions held in one direction of space only (by default z).
@@ -173,6 +188,8 @@ class Roller(Support):
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
     kind: str = "soft"
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         checked_kind(self.kind)
         unit_vector("direction", self.direction, "a roller needs a direction in which it holds")
@@ -196,6 +213,7 @@ class Roller(Support):
         return rows + no_tilt_along(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class Symmetry(Support):
     """The edge lies in a plane of symmetry of the undeformed body and stays in it; edges that meet in a corner have theirs.
@@ -222,6 +240,8 @@ class Symmetry(Support):
 
     holds = ("mirror",)
     where: Any
+
+    __repr__ = short
 
     def rows(self, geometry: Geometry) -> list[Row]:
         rows = []

@@ -6,10 +6,13 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval, parameters
 
 
+@by_value
 @dataclass(frozen=True)
 class HyperbolicParaboloid:
     r"""A saddle over a rectangle centred at the origin,
@@ -43,6 +46,8 @@ class HyperbolicParaboloid:
     length_x: float
     length_y: float
     rise: float
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

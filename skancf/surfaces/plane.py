@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.surfaces.protocol import parameters
 
 
+@by_value
 @dataclass(frozen=True)
 class Plane:
     """The plane z = 0 with x and y as parameters, for any mesh of it.

@@ -3,11 +3,14 @@
 from dataclasses import dataclass
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import positive, vector
+from skancf.showing import short
 from skancf.surfaces.plane import Plane
 from skancf.surfaces.protocol import Interval
 
 
+@by_value
 @dataclass(frozen=True)
 class Rectangle(Plane):
     """A flat rectangle ``length_x`` by ``length_y`` in the plane z = 0, its lower left corner at ``origin``.
@@ -29,6 +32,8 @@ class Rectangle(Plane):
     length_x: float
     length_y: float
     origin: tuple[float, float] = (0.0, 0.0)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -17,11 +17,13 @@ from typing import Any
 import numpy as np
 
 from skancf.compiled import compiled
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.point_law import BEYOND, FINE, FOLDED
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -160,6 +162,7 @@ def at_points(C, guess, par, out):
         kernels.store(out, k, at_point(C[0, k], C[1, k], C[2, k], guess[k], par))
 
 
+@by_value
 @dataclass(frozen=True)
 class Ogden(OfInvariants):
     r"""Rubber at large stretches, :math:`\psi = \sum_p \tfrac{\mu_p}{\alpha_p} (\bar\lambda_1^{\alpha_p} +
@@ -202,6 +205,8 @@ class Ogden(OfInvariants):
     expansion: float = 0.0
     compiled = at_point
     _at_points = staticmethod(at_points)
+
+    __repr__ = short
 
     def _check(self) -> None:
         pairs = finite("terms", self.terms)

@@ -27,7 +27,7 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
-from skancf.output.fields import von_mises
+from skancf.output import von_mises
 
 PUBLISHED = np.array([
     (0.05, 0.855, 0.955), (0.10, 1.499, 1.840), (0.15, 1.969, 2.604), (0.20, 2.321, 3.261), (0.25, 2.596, 3.833),

@@ -74,6 +74,7 @@ from skancf.dynamics import (
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Case, Path, Pulse, Ramp, Table
+from skancf.lines import Arc
 from skancf.loads import (
     DiskForce,
     EdgeImpulse,
@@ -158,6 +159,7 @@ __all__ = [
     "AllElements",
     "Anisotropic",
     "AnnulusSector",
+    "Arc",
     "ArcLength",
     "Below",
     "BucklingLoad",

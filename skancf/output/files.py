@@ -11,10 +11,11 @@ from skancf.atomic import AnyPath, as_path, check_file, replacing
 from skancf.errors import InputError, number
 from skancf.materials import Section
 from skancf.output.collection import read_collection, write_collection
-from skancf.output.fields import values, von_mises
+from skancf.output.fields import values
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.progress import Bar, ShowProgress, check_progress, number_of
 from skancf.solution import Solution
+from skancf.tensors import von_mises
 
 FILE_ORDER = (0, 1, 2, 5, 3, 4)
 """Where the components 11, 22, 33, 12, 23, 13 of a file stand in the order 11, 22, 33, 23, 13, 12 of the library."""

@@ -2,7 +2,7 @@ r"""
 A strip rolled up into a circle
 ===============================
 
-*Builds on:* the elastica. *Shows:* load steps, their states as a picture, the thin theory beside the full one.
+*Builds on:* the elastica. *Shows:* load steps, their states as a picture, the thin theory next to the full one.
 
 A cantilever strip of length :math:`L = 12`, width :math:`b = 1` and thickness :math:`h = 0.1` is bent by a moment :math:`M`
 at its end. Its curvature is the same everywhere, :math:`\kappa = M / EI`, so it is an arc of a circle. With
@@ -92,7 +92,7 @@ def table(counts: list[int]) -> dict[str, dict[int, sk.StaticResult]]:
 
 
 def path_table(result: sk.StaticResult) -> None:
-    """The end of the strip in every load step, beside the exact one."""
+    """The end of the strip in every load step, next to the exact one."""
     print("\nM/Mmax     -u  exact        w  exact   (kirchhoff)")
     for state in result.path[1:]:
         u, _, w = state.displacement(END)

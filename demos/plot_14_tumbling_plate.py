@@ -2,7 +2,7 @@ r"""
 A tumbling plate: energy, momenta and frequencies
 =================================================
 
-*Builds on:* the free ruler. *Shows:* initial velocities, records at every step, spectra beside natural frequencies.
+*Builds on:* the free ruler. *Shows:* initial velocities, records at every step, spectra compared with natural frequencies.
 
 A steel plate of 300 mm by 150 mm by 2 mm is thrown with a spin about an oblique axis,
 

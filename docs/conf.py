@@ -4,6 +4,7 @@ import os
 import re
 import sys
 import warnings
+from importlib import resources
 from pathlib import Path
 
 import matplotlib
@@ -34,20 +35,48 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
     "sphinx_gallery.gen_gallery",
+    "sphinx_copybutton",
+    "sphinx_design",
+    # Reads CHANGELOG.md.
+    "myst_parser",
 ]
 exclude_patterns = ["_build", "measure", "_templates"]
 templates_path = ["_templates"]
-html_theme = "alabaster"
-html_static_path = ["_static"]
+source_suffix = {".rst": "restructuredtext"}
+# Toctrees end with a pattern that finds new pages; that there are none is no fault.
+suppress_warnings = ["toc.empty_glob"]
+
+html_theme = "pydata_sphinx_theme"
+html_title = f"skancf {release}"
+html_logo = "_static/logo.svg"
+html_favicon = "_static/logo.svg"
+# MathJax with all its extensions and drawn letters is one file, so that a page asks no other machine for anything.
+html_static_path = ["_static", str(resources.files("sphinx-mathjax-offline") / "static/mathjax/tex-svg-full.js")]
+mathjax_path = "tex-svg-full.js"
+html_css_files = ["site.css"]
 html_theme_options = {
-    "description": "Plates and shells that move and bend a lot",
-    "page_width": "1120px",
-    "sidebar_width": "230px",
-    "fixed_sidebar": True,
-    "show_relbars": True,
+    "logo": {"text": "skancf", "alt_text": "skancf, first page"},
+    "navbar_align": "left",
+    "header_links_before_dropdown": 6,
+    "navbar_persistent": ["search-button-field"],
+    "show_nav_level": 1,
+    "navigation_depth": 2,
+    "show_toc_level": 2,
+    "secondary_sidebar_items": ["page-toc"],
+    "back_to_top_button": False,
+    "footer_start": ["project-footer"],
+    "footer_end": [],
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
+    "search_bar_text": "Search: hole, gmsh, pandas ...",
 }
-html_css_files = ["tables.css"]
-html_show_copyright = False
+# These pages have no siblings to list beside them.
+html_sidebars = {"index": [], "learn": [], "gallery/index": [], "search": []}
+html_show_sourcelink = False
+html_copy_source = False
+copybutton_exclude = ".linenos, .gp, .go"
+copybutton_prompt_text = r"\$ |>>> |\.\.\. "
+copybutton_prompt_is_regexp = True
 
 autosummary_generate = True
 autosummary_imported_members = False
@@ -70,6 +99,8 @@ sphinx_gallery_conf = {
     "plot_gallery": True,
     "abort_on_example_error": True,
     "min_reported_time": 1,
+    # That page would load its sortable table from other machines.
+    "write_computation_times": False,
 }
 
 

@@ -1,9 +1,23 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
 import importlib
+import logging
 from typing import TYPE_CHECKING, Any
 
-from skancf import adaptive, conditions, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
+from skancf import (
+    adaptive,
+    conditions,
+    dynamics,
+    loads,
+    materials,
+    meshes,
+    statics,
+    storage,
+    supports,
+    surfaces,
+    terms,
+    theories,
+)  # fmt: skip
 from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
@@ -86,6 +100,7 @@ from skancf.materials import (
     Zone,
 )
 from skancf.problem import Problem
+from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics import (
@@ -105,6 +120,7 @@ from skancf.statics import (
     solve_linear,
     trace,
 )
+from skancf.storage import load, read_problem, run_file, save
 from skancf.supports import (
     Clamp,
     Dashpot,
@@ -219,6 +235,7 @@ __all__ = [
     "PointMoment",
     "Prescribed",
     "Problem",
+    "Progress",
     "Pulse",
     "Ramp",
     "Reaction",
@@ -257,6 +274,7 @@ __all__ = [
     "export",
     "find_regions",
     "goal_estimate",
+    "load",
     "loads",
     "materials",
     "meshes",
@@ -264,14 +282,18 @@ __all__ = [
     "nodal_measure",
     "output",
     "read_motion",
+    "read_problem",
     "recovery_indicator",
     "remap",
     "residual_indicator",
+    "run_file",
+    "save",
     "simulate",
     "solve",
     "solve_linear",
     "spectrum",
     "statics",
+    "storage",
     "stress_indicator",
     "stress_regions",
     "supports",
@@ -285,6 +307,9 @@ __all__ = [
     "transfer",
 ]  # fmt: skip
 
+
+# Nothing is printed before a user asks for it, as by logging.basicConfig(level=logging.INFO).
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
 

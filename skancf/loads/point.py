@@ -6,29 +6,46 @@ from math import pi
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, vector
 from skancf.history import History, check_history
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity
 from skancf.loads.acting import DeadLoad, Spread, at_points
 from skancf.loads.pole import covered_pole
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 from skancf.tolerances import ONE_PLACE, VANISHED
 
 NEWTON = 30
 
 
+@by_value
 @dataclass(frozen=True)
 class PointForce:
     """A force (N) at a point of the parameter plane.
 
     In theory `full` the deflection under it has no limit as the mesh is refined: it grows with the logarithm of the
     element size. :class:`DiskForce` has a limit.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.PointForce((0.5, 0.5), (0.0, 0.0, -100.0))],
+    ... )
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 8, 8), "kirchhoff"))
+    >>> print(f"{1000 * solution.displacement((0.5, 0.5))[2]:.4f} mm")  # 0.00560 F a^2 / D
+    -0.0290 mm
     """
 
     at: tuple[float, float]
     force: tuple[float, float, float]
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -48,6 +65,7 @@ class PointForce:
         return at_points([element], local[None], np.array([self.force]))
 
 
+@by_value
 @dataclass(frozen=True)
 class DiskForce:
     """A force (N) spread evenly over a small disk of the mid-surface, round where it is seen along the normal at its centre.
@@ -66,12 +84,23 @@ class DiskForce:
     InputError
         For a radius that is not positive and entries that are not finite; on a mesh, for a disk that reaches over the
         edge of the surface, or so far around it that it has no one point under each of the disk.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> foot = sk.DiskForce(at=(0.5, 0.5), radius=0.05, force=(0.0, 0.0, -100.0))
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, supports=[sk.Clamp("boundary")], loads=[foot])
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 8, 8), "kirchhoff"))
+    >>> print(f"{solution.reactions()[2]:.4f} N")
+    100.0000 N
     """
 
     at: tuple[float, float]
     radius: float
     force: tuple[float, float, float]
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebpts2, chebvander
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function, values_at
 from skancf.history import History, check_history
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
+from skancf.showing import short
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import Edges, SpotOfMesh, Support, single_points
 from skancf.surfaces import normal
@@ -24,6 +26,7 @@ N_EDGE = 9
 """Points on an edge at which functions are differentiated: exact to degree eight."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Prescribed(Support):
     r"""Displacement given in some directions of space, free in the others, and the rotation of the normal if it is given.
@@ -68,6 +71,8 @@ class Prescribed(Support):
     displacement: Any = (None, None, None)
     history: History | None = None
     rotation: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -11,6 +11,7 @@ import numpy as np
 from skancf.arguments import mapping
 from skancf.atomic import as_path
 from skancf.errors import InputError, finite, shown
+from skancf.tabular import Tabular
 
 TABLE = "a DataFrame, a mapping from names to columns, a structured array, or the path of a .csv file"
 HEAD = re.compile(r"^\s*(.*?)\s*(?:[(\[]([^()\[\]]*)[)\]])?\s*$", re.DOTALL)
@@ -76,6 +77,8 @@ def _parts(title: str) -> tuple[str, str]:
 
 def _table(name: str, table: Any) -> Any:
     """A table, read if it is the path of one."""
+    if isinstance(table, Tabular):
+        return {f"{column} [{table.units[column]}]": values for column, values in table.columns.items()}
     if not isinstance(table, str | os.PathLike):
         return table
     file = as_path(name, table)

@@ -15,10 +15,10 @@ PACKAGE = Path(skancf.__file__).parent
 # A room imports from itself and from rooms before it.
 ROOMS = [
     "version", "tolerances", "showing", "errors", "functions", "arguments", "equality", "memory", "checks", "atomic",
-    "optional", "tabular", "columns", "history", "progress", "compiled", "threads", "vectors", "elements", "surfaces", "linear",
-    "kernels", "solving", "materials", "meshes", "theories", "layout", "terms", "conditions", "supports", "loads",
-    "system", "thinness", "problem", "testing", "recovered", "true_stress", "solution", "statics", "dynamics", "adaptive",
-    "output", "export", "storage",
+    "optional", "tabular", "columns", "history", "progress", "compiled", "threads", "vectors", "elements", "surfaces",
+    "linear", "kernels", "solving", "materials", "meshes", "theories", "layout", "terms", "conditions", "supports",
+    "loads", "system", "thinness", "problem", "testing", "recovered", "true_stress", "solution", "statics",
+    "dynamics", "adaptive", "output", "export", "storage",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.name != "__init__.py")

@@ -120,11 +120,11 @@ def test_of_second_order_the_corners_are_kept(tmp_path, kinds):
 
 
 QUAD, SQUARE = [("quad", [[0, 1, 2, 3]])], np.array([(0.0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
-BENT = SQUARE + [(0, 0, 0), (0, 0, 0), (0, 0, 0.1), (0, 0, 0.1)]
+BENT = [*SQUARE, (0, 0, 0), (0, 0, 0), (0, 0, 0.1), (0, 0, 0.1)]
 REFUSED = {
     "triangles": (SQUARE, [("triangle", [[0, 1, 2], [0, 2, 3]])], "2 of its elements are triangles; .*Recombine"),
     "both": (np.vstack([SQUARE, [(2.0, 0.5, 0.0)]]), [*QUAD, ("triangle", [[1, 4, 2]])], "1 of its elements are triangles"),
-    "volumes": (SQUARE + [(0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 1)], [("tetra", [[0, 1, 2, 3]])], "has 1 tetra"),
+    "volumes": ([*SQUARE, (0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 1)], [("tetra", [[0, 1, 2, 3]])], "has 1 tetra"),
     "edges only": (SQUARE, [("line", [[0, 1]])], "has no quadrilaterals"),
     "not flat": (BENT, QUAD, r"z runs from 0 to 0\.1; .*parameter plane"),
     "folded": (SQUARE, [("quad", [[0, 2, 1, 3]])], "not convex quads"),

@@ -40,6 +40,7 @@ TABLES = {
     "own": lambda folder: Own(),
     "csv": lambda folder: written(folder / "a.csv"),
     "semicolons": lambda folder: str(written(folder / "a.csv", ";")),
+    "Tabular": lambda folder: sk.output.Columns(ROWS, {"x": "m", "y": "m", "fz": "N"}),
     "save_table": lambda folder: sk.output.save_table(folder / "b.csv", ROWS),
 }
 
@@ -69,7 +70,7 @@ def test_titles_and_units():
     loads = sk.loads.point_forces(table, titles={"x": "Position X", "fz": "Load (N)"})
     assert loads == [sk.PointForce((10.0, 20.0), (0.0, 0.0, 5.0)), sk.PointMoment((10.0, 20.0), (0.0, 2.0, 0.0))]
     for wrong in ({"x (m)": [1.0], "y (m)": [1.0], "fx (kN)": [1.0]}, {"x (mm)": [1], "y (m)": [1], "fx": [1]},
-                  {"x (m)": [1.0], "y": [1.0], "mx [N mm]": [1.0]}, {"x": [1.0], "y (deg)": [1.0], "fx": [1.0]}):  # fmt: skip
+                  {"x (m)": [1.0], "y": [1.0], "mx [N mm]": [1.0]}, {"x": [1.0], "y (deg)": [1], "fx": [1.0]}):  # fmt: skip
         with pytest.raises(InputError, match=r"units of '.*' do not belong together; convert"):
             sk.loads.point_forces(wrong)
     with pytest.raises(InputError, match=r"units .*p \(Pa\)"):

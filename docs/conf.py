@@ -3,6 +3,7 @@
 import os
 import re
 import sys
+import textwrap
 import warnings
 from importlib import resources
 from pathlib import Path
@@ -83,6 +84,8 @@ autosummary_imported_members = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_default_options = {"show-inheritance": False}
+# Longer signatures have a line for each parameter.
+python_maximum_signature_line_length = 72
 # Fields of data classes are described where the class lists them; once is enough.
 napoleon_google_docstring = False
 napoleon_use_ivar = True
@@ -109,6 +112,19 @@ def keep_units(app: object, what: str, name: str, obj: object, options: object, 
     lines[:] = [re.sub(r"^(\s*)([A-Za-z]\.)$", r"\1\\\2", line) for line in lines]
 
 
+def fold_pictures(app: object, docname: str, source: list[str]) -> None:
+    """Code that only draws, below the heading "Pictures" of an example, is folded up."""
+    if docname.startswith("gallery/plot_"):
+        source[0] = re.sub(
+            r"(\nPictures\n-+\n(?:(?!\.\. code-block)[^\n]*\n)*?)\.\. code-block:: Python\n((?:(?: {4}[^\n]*)?\n)+)",
+            lambda found: (
+                f"{found[1]}.. dropdown:: Code that draws\n\n    .. code-block:: Python\n{textwrap.indent(found[2], '    ')}"
+            ),
+            source[0],
+        )
+
+
 def setup(app: object) -> None:
     # Before napoleon, which moves such lines behind the name of a parameter.
     app.connect("autodoc-process-docstring", keep_units, priority=100)
+    app.connect("source-read", fold_pictures)

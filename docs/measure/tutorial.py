@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 DOCS = Path(__file__).resolve().parent.parent
 PAGES = {page.stem: page for page in [DOCS / "getting_started.rst", *sorted((DOCS / "tutorials").glob("*.rst"))]}
+FRONT = DOCS / "index.rst"
 PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/(\w+\.png)")
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
 NUMBER = re.compile(r"-?\d+\.\d+|-?\d+")
@@ -95,7 +96,8 @@ def renew(page: Path) -> bool:
 
 
 def main() -> None:
-    results = [renew(PAGES[name]) for name in sys.argv[1:] or PAGES]
+    pages = {"index": FRONT, **PAGES}
+    results = [renew(pages[name]) for name in sys.argv[1:] or pages]
     sys.exit(not all(results))
 
 

@@ -8,15 +8,19 @@ OUT    ?= out
 SET    ?= all
 BASE   ?=
 FUZZ_MINUTES ?= 60
+JOBS   ?= auto
 BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
+# Tests of a file mostly stay in one process, which makes what they share once.
+PARALLEL = -n $(JOBS) --dist worksteal
 
-.PHONY: help demo test fuzz lint types docs peers bench bars guard check kernels clean
+.PHONY: help demo test cover fuzz lint types docs peers bench bars guard check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
-	@echo "make test    run the tests"
+	@echo "make test    run the tests, on all cores (JOBS=0: in one process)"
+	@echo "make cover   the same, and which lines of the package they ran: table here, pages in $(OUT)/cover"
 	@echo "make fuzz    problems made by chance, until FUZZ_MINUTES=60 are over; what fails is kept in $(OUT)/fuzz as Python"
 	@echo "make docs    build the documentation into docs/_build/html"
 	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
@@ -44,7 +48,11 @@ demo: $(READY)
 	$(BIN)/python demos/plot_01_paper_example.py --size $(SIZE) --out $(OUT)
 
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(PARALLEL)
+
+cover: $(READY)
+	$(BIN)/python -m pytest $(PARALLEL) --cov --cov-report=term --cov-report=html:$(OUT)/cover
+	@echo "== $(OUT)/cover/index.html"
 
 fuzz: $(READY)
 	PYTHONPATH=tests $(BIN)/python -m fuzz --minutes $(FUZZ_MINUTES) --out $(OUT)/fuzz
@@ -78,5 +86,5 @@ kernels:
 	find skancf -name '*.nb[ic]' -delete
 
 clean:
-	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache docs/_build docs/gallery docs/api/generated skancf.egg-info
+	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .coverage docs/_build docs/gallery docs/api/generated skancf.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

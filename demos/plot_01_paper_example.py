@@ -176,7 +176,7 @@ def time_error(name: str, theory: sk.Full, result: Study, size: Size) -> str:
 
 
 def worth_of_reference(name: str, result: Study) -> str:
-    """How the deflection under the load and beside it moves from mesh to mesh: the first has no limit."""
+    """How the deflection under the load and next to it moves from mesh to mesh: the first has no limit."""
     runs = [result.uniform[0], result.uniform[-1], result.fine]
     lines = [f"  {'mesh':<16}{'w(centre) mm':>14}{'w(quarter) mm':>15}   at 0.1 s"]
     for r in runs:

@@ -15,7 +15,7 @@ at its end. Its curvature is the same everywhere, :math:`\kappa = M / EI`, so it
 Example 3.2 of K. Y. Sze, X. H. Liu and S. H. Lo (2004), Popular benchmark problems for geometric nonlinear analysis of
 shells, *Finite Elements in Analysis and Design* 40, 1551-1569; :math:`E = 1.2 \cdot 10^6`, :math:`\nu = 0`.
 
-This example shows load steps, their states as a picture, the thin theory beside the full one. It builds on the
+This example shows load steps, their states as a picture, the thin theory next to the full one. It builds on the
 elastica.
 """
 
@@ -99,7 +99,7 @@ def table(counts: list[int]) -> dict[str, dict[int, sk.StaticResult]]:
 
 
 def path_table(result: sk.StaticResult) -> None:
-    """The end of the strip in every load step, beside the exact one."""
+    """The end of the strip in every load step, next to the exact one."""
     print("\nM/Mmax     -u  exact        w  exact   (kirchhoff)")
     for state in result.path[1:]:
         u, _, w = state.displacement(END)

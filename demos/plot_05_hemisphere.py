@@ -109,7 +109,7 @@ def newton_table(n: int) -> dict[str, sk.StaticResult]:
 
 
 def curve_table(found: np.ndarray) -> None:
-    """Prints the curve beside the published one."""
+    """Prints the curve next to the published one."""
     print("\nP / 400     at A  published        at B  published")
     for (factor, *published), values in zip(PUBLISHED, found, strict=True):
         print(f"{factor:7.2f}  {values[0]:7.3f}  {published[0]:9.3f}     {values[1]:7.3f}  {published[1]:9.3f}")

@@ -14,7 +14,7 @@ published with the digits to compare with, so the plate is compared with itself 
 
 Waves travel at some 4 m/s in such a material, and the falling corner is as fast. So the plate is stretched and squeezed by
 factors, beyond what a linear law between stress and Green's strain means, and what it does then depends on every detail. The
-same plate with a hundred times the modulus is beside it.
+same plate with a hundred times the modulus is shown next to it.
 
 The numbers to hit: energy balances to :math:`10^{-4}` in every run, the rule takes less than half a per cent of it out of
 the stiffer plate, and halving the step changes the path of its far corner by less than 6 mm in a second, a hundredth of its

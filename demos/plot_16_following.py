@@ -264,8 +264,8 @@ def main(size: str = "full", out: str = "out") -> dict:
 
 # %%
 # What comes out is in the table. The paper's plate bends as a whole, its error is everywhere, and a mesh that follows the
-# wave needs more unknowns and steps than a uniform one for the same error. Under the running load, which is small beside its
-# plate, it needs fewer.
+# wave needs more unknowns and steps than a uniform one for the same error. Under the running load, which is small
+# compared with its plate, it needs fewer.
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="The paper's example, converged, with meshes that follow")
     parser.add_argument("--size", choices=sorted(SIZES), default=os.environ.get("SKANCF_DEMO_SIZE", "full"))

@@ -16,7 +16,7 @@ more than Euler's load has a straight equilibrium that it does not keep. An **ai
 edges, has no stiffness at all until it is stretched and wrinkled.
 
 ``sk.solve`` tries the whole load, then shorter load steps. Where these end, or where their answer is not stable, the
-structure is held back at the full load by a pretension, which is then let go: its energy falls until it rests. No option is
+structure is held at the full load by a pretension, which is then released: its energy falls until it rests. No option is
 set below.
 
 This example shows statics that arrives by itself where Newton's method alone does not, and what it says it met. It

@@ -9,6 +9,7 @@ import numpy as np
 
 from skancf.arguments import flag, plain, system_like, text
 from skancf.elements.reference import CORNERS
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, shown, vector
 from skancf.history import Case
 from skancf.layout.layout import vectors
@@ -16,6 +17,7 @@ from skancf.layout.patches import averages_at_nodes
 from skancf.materials import Section
 from skancf.materials.heights import Depth, depth_of, unlike_faces
 from skancf.recovered import section_forces, strain_excess
+from skancf.showing import in_a_notebook, in_brackets, summary
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
@@ -28,6 +30,7 @@ STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 ONE_STRAIN = 1e-3
 
 
+@by_value
 @dataclass(frozen=True)
 class Solution(TrueStresses):
     """One state: nodal coordinates with their system.
@@ -50,6 +53,19 @@ class Solution(TrueStresses):
         What is to be known of it, such as that a mode has no size of its own; titles of pictures say it.
     multipliers : (n,) array or None
         Of the conditions, in the order of their rows; :attr:`conditions` has them by name.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> solution = sk.solve_linear(system)
+    >>> print(f"{1000 * solution.displacement((0.5, 0.5))[2]:.4f} mm, {solution.reactions()[2]:.1f} N")
+    -0.0658 mm, 1000.0 N
     """
 
     system: System
@@ -61,6 +77,12 @@ class Solution(TrueStresses):
     small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
     note: str = field(default="", kw_only=True)
     multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        return f"Solution: {self.said}"
 
     def __post_init__(self) -> None:
         plain(self)
@@ -87,6 +109,20 @@ class Solution(TrueStresses):
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.
             object.__setattr__(self, "small", small if np.array_equal(self.system.undeformed + small, self.q) else None)
+
+    @property
+    def said(self) -> str:
+        """What a person wants to know of it, in one line."""
+        parts = [str(self.system)]
+        if self.time is not None:
+            parts.append(f"t = {self.time:.4g} s")
+        if self.load_factor != 1:
+            parts.append(f"load factor {self.load_factor:.5g}")
+        parts += ["small deflections"] * self.linear + [self.note] * bool(self.note)
+        moved = np.linalg.norm(self.displacements, axis=0)
+        k = int(np.argmax(moved))
+        place = ", ".join(f"{x:.4g}" for x in self.system.mesh.p[:, k])
+        return ", ".join([*parts, f"largest displacement {moved[k]:.4g} at ({place})"])
 
     @property
     def case(self) -> Case:

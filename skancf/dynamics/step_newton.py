@@ -83,7 +83,7 @@ class KeptFactors(TurningFactors):
     Attributes
     ----------
     dt : float
-        Length of the step they belong to (s); zero where there are none.
+        Length of the step they belong to (s); zero without any.
     rounding : float
         The energy that rounding of the coordinates puts into a correction (J).
     """

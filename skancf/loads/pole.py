@@ -1,4 +1,4 @@
-"""A disk over a pole of the surface, where parameters are none of a plane: along the lines that run together there."""
+"""A disk over a pole of the surface, where parameters are not those of a plane: along the lines that run together there."""
 
 from dataclasses import dataclass
 from typing import Any

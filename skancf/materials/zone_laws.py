@@ -13,7 +13,7 @@ from skancf.materials.point_law import PAIRS, PAIRS_3D, PointLaw, PointResponse
 
 @dataclass(frozen=True, eq=False)
 class LinearAtPoints:
-    """A linear law, asked at points, as those beside it are: stress is linear in Green's strain.
+    """A linear law, asked at points, as those next to it are: stress is linear in Green's strain.
 
     Attributes
     ----------

@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from skancf.showing import short
+
 DEEPEST = 20
 """Largest level; one corner of a square metre is refined down to a micrometre."""
 POINT = DEEPEST + 1
@@ -79,6 +81,8 @@ class Forest:
     facets: np.ndarray
     neighbours: np.ndarray
     closed: tuple[bool, bool] = (False, False)
+
+    __repr__ = short
 
     @property
     def n_roots(self) -> int:

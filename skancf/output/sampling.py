@@ -8,6 +8,7 @@ import numpy as np
 from skancf.arguments import STATE, instance, whole
 from skancf.materials.heights import Depth, depth_of
 from skancf.memory import require_much
+from skancf.showing import short
 from skancf.solution import Solution
 
 
@@ -54,6 +55,8 @@ class SampledSurface:
     displacement: np.ndarray
     velocity: np.ndarray | None
 
+    __repr__ = short
+
 
 @dataclass(frozen=True)
 class Samples(SampledSurface):
@@ -69,6 +72,8 @@ class Samples(SampledSurface):
 
     strain: np.ndarray
     stress: np.ndarray
+
+    __repr__ = short
 
 
 def grid(subdivisions: int) -> Grid:
@@ -87,7 +92,7 @@ def grid(subdivisions: int) -> Grid:
 
 
 def require_points(subdivisions: int, n_elements: int) -> None:
-    """Refuse so many cells along an element's edge that their points would not fit into memory."""
+    """Refuse a number of cells along an element's edge whose points would not fit into memory."""
     n = n_elements * (whole("subdivisions", subdivisions) + 1) ** 2
     require_much(EACH * n, f"subdivisions = {subdivisions}", f"a surface of {n} points", "take fewer")
 

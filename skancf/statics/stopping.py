@@ -60,7 +60,7 @@ class Pull:
 
 
 def moves(constraints: Any, force: np.ndarray) -> bool:
-    """Does a force (n_dofs,) act on anything that supports do not hold, beside rounding?"""
+    """Does a force (n_dofs,) act on anything that supports do not hold, apart from rounding?"""
     free = constraints.free_part(force)
     return bool(free @ free > HELD_FORCE * (force @ force))
 

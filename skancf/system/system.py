@@ -13,7 +13,9 @@ from skancf.history import FULL, Case
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints
+from skancf.showing import counted, in_brackets, summary
 from skancf.system.inertia import Inertia
+from skancf.system.rebuild import Rebuilt
 from skancf.system.unstressed import ByStrains, unstressed
 from skancf.terms.blocks import Blocks, SkewBlocks, coupled
 from skancf.terms.protocols import Assembly, Prescription
@@ -22,7 +24,7 @@ from skancf.terms.sums import Loads, Terms
 from skancf.terms.term import Term
 
 
-class System:
+class System(Rebuilt):
     """Residual, tangent and mass of a problem on a mesh.
 
     Unknowns are one vector q of 12 per block, see :class:`~skancf.layout.layout.Layout`: at a node r, r_x, r_y and r_z
@@ -52,9 +54,19 @@ class System:
         Those of the structure, but for the shell: springs, foundations, the user's own.
     choice
         With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
-    """
 
-    choice: Any = None
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(system.n_dofs, system.mesh.nelements)
+    588 36
+    """
 
     def __init__(
         self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,
@@ -70,6 +82,13 @@ class System:
         self.others = Terms([term for term in terms if not term.load], layout.n_dofs, self.blocks)
         for term in self.terms:
             term.bind(self.blocks())
+
+    __repr__ = in_brackets
+
+    @summary
+    def __str__(self) -> str:
+        nodes, elements = (counted(n, what) for n, what in ((self.mesh.nvertices, "node"), (self.mesh.nelements, "element")))
+        return f"theory {self.geometry.theory.name}, {elements}, {nodes}, {counted(self.n_dofs, 'unknown')}"
 
     @property
     def n_dofs(self) -> int:
@@ -110,7 +129,7 @@ class System:
         return blocks.matrix()
 
     def skew(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> sp.csr_matrix | None:
-        """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
+        """Skew part of the derivative of the residual, which follower loads have at free edges; None without one."""
         blocks = SkewBlocks(self.pattern)
         self.terms.add_tangents(q, v, case, blocks, first=1)
         return blocks.skew_matrix()

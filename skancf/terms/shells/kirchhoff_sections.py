@@ -69,7 +69,7 @@ def build_thin_sections(geometry: Geometry, section: Section | SectionsOnMesh) -
         Where layers are past a centre of curvature.
     """
     theory, integration = geometry.theory, geometry.integration
-    # Covariant strains grow with the distance from a pole and its square, which the assumed ones beside it cannot.
+    # Covariant strains grow with the distance from a pole and its square, which the assumed ones next to it cannot.
     at_pole = geometry.at_poles
     plain = at_pole if theory.assumed else np.ones_like(at_pole)
     key, rounding = _shape_key(geometry)

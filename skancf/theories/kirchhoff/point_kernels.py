@@ -33,7 +33,7 @@ from skancf.theories.kirchhoff.kernels import strains as strains_of
 
 
 class Places(NamedTuple):
-    """What classes of equal undeformed elements share, beside :class:`~skancf.theories.kirchhoff.kernels.Elements`.
+    """What classes of equal undeformed elements share, besides :class:`~skancf.theories.kirchhoff.kernels.Elements`.
 
     ``turn`` (n_shapes, 3, 3, 16), from covariant membrane strains to local ones, ``side`` (n_shapes,), by which curvatures
     are multiplied more, ``areas`` (n_shapes, 16), ``rest`` (n_shapes, 3, 3, 16), the law of the rest with the weights.

@@ -48,12 +48,14 @@ source_suffix = {".rst": "restructuredtext"}
 suppress_warnings = ["toc.empty_glob"]
 
 html_theme = "pydata_sphinx_theme"
+html_context = {"default_mode": "auto"}
 html_title = f"skancf {release}"
 html_logo = "_static/logo.svg"
 html_favicon = "_static/logo.svg"
 # MathJax with all its extensions and drawn letters is one file, so that a page asks no other machine for anything.
 html_static_path = ["_static", str(resources.files("sphinx-mathjax-offline") / "static/mathjax/tex-svg-full.js")]
 mathjax_path = "tex-svg-full.js"
+html_search_scorer = "_static/scorer.js"
 html_css_files = ["site.css"]
 html_theme_options = {
     "logo": {"text": "skancf", "alt_text": "skancf, first page"},
@@ -72,7 +74,7 @@ html_theme_options = {
     "search_bar_text": "Search: hole, gmsh, pandas ...",
 }
 # These pages have no siblings to list beside them.
-html_sidebars = {"index": [], "learn": [], "gallery/index": [], "search": []}
+html_sidebars = {"index": [], "gallery/index": [], "search": []}
 html_show_sourcelink = False
 html_copy_source = False
 copybutton_exclude = ".linenos, .gp, .go"

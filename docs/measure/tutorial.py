@@ -4,8 +4,8 @@ From the folder of the repository, in two minutes:
 
     .venv/bin/python docs/measure/tutorial.py
 
-Names of pages run these only, for example ``laminates`` or ``plate_with_hole``. The pictures go to docs/pictures. tests/test_docs.py runs the same
-code without touching them.
+Names of pages run these only, for example ``laminates`` or ``plate_with_hole``. The pictures go to docs/pictures.
+tests/test_docs.py runs the same code without touching them.
 """
 
 import contextlib

@@ -17,7 +17,8 @@ ROOMS = [
     "version", "tolerances", "errors", "functions", "arguments", "memory", "checks", "atomic", "optional", "tabular",
     "history", "progress", "compiled", "threads", "vectors", "tensors", "elements", "surfaces", "linear", "kernels",
     "solving", "materials", "meshes", "theories", "layout", "terms", "conditions", "supports", "loads", "system",
-    "thinness", "problem", "testing", "recovered", "true_stress", "local_fields", "point_values", "lines", "solution",
+    "thinness", "problem", "testing", "recovered", "true_stress", "local_fields", "point_values", "lines", "reactions",
+    "solution",
     "statics", "dynamics", "adaptive", "output",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.

@@ -14,6 +14,7 @@ from skancf.layout.layout import vectors
 from skancf.lines import AtPlaces
 from skancf.local_fields import LocalFields
 from skancf.materials.heights import Depth, depth_of
+from skancf.reactions import Reactions
 from skancf.showing import in_a_notebook, in_brackets, state_in_words
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
@@ -26,7 +27,7 @@ STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 
 @by_value
 @dataclass(frozen=True)
-class Solution(LocalFields, AtPlaces):
+class Solution(LocalFields, AtPlaces, Reactions):
     """One state: nodal coordinates with their system.
 
     Attributes
@@ -241,22 +242,6 @@ class Solution(LocalFields, AtPlaces):
                 "conditions: this state has no multipliers; those of solve, solve_linear, trace and simulate have them"
             )
         return {} if self.multipliers is None else conditions.named(self.multipliers)
-
-    def reactions(self, where: Any = None) -> np.ndarray:
-        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere, those of springs included.
-
-        Raises
-        ------
-        InputError
-            For a state that moves: its supports also carry inertia.
-        """
-        if self.velocity is not None and np.any(self.velocity):
-            raise InputError("reactions: this state moves, and its supports also carry inertia; reactions are for statics")
-        system = self.system
-        support = self.model.support_force(self.unknowns, self.case, self.multipliers)
-        if where is None:
-            return np.asarray(system.layout.positions(support).sum(axis=0))
-        return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
 
     def _depths(self, at: Any, z: Depth) -> Any:
         """Depths at points (2,) or (n, 2) of the parameter plane, one for all or (n, 1)."""

@@ -22,6 +22,7 @@ from skancf.adaptive.singular import images, touching
 from skancf.equality import by_value
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
+from skancf.showing import short
 from skancf.system.system import System
 from skancf.tolerances import SAME_POINT
 
@@ -50,6 +51,8 @@ class Halvings:
 
     points: np.ndarray
     left: np.ndarray
+
+    __repr__ = short
 
     def at(self, point: np.ndarray, extent: np.ndarray) -> float | None:
         """That of a point (2,); None of one that is not known."""

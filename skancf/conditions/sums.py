@@ -14,7 +14,7 @@ from skancf.tolerances import CONDITION_MET
 
 
 class Conditions(Sequence[Condition]):
-    """Some conditions one after another; false where there is none.
+    """Some conditions one after another; false without any.
 
     Attributes
     ----------
@@ -57,6 +57,11 @@ class Conditions(Sequence[Condition]):
     def force(self, q: np.ndarray, multipliers: np.ndarray) -> np.ndarray:
         r""":math:`G^T \lambda`, on the left side of the equations, (n_dofs,)."""
         return np.asarray(self.gradient(q).T @ multipliers)
+
+    def forces_of(self, q: np.ndarray, multipliers: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        """The same of each condition, by its name."""
+        for name, each, part in zip(self.names, self, self._slices, strict=True):
+            yield name, np.asarray(each.gradient(q).T @ multipliers[part])
 
     def add_curvature(self, q: np.ndarray, multipliers: np.ndarray, blocks: Blocks) -> None:
         """Add the derivative of :meth:`force` with respect to q."""

@@ -26,6 +26,7 @@ from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, RunFiles
 from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
 from skancf.errors import InputError, SkancfError
+from skancf.showing import short
 from skancf.solving import Status
 from skancf.system.system import System
 
@@ -54,18 +55,32 @@ class Checkpoint:
     Raises
     ------
     InputError
-        For a number of steps that is none.
+        For an invalid number of steps.
 
     Notes
     -----
     The bytes of a run that was cut off are those of one that was not, if machine, packages and number of cores stay the same
     and functions given by the user give the same each time. What a policy of meshes, a control of steps, a rule or a term
     remembers is part of the run if it says so, see :class:`~skancf.dynamics.HasState`; else it must not remember anything.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> keep = sk.Checkpoint("run", every=50)
+    >>> motion = sk.simulate(system, 0.005, rtol=1e-2, checkpoint=keep, progress=False)
+    >>> again = sk.simulate(system, 0.005, rtol=1e-2, checkpoint=keep, resume=True, progress=False)
+    >>> print(np.array_equal(motion.q, again.q))
+    True
     """
 
     folder: AnyPath
     every: int = 100
     in_memory: bool = True
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         as_path("folder", self.folder)
@@ -252,8 +267,13 @@ def read_motion(system: System, folder: AnyPath, *, in_memory: bool = True) -> M
 
     Examples
     --------
-    >>> motion = sk.read_motion(system, "run")
-    >>> motion.times[-1], motion.status
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, rtol=1e-2, checkpoint=sk.Checkpoint("kept"), progress=False)
+    >>> print(np.array_equal(sk.read_motion(system, "kept").q, motion.q))
+    True
     """
     instance("system", system, System, SYSTEM)
     files = RunFiles(as_path("folder", folder))

@@ -16,10 +16,12 @@ from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
 from skancf.layout.layout import vectors
 from skancf.rows import Rows
+from skancf.showing import counted, in_a_notebook, in_brackets, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.system.probe import probe
 from skancf.system.system import System
+from skancf.tabular import Column, Columns, Tabular, of_objects, spread
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,13 @@ class Segment:
     outputs: np.ndarray
     pulls: Pulls | None = None
 
+    __repr__ = in_brackets
+
+    @summary
+    def __str__(self) -> str:
+        n = counted(len(self.times), "state")
+        return f"Segment: {n}, {span(self.times[0], self.times[-1], 's')}, {self.system}"
+
     def at(self, time: float) -> Solution:
         """The state at a time, between the states here by :class:`~skancf.dynamics.interpolation.StateInterpolation`."""
         k = max(int(np.searchsorted(self.times, time, side="right")) - 1, 0)
@@ -73,8 +82,8 @@ class Segment:
 
 @by_value
 @dataclass(frozen=True)
-class Motion:
-    """States over time, as far as the run came.
+class Motion(Tabular):
+    """States over time, as far as the run came; as a table its output times, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -93,6 +102,17 @@ class Motion:
         Estimated error at the output times (m), a mass-weighted root mean square of positions, if ``check`` was asked for.
     seconds : float
         Wall time, of all processes that a restarted run has taken.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.01, rtol=1e-2, outputs=11, progress=False)
+    >>> state = motion.at(0.005)  # a Solution
+    >>> print(motion.ok, len(motion.times), f"{1000 * state.displacement((1.0, 0.05))[2]:.2f} mm")
+    True 11 0.12 mm
     """
 
     segments: tuple[Segment, ...]
@@ -104,6 +124,17 @@ class Motion:
     seconds: float = 0.0
     checks: tuple[Check, ...] = ()
     error: np.ndarray | None = None
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        begin, end = self.segments[0].times[0], self.segments[-1].times[-1]
+        n = sum(int(np.count_nonzero(part.outputs)) for part in self.segments)
+        accepted = sum(step.accepted for step in self.steps)
+        on = f"{self.segments[-1].system}" + (f" at the end of {len(self.segments)} parts" if len(self.segments) > 1 else "")
+        steps = f"{counted(n, 'output')}, {counted(accepted, 'step')} computed in {self.seconds:.3g} s"
+        return f"Motion: {self.status.value}, {span(begin, end, 's')}, {on}, {steps}{passed(self.checks)}"
 
     @property
     def ok(self) -> bool:
@@ -120,6 +151,39 @@ class Motion:
         if not self.ok:
             raise DidNotConverge(self.message)
         return self
+
+    def _table(self) -> dict[str, Column]:
+        ledger = self.output_ledger()
+        largest = [float(np.linalg.norm(state.displacements, axis=0).max()) for state in self.states]
+        return {
+            "time": (self.times, "s"), "largest_displacement": (largest, "m"), "kinetic": (ledger.kinetic, "J"),
+            "strain": (ledger.strain, "J"), "potential": (ledger.potential, "J"),
+            **({} if self.error is None else {"error": (self.error, "m")}),
+        }  # fmt: skip
+
+    @property
+    def record_table(self) -> Columns:
+        """The recorded quantities at every accepted step, each component a column; their units are those of the caller.
+
+        Raises
+        ------
+        InputError
+            Where nothing was recorded.
+        """
+        if not self.records:
+            raise InputError("record_table: this motion has no records; ask simulate for some, as in "
+                             "record={'tip': lambda state: state.displacement((1, 0.5))}")  # fmt: skip
+        times = next(iter(self.records.values()))[0]
+        table = {"time": (times, "s")}
+        for name, (_, values) in self.records.items():
+            table |= spread(name, values, "")
+        return Columns({name: values for name, (values, _) in table.items()}, {"time": "s"})
+
+    @property
+    def step_table(self) -> Columns:
+        """Every attempted step."""
+        return of_objects(self.steps, time="s", dt="s", error="", iterations="", factorisations="", accepted="",
+                          imbalance="", n_dofs="")  # fmt: skip
 
     @property
     def times(self) -> np.ndarray:

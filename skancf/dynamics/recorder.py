@@ -14,6 +14,7 @@ from skancf.dynamics.pulls import Pulls
 from skancf.dynamics.state import State
 from skancf.functions import called
 from skancf.rows import Rows
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, ONE_TIME
@@ -31,6 +32,8 @@ class Knot:
     v: np.ndarray
     output: bool
 
+    __repr__ = short
+
 
 @dataclass(frozen=True)
 class Pull:
@@ -40,6 +43,8 @@ class Pull:
     end: float
     acting: float
     values: np.ndarray
+
+    __repr__ = short
 
 
 class Recorder:

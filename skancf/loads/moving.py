@@ -15,6 +15,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity
 from skancf.loads.acting import Acting, Spread, check_distributed
 from skancf.loads.edge import along_line, on_line
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 Place = Callable[[float], Any]
@@ -53,12 +54,20 @@ class MovingForce:
 
     Examples
     --------
-    >>> wheel = sk.MovingForce(sk.Path([0.0, 2.0], [(-0.1, 0.5), (1.1, 0.5)]), force=(0.0, 0.0, -50.0))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> wheel = sk.MovingForce(sk.Path((0.0, 0.1), [(0.0, 0.05), (1.0, 0.05)]), (0.0, 0.0, -10.0))
+    >>> bridge = sk.Problem(sk.Rectangle(1.0, 0.1), 0.005, steel, [sk.Pin("left"), sk.Pin("right")], [wheel])
+    >>> system = bridge.on(sk.meshes.uniform(bridge.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.1, rtol=0.05, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     path: Place
     force: tuple[float, float, float]
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -106,12 +115,21 @@ class MovingLine:
     ------
     InputError
         For ends that are neither functions nor points, and what :class:`LineLoad` refuses.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> start, end = (sk.Path((0.0, 0.1), [(0.0, y), (1.0, y)]) for y in (0.0, 0.1))
+    >>> axle = sk.MovingLine(start, end, (0.0, 0.0, -100.0))
+    >>> bridge = sk.Problem(sk.Rectangle(1.0, 0.1), 0.005, steel, [sk.Pin("left"), sk.Pin("right")], [axle])
     """
 
     start: Any
     end: Any
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

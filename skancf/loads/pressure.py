@@ -15,6 +15,7 @@ from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.loads.acting import Acting
 from skancf.loads.pressure_kernel import pressure_stiffness
+from skancf.showing import short
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
@@ -51,10 +52,21 @@ class FollowerPressure:
     References
     ----------
     Schweizerhof and Ramm (1984), Computers & Structures 18, 1099-1114.
+
+    Examples
+    --------
+    >>> rubber = sk.Isotropic(young=1e6, poisson=0.45, density=1100.0)
+    >>> tube = sk.CylinderSector(radius=0.5, length=1.5, angle=2 * np.pi, closed=True)
+    >>> hose = sk.Problem(tube, 0.01, rubber, [sk.Clamp("left"), sk.Clamp("right")], [sk.FollowerPressure(1000.0)])
+    >>> solution = sk.solve(hose.on(sk.meshes.uniform(tube, 8, 12), "kirchhoff")).unwrap()
+    >>> print(f"{1000 * solution.displacement((0.75, np.pi / 2))[2]:.1f} mm outwards")
+    19.7 mm outwards
     """
 
     pressure: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

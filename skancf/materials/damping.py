@@ -37,7 +37,8 @@ class Damping:
 
     Examples
     --------
-    >>> problem = sk.Problem(surface, 0.01, material, supports, damping=sk.Damping(mass=0.5, stiffness=1e-4))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> damped = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, damping=sk.Damping(mass=0.5, stiffness=1e-4))
     """
 
     mass: float = 0.0

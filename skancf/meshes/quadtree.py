@@ -16,6 +16,7 @@ from skancf.meshes.coarse import forest_of
 from skancf.meshes.forest import DEEPEST, Leaves
 from skancf.meshes.names import Names
 from skancf.meshes.snap import onto_bounds, onto_lines
+from skancf.showing import short
 from skancf.surfaces import Surface, closed_directions
 from skancf.surfaces.checks import require_surface
 from skancf.tolerances import ONE_PLACE
@@ -37,6 +38,13 @@ class MeshQuadTree(skfem.MeshQuad):
     ----------
     leaves : Leaves
         The elements as cells of a forest of quadtrees.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> tree = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate).refined([0, 3])
+    >>> print(tree.nelements, tree.levels.max(), len(tree.hanging))
+    10 1 4
     """
 
     leaves: Any = None
@@ -251,7 +259,7 @@ class MeshQuadTree(skfem.MeshQuad):
 
 @dataclass(frozen=True)
 class _Meeting:
-    """Where smaller elements lie beside a larger one.
+    """Where smaller elements lie next to a larger one.
 
     ``small``, ``sides``, ``large`` are (k,), two for each hanging node of one side; ``seam`` tells where the larger one is
     across a closed seam. ``nodes`` (m,) are the hanging nodes and ``ends`` (2, m) the ends of the larger edge.
@@ -263,6 +271,8 @@ class _Meeting:
     seam: np.ndarray
     nodes: np.ndarray
     ends: np.ndarray
+
+    __repr__ = short
 
     @classmethod
     def of(cls, mesh: MeshQuadTree) -> "_Meeting":
@@ -299,6 +309,13 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     ------
     InputError
         For an element that is no aligned rectangle, and for ends of a closed direction that do not match.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> tree = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate)
+    >>> tree.refined([0]).nelements
+    7
     """
     instance("mesh", mesh, skfem.MeshQuad, MESH)
     if surface is not None:

@@ -20,7 +20,16 @@ ARRAYS = {"points": (2, -1), "corners": (4, -1), "cells": (4, -1)}
 
 
 def save(mesh: MeshQuadTree, path: AnyPath) -> Path:
-    """Write a mesh to ``*.npz``; an older file stays as it was until the new one is whole."""
+    """Write a mesh to ``*.npz``; an older file stays as it was until the new one is whole.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> tree = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate).refined([0])
+    >>> file = sk.meshes.save(tree, "tree.npz")
+    >>> sk.meshes.load("tree.npz").nelements
+    7
+    """
     instance("mesh", mesh, MeshQuadTree, "a quadtree, or save any mesh by skancf.save(mesh, 'mesh.h5')")
     file = check_file(path, ".npz")
     with replacing(file) as part, part.open("wb") as stream:
@@ -51,6 +60,13 @@ def load(path: AnyPath) -> MeshQuadTree:
     ------
     InputError
         For a file that is not there, is no such file, or holds no mesh that fits together; the reason is named.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> file = sk.meshes.save(sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate), "tree.npz")
+    >>> sk.meshes.load(file).nelements
+    4
     """
     file = as_path("file", path)
     if not file.is_file():
@@ -97,7 +113,7 @@ def _forest(points: np.ndarray, corners: np.ndarray, closed: Any) -> Forest:
     try:
         forest = forest_of(skfem.MeshQuad(points, corners), (bool(closed[0]), bool(closed[1])))
     except InputError as error:
-        raise Unfit(f"its coarse mesh is none: {error}") from error
+        raise Unfit(f"its coarse mesh is invalid: {error}") from error
     if not (np.array_equal(forest.points, points) and np.array_equal(forest.corners, corners)):
         raise Unfit("a coarse element is no aligned rectangle with its lower left corner first")
     return forest

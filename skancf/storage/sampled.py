@@ -14,16 +14,12 @@ from skancf.functions import values_at
 from skancf.history import Table
 from skancf.supports import DrivenClamp
 from skancf.surfaces import MappedSurface
+from skancf.tolerances import SAMPLED, SAMPLED_AT_MOST, SAMPLED_EXACTLY, TINY
 
 ORDER = 5
 """Of the splines between the samples."""
 SAMPLES, MOMENTS = (65, 129, 257), 2001
 """In each direction of the parameter plane, as few of these as will do; over time."""
-SMOOTH, SURFACE = 1e-6, 1e-11
-"""Differences from the function between its samples, relative to its largest value, that a table should have. Those of a
-surface count against displacements, and must be rounding."""
-LEAST = 1e-3
-"""Differences that a table of anything but a surface may have."""
 
 
 @by_value
@@ -139,11 +135,15 @@ class Sampler:
             halves = [0.5 * (line[1:] + line[:-1]) for line in (x, y)]
             error = _error(_on_grid(Sampled(x, y, values), *halves), _on_grid(function, *halves))
             table = Sampled(x, y, values, error)
-            if error <= (SURFACE if is_surface else SMOOTH):
+            if error <= (SAMPLED_EXACTLY if is_surface else SAMPLED):
                 break
-        return table if table and self._close(owner, name, table.error, SURFACE if is_surface else LEAST) else None
+        return (
+            table
+            if table and self._close(owner, name, table.error, SAMPLED_EXACTLY if is_surface else SAMPLED_AT_MOST)
+            else None
+        )
 
-    def _close(self, owner: Any, name: str, error: float, allowed: float = LEAST) -> bool:
+    def _close(self, owner: Any, name: str, error: float, allowed: float = SAMPLED_AT_MOST) -> bool:
         if error <= allowed:
             self.said.append(f"{type(owner).__name__}.{name}, with an error of {error:.1e} of its largest value")
         return error <= allowed
@@ -151,7 +151,7 @@ class Sampler:
 
 def _error(near: Any, exact: Any) -> float:
     """Largest difference, relative to the largest value."""
-    return float(np.abs(near - exact).max() / max(np.abs(exact).max(), np.finfo(float).tiny))
+    return float(np.abs(near - exact).max() / max(np.abs(exact).max(), TINY))
 
 
 def _on_grid(function: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:

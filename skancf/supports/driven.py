@@ -14,6 +14,7 @@ from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
 from skancf.kernels.constants import VECTORS, R
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.supports.conditions import Support, edges
 from skancf.theories.rows import Row, condition
 
@@ -71,6 +72,8 @@ class DrivenClamp(Support):
     angle: Callable[[float], float] | None = None
     displacement: Callable[[float], Any] | None = None
     static: float | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

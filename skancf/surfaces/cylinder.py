@@ -8,6 +8,7 @@ import numpy as np
 from skancf.arguments import plain
 from skancf.equality import by_value
 from skancf.errors import positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
@@ -43,6 +44,12 @@ class CylinderSector(Revolution):
     ------
     InputError
         For values out of range, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> tube = sk.CylinderSector(radius=0.5, length=1.5, angle=2 * np.pi, closed=True)
+    >>> print(tube.position(1.0, np.pi / 4).round(3))
+    [ 1.    -0.354  0.354]
     """
 
     radius: float
@@ -52,6 +59,8 @@ class CylinderSector(Revolution):
     closed: Any = False
 
     axes = ALONG_X
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

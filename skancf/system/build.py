@@ -65,7 +65,7 @@ def rebuilt(problem: Any, mesh: Any, theory: Any, state: Mapping[str, Any], choi
 
 
 def _acting(load: Any, assembly: Assembly) -> Any:
-    """What a load is on a mesh; checked where the load is none of this library's."""
+    """What a load is on a mesh; checked where the load does not come from this library."""
     if is_ours(load):
         return load.on(assembly)
     with Noted("load.on"):

@@ -13,6 +13,7 @@ from skancf.history import FULL, Case
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints
+from skancf.showing import in_brackets, system_in_words
 from skancf.system.inertia import Inertia
 from skancf.system.rebuild import Rebuilt
 from skancf.system.unstressed import ByStrains, unstressed
@@ -53,7 +54,21 @@ class System(Rebuilt):
         Those of the structure, but for the shell: springs, foundations, the user's own.
     choice
         With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(system.n_dofs, system.mesh.nelements)
+    588 36
     """
+
+    __repr__, __str__ = in_brackets, system_in_words
 
     def __init__(
         self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,
@@ -109,7 +124,7 @@ class System(Rebuilt):
         return blocks.matrix()
 
     def skew(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> sp.csr_matrix | None:
-        """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
+        """Skew part of the derivative of the residual, which follower loads have at free edges; None without one."""
         blocks = SkewBlocks(self.pattern)
         self.terms.add_tangents(q, v, case, blocks, first=1)
         return blocks.skew_matrix()

@@ -23,6 +23,7 @@ from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.point_law import BEYOND, FINE, FOLDED
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -192,6 +193,9 @@ class Ogden(OfInvariants):
     Examples
     --------
     >>> rubber = sk.Ogden([(6.3e5, 1.3), (0.012e5, 5.0), (-0.1e5, -2.0)], density=1000.0)
+    >>> stress = rubber.plane_stress(np.array([[4.0], [0.5], [0.0]])).stress  # stretched to twice its length
+    >>> print((4 * stress[0]).round(1), "Pa")
+    [1205443.2] Pa
     """
 
     terms: Sequence[Any]
@@ -201,6 +205,8 @@ class Ogden(OfInvariants):
     expansion: float = 0.0
     compiled = at_point
     _at_points = staticmethod(at_points)
+
+    __repr__ = short
 
     def _check(self) -> None:
         pairs = finite("terms", self.terms)

@@ -17,6 +17,7 @@ from skancf.materials.hyperelastic.law import Rubber
 from skancf.materials.hyperelastic.own_check import EXAMPLE, check_energy
 from skancf.materials.hyperelastic.own_kernels import Kernels, kernels_of
 from skancf.materials.law import corrected
+from skancf.showing import short
 
 
 @by_value
@@ -70,6 +71,8 @@ class Hyperelastic(Rubber):
     transverse_shear: float | None = None
     limit = "the energy that was given is not finite there"
     made_compressible = "energy a term of the volume J and incompressible = False"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

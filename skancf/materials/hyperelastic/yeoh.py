@@ -11,6 +11,7 @@ from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.hyperelastic.solid_kernels import store_solid
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -62,6 +63,13 @@ class Yeoh(OfInvariants):
     ------
     InputError
         For a ``c10`` that is not positive, and as for :class:`~skancf.NeoHooke`.
+
+    Examples
+    --------
+    >>> tyre = sk.materials.Yeoh(c10=0.2e6, c20=-2e3, c30=50.0, density=1100.0)
+    >>> stress = tyre.plane_stress(np.array([[4.0], [0.5], [0.0]])).stress  # stretched to twice its length
+    >>> print((4 * stress[0]).round(1), "Pa")
+    [1348200.] Pa
     """
 
     c10: float
@@ -74,6 +82,8 @@ class Yeoh(OfInvariants):
     compiled = at_point
     _at_points = staticmethod(at_points)
     _in_solids = staticmethod(in_solids)
+
+    __repr__ = short
 
     def _check(self) -> None:
         positive("c10", self.c10, "Pa")

@@ -58,6 +58,7 @@ from skancf.dynamics import (
     spectrum,
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
+from skancf.envelopes import Envelope, envelope
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Case, Path, Pulse, Ramp, Table
 from skancf.lines import Arc
@@ -106,6 +107,7 @@ from skancf.statics import (
     solve_linear,
     trace,
 )
+from skancf.strength import Strength, Utilisation, utilisation
 from skancf.supports import (
     Clamp,
     Dashpot,
@@ -131,6 +133,7 @@ from skancf.surfaces import (
     SphereSector,
 )
 from skancf.theories import Full, Kirchhoff
+from skancf.units import Units
 from skancf.version import __version__
 
 if TYPE_CHECKING:
@@ -172,6 +175,7 @@ __all__ = [
     "ElementQuadHermite",
     "EnergyBalance",
     "EnergyMomentum",
+    "Envelope",
     "Even",
     "FixedFraction",
     "FixedStep",
@@ -243,12 +247,15 @@ __all__ = [
     "Status",
     "StepLength",
     "StrainEnergy",
+    "Strength",
     "SurfaceLoad",
     "Symmetry",
     "Table",
     "Temperature",
     "TheoryError",
     "Trapezoidal",
+    "Units",
+    "Utilisation",
     "Zone",
     "__version__",
     "adapt",
@@ -256,6 +263,7 @@ __all__ = [
     "buckling",
     "conditions",
     "dynamics",
+    "envelope",
     "find_regions",
     "goal_estimate",
     "loads",
@@ -284,6 +292,7 @@ __all__ = [
     "through_thickness",
     "trace",
     "transfer",
+    "utilisation",
 ]  # fmt: skip
 
 

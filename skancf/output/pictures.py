@@ -18,6 +18,7 @@ from skancf.output.rendering import check_rendering, quiet
 from skancf.output.sampling import grid, sample_surface
 from skancf.solution import Solution
 from skancf.tolerances import ONE_PLACE
+from skancf.units import Units
 
 DARK, GREY = "#202020", "#9a9a9a"
 MOST_PIXELS = 16_384
@@ -57,6 +58,8 @@ class Style:
         Cells along an element's edge. Default: by the number of elements.
     size : (2,) tuple of int
         Pixels.
+    units : Units, optional
+        Of the colour bar. Default: those of SI, stresses with a prefix.
     """
 
     field: str = "displacement"
@@ -69,6 +72,7 @@ class Style:
     title: str | None = None
     subdivisions: int | None = None
     size: tuple[int, int] = (1400, 1000)
+    units: Units | None = None
 
     def __post_init__(self) -> None:
         check_name(self.field)
@@ -86,6 +90,8 @@ class Style:
         for name in ("show_mesh", "show_undeformed"):
             flag(name, getattr(self, name))
         texts(title=self.title)
+        if self.units is not None:
+            instance("units", self.units, Units, "names of units, as in sk.Units(length='mm', stress='MPa')")
         for pixels in vector("size", self.size, 2):
             whole("size", pixels, most=MOST_PIXELS, floats=True)
 
@@ -257,7 +263,7 @@ def _plotter(style: Style) -> Iterator[Any]:
 def _draw(plotter: Any, frame: Frame, style: Style, limits: tuple[float, float]) -> None:
     import pyvista
 
-    factor, shown_unit = readable_unit(style.field, max(abs(limit) for limit in limits))
+    factor, shown_unit = readable_unit(style.field, max(abs(limit) for limit in limits), style.units)
     low, high = factor * limits[0], factor * limits[1]
     cells = np.column_stack([np.full(len(frame.cells), 4), frame.cells])
     surface = pyvista.PolyData(frame.points, cells.ravel())

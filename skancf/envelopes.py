@@ -132,14 +132,14 @@ def envelope(states: Any, quantity: str | Callable[[Solution], Any], *, at: Any 
             f"quantity = {shown(quantity)}: give the name of a column, such as 'M11', or a function of a Solution"
         )
     if at is not None and not isinstance(quantity, str):
-        raise InputError("at: places are for columns; let the function of a Solution take its own")
+        raise InputError("at: places are for columns, and this quantity is a function of a Solution; let it take its own")
     kept: _Extremes | None = None
     points, unit = None, ""
     for state in states_in(states):
         if isinstance(quantity, str):
-            places = state.system.mesh.p.T if at is None else checked_points(state.system, at)
+            places = state.system.mesh.p.T if at is None else checked_points(state.system, at, "at")
             values = PointValues(state, places)
-            found, unit = values[quantity], values.unit(quantity)
+            found, unit = values[values._known(quantity, "quantity")], values.unit(quantity)
             points = places if points is None else points
         else:
             found = np.asarray(measured("quantity", quantity, state), dtype=float)

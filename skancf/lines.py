@@ -116,7 +116,9 @@ class Line(PointValues):
         >>> axes.get_xlabel()
         's [m]'
         """
-        instance("units", units := units or Units(), Units, "names of units, as in sk.Units(length='mm', stress='MPa')")
+        units = instance(
+            "units", Units() if units is None else units, Units, "names of units, as in sk.Units(length='mm', stress='MPa')"
+        )
         chosen = names or ("mises_top", "mises_bottom")
         for name in chosen:
             self._known(name)
@@ -126,7 +128,7 @@ class Line(PointValues):
                              "axes of its own")  # fmt: skip
         if axes is None:
             axes = needed("matplotlib.pyplot", "plot", "view").subplots(layout="constrained")[1]
-        elif not hasattr(axes, "plot"):
+        elif isinstance(axes, type) or not hasattr(axes, "get_xlabel"):
             raise InputError(f"axes = {shown(axes)}: give axes of matplotlib, as plt.subplots() makes them")
         (along, length), (factor, unit) = units.of("m"), units.of(drawn.pop())
         for name in chosen:
@@ -300,13 +302,13 @@ class AtPlaces:
 MOST_POINTS = 1_000_000
 
 
-def checked_points(system: Any, points: Any) -> np.ndarray:
+def checked_points(system: Any, points: Any, name: str = "points") -> np.ndarray:
     """Points (n, 2) that the surface holds."""
-    array = finite("points", points)
+    array = finite(name, points)
     if array.ndim not in (1, 2) or array.shape[-1] != 2 or not array.size:
-        raise InputError(f"points of shape {array.shape}: give a point (x, y) of the parameter plane, or a list of them")
+        raise InputError(f"{name} of shape {array.shape}: give a point (x, y) of the parameter plane, or a list of them")
     array = array.reshape(-1, 2)
-    require_inside(system.geometry, array.T)
+    require_inside(system.geometry, array.T, name)
     return array
 
 

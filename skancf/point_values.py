@@ -266,9 +266,9 @@ class PointValues(Tabular):
         """The unit of a column."""
         return self._makers()[self._known(name)][1]
 
-    def _known(self, name: Any) -> str:
+    def _known(self, name: Any, called: str = "name") -> str:
         if not isinstance(name, str) or name not in self._makers():
-            raise InputError(f"name = {shown(name)}: is no column; there are {', '.join(self._makers())}")
+            raise InputError(f"{called} = {shown(name)}: is no column; there are {', '.join(self._makers())}")
         return name
 
     @property

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import STATE, choice, instance
-from skancf.errors import InputError, number, positive, shown, vector
+from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.lines import ABOVE, checked_points
 from skancf.materials import Laminate
 from skancf.materials.heights import Interface
@@ -82,9 +82,13 @@ class Strength:
             For another name, and stresses of another shape.
         """
         choice("criterion", criterion, CRITERIA)
-        stress = np.asarray(stress, dtype=float)
+        stress = finite("stress", stress)
         if not stress.ndim or stress.shape[-1] != 3:
             raise InputError(f"stress of shape {stress.shape}: give components 11, 22, 12 in the axes of the ply, (..., 3)")
+        return self.of(stress, criterion)
+
+    def of(self, stress: np.ndarray, criterion: str) -> np.ndarray:
+        """The same, unchecked; NaN where stress is."""
         s, (t, c) = np.moveaxis(stress, -1, 0), (np.array(self.tension), np.array(self.compression))
         if criterion != "tsai-wu":
             X, Y = (np.where(part > 0, t[k], c[k]) for k, part in enumerate(s[:2]))
@@ -172,12 +176,13 @@ def utilisation(state: Solution, strength: Any, *, criterion: str | None = None,
     (0.25, 0.0)
     """
     instance("state", state, Solution, STATE)
-    points = state.system.mesh.p.T if at is None else checked_points(state.system, at)
+    points = state.system.mesh.p.T if at is None else checked_points(state.system, at, "at")
     values = PointValues(state, points)
     heights = values.heights
     n = len(heights) - 1
     limits, plies = _limits(strength, n)
-    criterion = criterion or ("tsai-wu" if plies else "von mises")
+    if criterion is None:
+        criterion = "tsai-wu" if plies else "von mises"
     choice("criterion", criterion, CRITERIA if plies else YIELD)
     angles = _angles(state.system.problem, n) if plies else [0.0] * n
     found, where = [], []
@@ -198,7 +203,7 @@ def _used(stress: np.ndarray, limit: Any, criterion: str, angle: float) -> np.nd
         return np.asarray((tresca if criterion == "tresca" else von_mises)(stress) / limit)
     c, s = np.cos(angle), np.sin(angle)
     to_ply = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    return limit.used(turned(stress, to_ply)[:, [0, 1, 5]], criterion)
+    return limit.of(turned(stress, to_ply)[:, [0, 1, 5]], criterion)
 
 
 def _limits(strength: Any, n: int) -> tuple[list[Any], bool]:

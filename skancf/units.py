@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass, replace
 
+from skancf.arguments import text
 from skancf.errors import InputError, shown
 from skancf.tabular import Columns, Tabular
 
@@ -80,8 +81,7 @@ class Units:
         InputError
             For what is no text.
         """
-        if not isinstance(unit, str):
-            raise InputError(f"unit = {shown(unit)}: give a text, such as 'N/m'")
+        text("unit", unit)
         factor, out, sign = 1.0, "", 1
         for token in re.split(r"([ /])", unit):
             if token in (" ", "/"):

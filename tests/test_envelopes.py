@@ -62,7 +62,7 @@ def test_values_that_are_missing_and_mistakes(system):
     assert found.lowest[0] == 1.0 and found.highest[0] == 2.0 and np.isnan(found.highest[1]) and found.highest_state[1] == -1
     with pytest.raises(sk.InputError, match="states: there are none"):
         sk.envelope([], "u3")
-    with pytest.raises(sk.InputError, match="name = 'u4': is no column; there are x, y, X"):
+    with pytest.raises(sk.InputError, match="quantity = 'u4': is no column; there are x, y, X"):
         sk.envelope(states, "u4")
     with pytest.raises(sk.InputError, match=r"states\[0\] = 3: is no Solution"):
         sk.envelope([3], "u3")

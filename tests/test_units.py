@@ -10,7 +10,8 @@ from skancf.output.fields import readable_unit
 @pytest.mark.parametrize(
     ("unit", "factor", "name"),
     [("m", 1e3, "mm"), ("N", 1e-3, "kN"), ("Pa", 1e-6, "MPa"), ("N/m", 1e-6, "kN/mm"), ("N m", 1.0, "kN mm"),
-     ("rad", 1.0, "rad"), ("s", 1.0, "s"), ("m/s", 1e3, "mm/s"), ("1/s2", 1.0, "1/s2"), ("", 1.0, ""), ("Hz", 1.0, "Hz"), ("J", 1.0, "J")],
+     ("rad", 1.0, "rad"), ("s", 1.0, "s"), ("m/s", 1e3, "mm/s"), ("1/s2", 1.0, "1/s2"), ("", 1.0, ""), ("Hz", 1.0, "Hz"),
+     ("J", 1.0, "J")],
 )  # fmt: skip
 def test_si_in_mm_and_kn(unit, factor, name):
     found = sk.Units(length="mm", force="kN", stress="MPa").of(unit)

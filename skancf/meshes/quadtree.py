@@ -16,7 +16,6 @@ from skancf.meshes.check import check_mesh
 from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TOP, Forest, Leaves
 from skancf.meshes.names import Names
 from skancf.meshes.snap import onto_bounds, onto_lines
-from skancf.showing import short
 from skancf.surfaces import Surface, closed_directions
 from skancf.surfaces.checks import require_surface
 from skancf.tolerances import ONE_PLACE
@@ -261,8 +260,6 @@ class _Meeting:
     seam: np.ndarray
     nodes: np.ndarray
     ends: np.ndarray
-
-    __repr__ = short
 
     @classmethod
     def of(cls, mesh: MeshQuadTree) -> "_Meeting":

@@ -1,9 +1,23 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
 import importlib
+import logging
 from typing import TYPE_CHECKING, Any
 
-from skancf import adaptive, conditions, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
+from skancf import (
+    adaptive,
+    conditions,
+    dynamics,
+    loads,
+    materials,
+    meshes,
+    statics,
+    storage,
+    supports,
+    surfaces,
+    terms,
+    theories,
+)  # fmt: skip
 from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
@@ -38,6 +52,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.checks import Check
+from skancf.compiling import announce
 from skancf.conditions import Hinge, RigidLink
 from skancf.dynamics import (
     Checkpoint,
@@ -60,6 +75,7 @@ from skancf.dynamics import (
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Case, Path, Pulse, Ramp, Table
+from skancf.lines import Arc
 from skancf.loads import (
     DiskForce,
     EdgeImpulse,
@@ -86,6 +102,7 @@ from skancf.materials import (
     Zone,
 )
 from skancf.problem import Problem
+from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics import (
@@ -105,6 +122,7 @@ from skancf.statics import (
     solve_linear,
     trace,
 )
+from skancf.storage import load, read_problem, run_file, save
 from skancf.supports import (
     Clamp,
     Dashpot,
@@ -133,7 +151,7 @@ from skancf.theories import Full, Kirchhoff
 from skancf.version import __version__
 
 if TYPE_CHECKING:
-    from skancf import output, testing
+    from skancf import export, output, testing
     from skancf.materials import Hyperelastic, MooneyRivlin, NeoHooke, Ogden
     from skancf.terms.forms import FormTerm
 
@@ -142,6 +160,7 @@ __all__ = [
     "AllElements",
     "Anisotropic",
     "AnnulusSector",
+    "Arc",
     "ArcLength",
     "Below",
     "BucklingLoad",
@@ -219,6 +238,7 @@ __all__ = [
     "PointMoment",
     "Prescribed",
     "Problem",
+    "Progress",
     "Pulse",
     "Ramp",
     "Reaction",
@@ -254,8 +274,10 @@ __all__ = [
     "buckling",
     "conditions",
     "dynamics",
+    "export",
     "find_regions",
     "goal_estimate",
+    "load",
     "loads",
     "materials",
     "meshes",
@@ -263,14 +285,18 @@ __all__ = [
     "nodal_measure",
     "output",
     "read_motion",
+    "read_problem",
     "recovery_indicator",
     "remap",
     "residual_indicator",
+    "run_file",
+    "save",
     "simulate",
     "solve",
     "solve_linear",
     "spectrum",
     "statics",
+    "storage",
     "stress_indicator",
     "stress_regions",
     "supports",
@@ -285,12 +311,17 @@ __all__ = [
 ]  # fmt: skip
 
 
+# Nothing is printed before a user asks for it, as by logging.basicConfig(level=logging.INFO).
+logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+announce()
+
 RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
 
 
 def __getattr__(name: str) -> Any:
     """Some are loaded when they are first used: many runs show nothing, and few have rubber, forms or tests of terms."""
-    if name in ("output", "testing"):
+    if name in ("export", "output", "testing"):
         return importlib.import_module(f"skancf.{name}")
     if name == "FormTerm":
         return importlib.import_module("skancf.terms.forms").FormTerm

@@ -10,6 +10,7 @@ import skfem
 
 from skancf.arguments import MESH, instance, plain
 from skancf.conditions import Joint
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, shown, warn
 from skancf.layout.geometry import Geometry
 from skancf.loads import Load
@@ -32,6 +33,7 @@ CHOICES: dict[str, Callable[[Callable[[Theory], System], float], System]] = {}
 theory, by solving, puts its name here."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Problem:
     """Surface, thickness, material, supports and loads; knows no mesh.

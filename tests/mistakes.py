@@ -168,6 +168,7 @@ MAY_BE: dict[str, set[str]] = {
     "whole": {"many", "zero", "minus"},
     "numbers": {"row", "nothing", "empty", "cube"} | NUMBERS,
     "flag": {"true", "zero", "none"},
+    "progress": {"true", "zero", *FUNCTIONS},
     "text": {"text", "word", "empty text", "long name", "none"},
     "items": {"empty", "none", "nothing"},
     "mapping": {"dict", "none"},
@@ -189,7 +190,7 @@ def kind_of(call: Call, name: str) -> str:
     """The kind of an argument, from what is valid for it."""
     if name in call.kinds:
         return call.kinds[name]
-    if name in ("where", "mesh", "system", "surface"):
+    if name in ("where", "mesh", "system", "surface", "progress"):
         return "place" if name == "where" else name
     value = call.arguments[name]
     for kind, types in (("flag", bool), ("whole", int), ("number", float), ("text", str), ("file", Path),
@@ -404,9 +405,9 @@ def add_solvers(add: Any, s: Scene) -> None:
     add("trace", sk.trace, system=s.system, control=sk.ArcLength(), until=0.1, steps=3, start=None, rtol=1e-6,
         max_iterations=10, mixed=True, backend="auto", progress=False,
         kinds={"control": "any", "start": "state", "until": "optional"}, takes="control:none")  # fmt: skip
-    add("modes", sk.modes, system=s.system, n=2, state=s.solution, tolerance=1e-8, backend="auto")
+    add("modes", sk.modes, system=s.system, n=2, state=s.solution, tolerance=1e-8, backend="auto", progress=False)
     add("buckling", sk.buckling, system=s.pushed_system, n=1, signs="positive", tolerance=1e-8, backend="auto",
-        takes="system:system")  # fmt: skip
+        progress=False, takes="system:system")  # fmt: skip
     add("simulate", sk.simulate, system=s.system, t_end=0.01, dt=0.01, outputs=3, record={"a": lambda state: 1.0},
         velocity=sk.RigidVelocity(), start=None, balance=0.1, resume=False, newton_rtol=1e-4, backend="auto", check=False,
         progress=False,
@@ -480,9 +481,9 @@ def add_adaptive(add: Any, s: Scene) -> None:
     add("transfer", sk.transfer, state=s.solution, system=s.finer)
     add("remap", sk.remap, state=s.solution, system=s.finer, acceleration=0 * s.solution.q, settle=True, backend="auto",
         takes="acceleration:none")  # fmt: skip
-    add("goal_estimate", sk.goal_estimate, state=s.solution, quantity=sk.Displacement(at), backend="auto",
+    add("goal_estimate", sk.goal_estimate, state=s.solution, quantity=sk.Displacement(at), backend="auto", progress=False,
         halvings=Halvings(np.empty((2, 0)), np.empty(0)))  # fmt: skip
-    add("theory_error", sk.theory_error, solution=s.solution, quantity=sk.Displacement(at), backend="auto",
+    add("theory_error", sk.theory_error, solution=s.solution, quantity=sk.Displacement(at), backend="auto", progress=False,
         takes="quantity:none")  # fmt: skip
     add("residual_indicator", sk.residual_indicator, state=s.solution, backend="auto")
     add("recovery_indicator", sk.recovery_indicator, solution=s.solution)
@@ -526,13 +527,14 @@ def add_output(add: Any, s: Scene) -> None:
     values = np.arange(9.0)
     add("sample", o.sample, solution=s.solution, subdivisions=1, z=0.001)
     add("write", o.write, states=s.solution, path=s.folder / "state.vtu", subdivisions=1, depths={"mid": 0.0},
-        aliases={**file, "states": ".pvd"},
+        progress=False, aliases={**file, "states": ".pvd"},
         takes="depths:none", kinds={"depths": "mapping"})  # fmt: skip
-    add("write many", o.write, states=[s.solution], path=s.folder / "states.pvd", subdivisions=1, depths={},
+    add("write many", o.write, states=[s.solution], path=s.folder / "states.pvd", subdivisions=1, depths={}, progress=False,
         aliases={**file, "states": "state"},
         kinds={"states": "any"})  # fmt: skip
     add("read", o.read, path=s.vtu, aliases=file)
     add("save_table", o.save_table, path=s.folder / "table.csv", columns={"a": [1.0, 2.0]}, aliases=file)
+    add("Columns", o.Columns, columns={"a": [1.0, 2.0]}, units={"a": "m"}, takes="units:none", kinds={"units": "mapping"})
     add("check_folder", o.check_folder, path=s.folder / "new", aliases={"path": "folder"}, takes="path:half")
     add("mesh_chart", o.mesh_chart, mesh=s.plain, path=png, surface=s.surface, regions=[s.region], points={"a": (0.5, 0.5)},
         title="a", aliases=file, kinds={"regions": "items"})  # fmt: skip
@@ -550,7 +552,7 @@ def add_output(add: Any, s: Scene) -> None:
         aliases={"path": "file", "modes": "natural"}, takes="modes:none,limit:none")  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),
         colours=np.ones((1, 4)), light=(0.5, -0.4, 0.8), stretch=(1.0, 1.0, 1.0))  # fmt: skip
-    from skancf.output.pictures import Style
+    from skancf.output.style import Style
 
     add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
         show_undeformed=False, title="a", subdivisions=2, size=(300, 200),

@@ -12,12 +12,13 @@ from PIL import Image
 import skancf as sk
 from skancf import atomic, output
 from skancf.errors import InputError, SkancfError
-from skancf.output.fields import place, readable_unit, unit, values, von_mises
+from skancf.output.fields import place, readable_unit, unit, values
 from skancf.output.files import FILE_ORDER
-from skancf.output.pictures import Style, _title
 from skancf.output.plane import subdivided
 from skancf.output.rendering import check_rendering
 from skancf.output.sampling import grid
+from skancf.output.style import Style, title_of
+from skancf.tensors import von_mises
 
 THICKNESS = 0.1
 
@@ -431,7 +432,7 @@ def test_titles_say_at_which_depth_and_of_what_kind_a_state_is():
 
     def title(state, **options):
         style = Style(**options)
-        return _title(state, style, place(style.field, plate.section, style.z)[1])
+        return title_of(state, style, place(style.field, plate.section, style.z)[1])
 
     small, large = sk.solve_linear(system), sk.solve(system).unwrap()
     assert title(small) == "displacement, small deflections"

@@ -112,7 +112,7 @@ class StaticAnalysis:
         return Answer(state, value_of(self.quantity, state), spent, restarted, None, result.message, result.checks)
 
     def estimate(self, answer: Answer, halvings: Halvings = NOTHING_KNOWN) -> Estimate:
-        return goal_estimate(answer.state, self.quantity, backend=self.backend, halvings=halvings)
+        return goal_estimate(answer.state, self.quantity, backend=self.backend, halvings=halvings, progress=False)
 
     def theory_error(self, answer: Answer) -> TheoryError:
         return theory_error_or_why(answer.state, self.quantity, self.backend)

@@ -1,6 +1,5 @@
 """Meshes that follow a motion: a policy that the loop in time asks."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,7 +14,8 @@ from skancf.dynamics import MeshEvent
 from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
-from skancf.errors import InputError, OutOfDepth, positive
+from skancf.equality import by_value
+from skancf.errors import InputError, positive, warn
 from skancf.functions import called
 from skancf.history import Case
 from skancf.kernels.constants import BLOCK
@@ -38,6 +38,7 @@ PLACES = 5
 """Times until the next check at which places of loads are asked for."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Follow:
     r"""Elements are quartered and merged while the body moves, so that the error stays below an allowed one.
@@ -83,6 +84,17 @@ class Follow:
     ------
     InputError
         For numbers that are not positive, and for an invalid indicator.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> mesh = sk.meshes.quadtree(sk.meshes.uniform(strip.surface, 4, 1), strip.surface)
+    >>> system = strip.on(mesh, "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, rtol=0.05, follow=sk.Follow(every=5), progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     rtol: float = 0.2
@@ -178,9 +190,9 @@ class Follow:
             return mesh
         finer = mesh.regrown(mesh.leaves.refined(np.flatnonzero(marked)))
         if BLOCK * finer.p.shape[1] > self.max_dofs:
-            warnings.warn(
+            warn(
                 f"max_dofs = {self.max_dofs}: the mesh that this motion asks for has {BLOCK * finer.p.shape[1]} unknowns "
-                "and is not made; errors are larger than asked. Raise it, or ask for less by rtol", OutOfDepth, stacklevel=2,
+                "and is not made; errors are larger than asked. Raise it, or ask for less by rtol"
             )  # fmt: skip
             return mesh
         return finer

@@ -65,6 +65,18 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     J. Numer. Meth. Eng. 24 (1987) 337-357; The superconvergent patch recovery and a posteriori error estimates, 33 (1992)
     1331-1382. T. Blacker and T. Belytschko, Superconvergent patch recovery with equilibrium and conjoint interpolant
     enhancements, 37 (1994) 517-536: the blend of the polynomials.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(sk.recovery_indicator(sk.solve_linear(system)).shape)
+    (36,)
     """
     instance("solution", solution, Solution, STATE)
     geometry, (points, weights) = solution.system.geometry, square_quadrature(3)

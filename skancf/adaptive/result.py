@@ -6,12 +6,15 @@ import numpy as np
 
 from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.meshes import MeshQuadTree
 from skancf.showing import in_a_notebook, in_brackets, short, summary
 from skancf.solution import Solution
 from skancf.solving import Status
+from skancf.tabular import Column, Tabular
 
 
+@by_value
 @dataclass(frozen=True)
 class Level:
     """One mesh of the loop.
@@ -44,6 +47,19 @@ class Level:
         quartered, without a dual weight; indicators are the parts that are left of those before.
     seconds : dict
         For ``assemble``, ``solve``, ``estimate`` and ``mark`` (the next mesh).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> for level in sk.adapt(plate, sk.StrainEnergy(), rtol=1e-2, linear=True).levels:
+    ...     print(level.n_elements, f"{level.value:.4f} J")
+    16 0.0100 J
+    52 0.0101 J
     """
 
     mesh: MeshQuadTree
@@ -76,9 +92,10 @@ class Level:
         return sum(self.seconds.values())
 
 
+@by_value
 @dataclass(frozen=True)
-class AdaptiveResult:
-    """Status of :func:`adapt`.
+class AdaptiveResult(Tabular):
+    """Outcome of :func:`adapt`; as a table its meshes, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -102,6 +119,18 @@ class AdaptiveResult:
     theory_error : TheoryError or None
         By how much transverse shear, which theory `kirchhoff` leaves out, would change the value: no part of the error bar,
         which is that of the mesh. None of an analysis of the user's own.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-2, linear=True)
+    >>> print(result.ok, result.unit, len(result.levels) > 0)
+    True m True
     """
 
     value: float
@@ -116,6 +145,12 @@ class AdaptiveResult:
     theory_error: TheoryError | None = None
 
     __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    def _table(self) -> dict[str, Column]:
+        units = {"n_elements": "", "n_dofs": "", "n_hanging": "", "value": self.unit, "error": self.unit, "bar": self.unit,
+                 "iterations": "", "total_seconds": "s", "rejected": "", "restarted": "", "coarsened": "", "nested": "",
+                 "note": ""}  # fmt: skip
+        return {name: ([getattr(level, name) for level in self.levels], unit) for name, unit in units.items()}
 
     @property
     def ok(self) -> bool:

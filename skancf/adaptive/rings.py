@@ -19,6 +19,7 @@ import numpy as np
 
 from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.singular import images, touching
+from skancf.equality import by_value
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
 from skancf.showing import short
@@ -36,6 +37,7 @@ Pair = tuple[np.ndarray, np.ndarray]
 """Energies in the elements of the refined mesh, of an answer and of a weight."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Halvings:
     """What one halving leaves at singular points.

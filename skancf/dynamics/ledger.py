@@ -19,17 +19,31 @@ from skancf.dynamics.forces import net_force
 from skancf.dynamics.log import Log
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.history import Case
 from skancf.showing import counted, in_a_notebook, in_brackets, short, span, summary
 from skancf.system.system import System
+from skancf.tabular import Column, Columns, Tabular, of_objects, spread
 from skancf.tolerances import ABOVE_ZERO
 from skancf.vectors import sum_of_cross
 
 
 @dataclass(frozen=True)
 class MeshEvent:
-    """A change of the mesh: time (s), elements before and after, what it did to the energies (J) and momenta."""
+    """A change of the mesh: time (s), elements before and after, what it did to the energies (J) and momenta.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> mesh = sk.meshes.quadtree(sk.meshes.uniform(strip.surface, 4, 1), strip.surface)
+    >>> system = strip.on(mesh, "kirchhoff")
+    >>> motion = sk.simulate(system, 0.002, rtol=0.1, follow=sk.Follow(every=2), progress=False)
+    >>> print(all(event.after > 0 for event in motion.ledger.events))
+    True
+    """
 
     time: float
     before: int
@@ -44,9 +58,10 @@ class MeshEvent:
     __repr__ = short
 
 
+@by_value
 @dataclass(frozen=True)
-class Ledger:
-    """The ledger at times (n,); energies in J, momenta (n, 3) in N s and, about the origin, N m s.
+class Ledger(Tabular):
+    """The ledger at times (n,), a table; energies in J, momenta (n, 3) in N s and, about the origin, N m s.
 
     Attributes
     ----------
@@ -56,6 +71,16 @@ class Ledger:
     linear_impulse, angular_impulse : (n, 3) arrays
         Of loads, supports, conditions, springs and damping from outside, from the start.
     events : tuple of MeshEvent
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> ledger = sk.simulate(system, 0.01, rtol=1e-2, progress=False).ledger
+    >>> print(abs(ledger.balance).max() < 1e-3 * abs(ledger.work).max())
+    True
     """
 
     times: np.ndarray
@@ -114,13 +139,21 @@ class Ledger:
         columns = {name: _interpolated(wanted, self.times, getattr(self, name)) for name in COLUMNS}
         return Ledger(wanted, **columns, events=self.events)
 
-    def table(self) -> dict[str, np.ndarray]:
-        """Columns of numbers with names, as :func:`skancf.output.save_table` writes them."""
-        out: dict[str, np.ndarray] = {"time": self.times}
+    def _table(self) -> dict[str, Column]:
+        out: dict[str, Column] = {"time": (self.times, "s")}
         for name in COLUMNS:
-            values = getattr(self, name)
-            out |= {name: values} if values.ndim == 1 else {f"{name}_{i}": values[:, k] for k, i in enumerate("xyz")}
-        return out | {"balance": self.balance}
+            out |= spread(name, getattr(self, name), "N m s" if "angular" in name else "N s" if "linear" in name else "J")
+        return out | {"balance": (self.balance, "J")}
+
+    def table(self) -> dict[str, np.ndarray]:
+        """Columns of numbers with names, as :func:`skancf.output.save_table` writes them: those of ``columns``."""
+        return self.columns
+
+    @property
+    def event_table(self) -> Columns:
+        """The changes of the mesh."""
+        return of_objects(self.events, time="s", before="", after="", strain="J", kinetic="J", linear="N s",
+                          angular="N m s", again="")  # fmt: skip
 
 
 COLUMNS = tuple(field.name for field in fields(Ledger) if field.name not in ("times", "events"))

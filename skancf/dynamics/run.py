@@ -1,5 +1,6 @@
 """The loop in time: integrator, step control, meshes and output are separate objects."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -25,11 +26,13 @@ from skancf.dynamics.steps import FADING, Attempt, StepControl
 from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
 from skancf.history import Case, knots_of
-from skancf.progress import Progress
+from skancf.progress import Bar
 from skancf.showing import short
 from skancf.solving import End, Status, run_steps
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, ROUNDED_TIME
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -176,14 +179,14 @@ class Run:
         return Motion(recorder.segments, tuple(self.steps), ledger, recorder.records, status, message, checks=checks)
 
     def go(
-        self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
+        self, bar: Bar, after_step: Callable[["Run"], None] = lambda run: None,
         at_end: Callable[[], None] = lambda: None,
     ) -> End:  # fmt: skip
         """Run to the end, or until it stops; ``after_step`` follows every accepted step, ``at_end`` the last one."""
         try:
             return run_steps(
-                lambda: self._step(bar, after_step, at_end), lambda: f" at t = {self.now.time:.6g} s", self._failed
-            )
+                lambda: self._step(bar, after_step, at_end), lambda: f" at t = {self.now.time:.6g} s", self._failed, logger,
+            )  # fmt: skip
         finally:
             self.recorder.end(self.now)
 
@@ -191,7 +194,7 @@ class Run:
         said = f"stopped at t = {self.now.time:.6g} s, what was computed is kept: {_words(error)}"
         return said if self.steps else None
 
-    def _step(self, bar: Progress, after_step: Callable[["Run"], None], at_end: Callable[[], None]) -> End | None:
+    def _step(self, bar: Bar, after_step: Callable[["Run"], None], at_end: Callable[[], None]) -> End | None:
         settings = self.settings
         tiny = ROUNDED_TIME * settings.span
         while self.strikes and self.strikes[0] <= self.now.time + tiny:
@@ -205,7 +208,9 @@ class Run:
         left = stop - self.now.time
         step = left if self.dt > left - tiny else self.dt
         outcome, accepted = self._attempt(step)
-        bar.at(self.now.time - settings.begin, self._news(outcome, step))
+        news = self._news(outcome, step)
+        logger.log(logging.INFO if accepted else logging.DEBUG, "%s%s", news, "" if accepted else ": not accepted")
+        bar.at(self.now.time - settings.begin, news)
         if self.dt < self.shortest:
             return Status.STEP_TOO_SMALL, self._too_small(outcome)
         if accepted:
@@ -304,6 +309,8 @@ class Run:
         new = follow.change(self.system, self.rollback, self.now, self.settings.end, most, again)
         tries = 0
         if new is not None:
+            logger.info("t = %.4g s: from %d to %d elements%s", new.event.time, new.event.before, new.event.after,
+                        ", and again from there" * new.event.again)  # fmt: skip
             if new.event.again:
                 tries = self.tries + 1
                 self._roll_back()

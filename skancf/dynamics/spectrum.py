@@ -7,10 +7,12 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from skancf.arguments import choice, whole
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, shown
 from skancf.memory import require_much
 from skancf.showing import counted, in_a_notebook, in_brackets, summary
 from skancf.statics import Modes
+from skancf.tabular import Column, Tabular, spread
 from skancf.tolerances import EQUIDISTANT, NO_SERIES, TINY
 
 # Half the main lobe of each window: how far apart two frequencies are told apart, in units of 1 / length.
@@ -73,9 +75,10 @@ class Match:
         return text if self.highest is None else f"{text}; none above {self.highest:.6g} Hz is given: ask for more modes"
 
 
+@by_value
 @dataclass(frozen=True)
-class Spectrum:
-    r"""Outcome of :func:`spectrum`.
+class Spectrum(Tabular):
+    r"""Outcome of :func:`spectrum`; a table, see :class:`~skancf.tabular.Tabular`.
 
     Attributes
     ----------
@@ -88,6 +91,13 @@ class Spectrum:
     nyquist : float
         The highest frequency (Hz).
     padding : int
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> print([f"{match.frequency:.1f} Hz" for match in found.compare([49.0, 120.0], count=1)])
+    ['50.0 Hz']
     """
 
     frequencies: np.ndarray
@@ -105,6 +115,9 @@ class Spectrum:
             f"Spectrum: up to {self.nyquist:.4g} Hz, {columns}, tells frequencies {self.resolution:.3g} Hz apart; "
             f"largest amplitude {self.total.max():.4g} at {self.frequencies[self.total.argmax()]:.4g} Hz"
         )
+
+    def _table(self) -> dict[str, Column]:
+        return {"frequency": (self.frequencies, "Hz"), **spread("amplitude", self.amplitudes, "")}
 
     @property
     def total(self) -> np.ndarray:
@@ -218,6 +231,13 @@ def spectrum(
     ------
     InputError
         For times that do not ascend, values that are not finite or of another number, and too few samples.
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> print(f"{found.frequencies[np.argmax(found.amplitudes)]:.1f} Hz")
+    50.0 Hz
     """
     if not isinstance(window, str) or window not in LOBES:
         raise InputError(f"window = {shown(window)}: give one of {', '.join(LOBES)}")

@@ -1,5 +1,6 @@
 """One implicit step: Newton's method that keeps its factors as long as they converge."""
 
+import logging
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +17,8 @@ from skancf.linear import DirectSolver
 from skancf.showing import short
 from skancf.solving import Status, iterate
 from skancf.system.system import System
+
+logger = logging.getLogger(__name__)
 
 MAX_ITERATIONS = 25
 EASY = 4
@@ -152,7 +155,7 @@ class StepSolver:
 
     def _newton(self, start: State, dt: float, effort: Effort) -> StepOutcome:
         tangents, criterion, first = self._problem(start, dt, effort)
-        found = iterate(first, tangents, criterion, MAX_ITERATIONS)
+        found = iterate(first, tangents, criterion, MAX_ITERATIONS, logger)
         spent = found.iterations, tangents.factorisations
         if found.ok:
             end, u = self._end(found.x, start, dt)

@@ -92,6 +92,16 @@ class FixedStep:
         Step (s).
     smallest : float
         A run stops when its step falls below this part of ``dt``.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, steps=sk.FixedStep(dt=2e-4), progress=False)
+    >>> print(len(motion.steps))
+    25
     """
 
     dt: float
@@ -201,6 +211,16 @@ class LocalError(_Limited):
     ----------
     O. C. Zienkiewicz and Y. M. Xie, A simple error estimator and adaptive time stepping procedure for dynamic analysis,
     Earthquake Eng. Struct. Dyn. 20 (1991) 871-887.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, steps=sk.LocalError(atol=1e-5), rtol=1e-2, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     atol: float = 0.0
@@ -237,6 +257,17 @@ class EnergyBalance(_Limited):
         Asked part of the energy, gained or lost by the integration until the end of the run.
     largest, smallest : float
         As for :class:`LocalError`.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> rule = sk.GeneralizedAlpha()
+    >>> motion = sk.simulate(system, 0.002, steps=sk.EnergyBalance(), rule=rule, rtol=1e-2, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     def over(self, attempt: Attempt) -> float:
@@ -264,6 +295,16 @@ class NewtonCount:
         Longest step (s).
     smallest : float
         A run stops when its step falls below this part of ``dt``.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, steps=sk.NewtonCount(dt=1e-4), progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     dt: float

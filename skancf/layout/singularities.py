@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function
 from skancf.layout.geometry import Geometry
@@ -19,6 +20,7 @@ HOLDING = ("position", "part", "normal", "mirror")
 """Those of supports."""
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Singularity:
     r"""What a load or support does that is not smooth: where, and by what.
@@ -55,7 +57,9 @@ class Singularity:
 
     Examples
     --------
-    >>> Singularity("force", (0.5, 0.5), "a Screw", vector=(0.0, 0.0, -20.0))
+    >>> sk.supports.Singularity("force", (0.5, 0.5), "a Screw", vector=(0.0, 0.0, -20.0)).points
+    array([[0.5],
+           [0.5]])
     """
 
     kinds: Any

@@ -69,6 +69,24 @@ class ConditionedSolver:
         Of the last solve.
     lost : float
         What is left of its answer, relatively, where passes came to an end without it; zero elsewhere.
+
+    Examples
+    --------
+    >>> from scipy.sparse import csr_matrix
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> row = np.zeros(system.n_dofs)
+    >>> row[12 * 24 + 2] = 1.0  # z of the node in the middle
+    >>> with sk.linear.DirectSolver(system.pattern, system.constraints) as direct:
+    ...     solver = sk.linear.ConditionedSolver(direct, csr_matrix(row)).factor(system.tangent(system.undeformed))
+    ...     change = solver.solve(system.external_force(system.undeformed, sk.Case()))
+    >>> print(abs(row @ change) < 1e-12)
+    True
     """
 
     matrix: BlockMatrix

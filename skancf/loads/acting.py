@@ -16,7 +16,20 @@ from skancf.terms.protocols import Assembly
 
 
 class Acting:
-    """A load on a given mesh; a kind of load overrides what it has. ``q`` has the shape (n_nodes, 4, 3)."""
+    """A load on a given mesh; a kind of load overrides what it has. ``q`` has the shape (n_nodes, 4, 3).
+
+    Examples
+    --------
+    >>> from skancf.loads.acting import Acting
+    >>> class Lift(Acting):
+    ...     follows = False
+    ...     def __init__(self, nodal):
+    ...         self.nodal = nodal
+    ...     def force(self, q, case):
+    ...         return case.amplitude(self.history) * self.nodal
+    >>> Lift(np.zeros((4, 4, 3))).force(np.zeros((4, 4, 3)), sk.Case()).shape
+    (4, 4, 3)
+    """
 
     history: History | None = None
     follows: bool = True
@@ -94,7 +107,19 @@ class DeadLoad(Acting):
 
 
 class Load(Protocol):
-    """What a problem knows of a load."""
+    """What a problem knows of a load.
+
+    Examples
+    --------
+    >>> class Pair:
+    ...     def on(self, assembly):
+    ...         return sk.EdgeLoad(["left", "right"], (0.0, 0.0, -10.0)).on(assembly)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, supports=[sk.Pin("corners")], loads=[Pair()])
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 4), "kirchhoff"))
+    >>> print(f"{solution.reactions()[2]:.2f} N")
+    20.00 N
+    """
 
     def on(self, assembly: Assembly) -> Any:
         """The load on a given mesh, an :class:`Acting`."""
@@ -143,7 +168,7 @@ def over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:
     return geometry.nodal(geometry.integration.gathered(local), np.arange(geometry.n_elements))
 
 
-def point_forces(geometry: Geometry, elements: Any, local: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Nodal forces of forces (m, 3) at local points (m, 2) of elements (m,)."""
+def at_points(elements: Any, local: np.ndarray, forces: np.ndarray) -> Spread:
+    """Forces (m, 3) at local points (m, 2) of elements (m,)."""
     on_both = np.stack([forces, np.zeros_like(forces)], axis=1)[..., None]
-    return Spread(np.asarray(elements), local[:, :, None], on_both).nodal(geometry)
+    return Spread(np.asarray(elements), local[:, :, None], on_both)

@@ -132,6 +132,14 @@ class SectionField:
     ------
     InputError
         For what is missing, with the name of the zone.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(210e9, 0.3, 7850.0)
+    >>> blade = sk.Problem(sk.Rectangle(1.0, 0.1), lambda x, y: 0.02 - 0.01 * x, steel)
+    >>> places = np.array([[0.0, 0.5, 1.0], [0.05, 0.05, 0.05]])
+    >>> print(blade.section.at(places, np.full(3, -1)).thickness)
+    [0.02  0.015 0.01 ]
     """
 
     def __init__(self, material: Any, thickness: Any, offset: Any, zones: Sequence[Zone] = ()):

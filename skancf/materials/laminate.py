@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive, shown
 from skancf.materials.law import Law, require_law, stiffness_of, thinning_of, turned, turned_strain, turned_thinning
 from skancf.materials.made import stack
@@ -15,6 +16,7 @@ from skancf.materials.shear import with_shear_of_equilibrium
 from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Layer:
     """A layer of a laminate.
@@ -32,6 +34,13 @@ class Layer:
     ------
     InputError
         For a thickness that is not positive, an angle that is not finite, and a material that is no law.
+
+    Examples
+    --------
+    >>> ply = sk.Orthotropic(young=(138e9, 9e9, 9e9), poisson=(0.3, 0.3, 0.4), shear=(7e9, 7e9, 3.2e9), density=1600.0)
+    >>> cross = sk.Laminate([sk.Layer(ply, 0.125e-3, angle) for angle in (0, np.pi / 2, np.pi / 2, 0)])
+    >>> print(f"{1000 * cross.section().thickness} mm")
+    0.5 mm
     """
 
     material: Law
@@ -58,6 +67,7 @@ class Layer:
         return turned_strain(self.material.thermal_strain(), self.angle)
 
 
+@by_value
 @dataclass(frozen=True)
 class Laminate:
     """Perfectly bonded layers; in a problem it stands for the material and the thickness.

@@ -11,6 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from skancf.arguments import choice, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import Noted, is_ours
 from skancf.showing import short
@@ -23,7 +24,18 @@ THICKNESS = 2
 
 
 class Law(Protocol):
-    """What the rest of the library knows of a material."""
+    """What the rest of the library knows of a material.
+
+    Examples
+    --------
+    >>> class Glass:
+    ...     density = 2500.0
+    ...     def stiffness(self):
+    ...         return sk.Isotropic(70e9, 0.23, 2500.0).stiffness()
+    ...     def thermal_strain(self):
+    ...         return np.zeros(6)
+    >>> pane = sk.Problem(sk.Rectangle(1.0, 1.0), 0.006, Glass())
+    """
 
     @property
     def density(self) -> float:
@@ -137,6 +149,7 @@ def turned_strain(strain: np.ndarray, angle: float) -> np.ndarray:
     return strain_turn(-angle) @ strain
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Anisotropic:
     r"""Any symmetric positive definite 6 x 6 law.
@@ -161,6 +174,13 @@ class Anisotropic:
     ------
     InputError
         For a matrix that is not symmetric positive definite, or values that are not finite or not positive.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0, kind="3d")
+    >>> ribbed = sk.Anisotropic(steel.stiffness() + np.diag([20e9, 0, 0, 0, 0, 0]), density=7850.0)
+    >>> print(f"{(ribbed.stiffness()[0, 0] - ribbed.stiffness()[1, 1]) / 1e9:.1f} GPa")
+    20.0 GPa
     """
 
     matrix: Any

@@ -17,6 +17,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.showing import short
 
@@ -35,13 +36,24 @@ REASONS = {
 
 
 class BeyondLaw(InputError):
-    """A deformation that a law has no stress for; ``point`` is the index of the first such point."""
+    """A deformation that a law has no stress for; ``point`` is the index of the first such point.
+
+    Examples
+    --------
+    >>> tissue = sk.materials.Gent(shear=0.4e6, most=1.0, density=1000.0)
+    >>> try:
+    ...     tissue.plane_stress(np.array([[1.1, 4.0], [1.1, 4.0], [0.0, 0.0]]))
+    ... except sk.materials.BeyondLaw as reason:
+    ...     print(reason.point)
+    1
+    """
 
     def __init__(self, message: str, point: int):
         self.point = point
         super().__init__(message)
 
 
+@by_value
 @dataclass(frozen=True)
 class PointResponse:
     """What a law says of n points.
@@ -60,6 +72,12 @@ class PointResponse:
         0, or why there is no stress, a key of :data:`REASONS`. There all else is not a number. Default: 0 everywhere.
     history : (n_history, n) array, optional
         What the law remembers; no rows for elastic ones.
+
+    Examples
+    --------
+    >>> response = sk.NeoHooke(shear=0.4e6, density=1000.0).plane_stress(np.array([[1.0], [1.0], [0.0]]))
+    >>> response.energy, response.stretch33
+    (array([0.]), array([1.]))
     """
 
     energy: np.ndarray

@@ -58,6 +58,15 @@ class SectionResponse:
     code : (n_heights, n) int array
         As of :class:`~skancf.materials.PointResponse`; where it is not 0, all else of that place is not a number.
     history : (n_history, n_heights, n) array
+
+    Examples
+    --------
+    >>> from skancf.materials.through_thickness import heights, through_thickness
+    >>> rubber = sk.NeoHooke(shear=0.4e6, density=1000.0)
+    >>> sheet = sk.Problem(sk.Rectangle(1.0, 1.0), 0.002, rubber)
+    >>> response = through_thickness(rubber, *heights(sheet.section), *np.zeros((3, 3, 1)))
+    >>> print(response.energy, response.forces.shape)
+    [0.] (6, 1)
     """
 
     energy: np.ndarray
@@ -114,6 +123,17 @@ def through_thickness(
     Returns
     -------
     SectionResponse
+
+    Examples
+    --------
+    >>> from skancf.materials.through_thickness import heights, through_thickness
+    >>> rubber = sk.NeoHooke(shear=0.4e6, density=1000.0)
+    >>> sheet = sk.Problem(sk.Rectangle(1.0, 1.0), 0.002, rubber)
+    >>> stretched = np.array([[0.5 * (1.1**2 - 1)], [0.0], [0.0]])
+    >>> flat = np.zeros((3, 1))
+    >>> response = through_thickness(rubber, *heights(sheet.section), stretched, flat, flat)
+    >>> print(f"{response.forces[0, 0]:.1f} N/m")
+    253.6 N/m
     """
     n = eps.shape[1]
     eps, kappa, curvature = (np.ascontiguousarray(each) for each in (eps, kappa, curvature))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain, sequence, text
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown
 from skancf.functions import is_function, true_at
 from skancf.showing import short
@@ -19,6 +20,7 @@ NONE_CLOSED: Mapping[int, Interval] = {}
 ZONES = "zones, as in [Zone('doubler', ((0.2, 0.4), (0.1, 0.3)), thickness=0.02)]"
 
 
+@by_value
 @dataclass(frozen=True)
 class Zone:
     """A part of the parameter plane where the section is another one.
@@ -46,8 +48,12 @@ class Zone:
 
     Examples
     --------
+    >>> sheet, steel = sk.Rectangle(1.0, 0.2), sk.Isotropic(210e9, 0.3, 7850.0)
     >>> doubler = sk.Zone("doubler", ((0.4, 0.6), (0.0, 0.2)), thickness=4e-3)
-    >>> plate = sk.Problem(sk.Rectangle(1.0, 0.2), 2e-3, steel, [sk.Clamp("left")], zones=[doubler])
+    >>> plate = sk.Problem(sheet, 2e-3, steel, [sk.Clamp("left")], zones=[doubler])
+    >>> system = plate.on(sk.meshes.with_lines(sheet, 5, 1, plate.zones), "kirchhoff")
+    >>> print(np.unique(system.mesh.p[0]))
+    [0.  0.2 0.4 0.6 0.8 1. ]
     """
 
     name: str

@@ -25,6 +25,18 @@ class Choice:
         By how much leaving shear out changes the strain energy of the small-deflection answer, as a part of it; without
         loads by how much it changes the square of the first frequency. NaN where neither is there.
     reason : str
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> chosen = plate.on(sk.meshes.uniform(plate.surface, 6, 6), theory="auto").choice
+    >>> print(chosen.theory)
+    kirchhoff
     """
 
     theory: str

@@ -35,6 +35,18 @@ class Support:
     holds : tuple of str
         What it holds where it has a place ``where``, the kinds of a :class:`~skancf.supports.Singularity`: positions in all
         directions, in part, normals.
+
+    Examples
+    --------
+    >>> class Grip(sk.supports.Support):
+    ...     where = "left"
+    ...     def rows(self, geometry):
+    ...         return sk.Clamp("left").rows(geometry)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[Grip()], loads=[sk.Gravity()])
+    >>> solution = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff"))
+    >>> print(f"{solution.reactions('left')[2]:.2f} N")
+    76.98 N
     """
 
     holds: ClassVar[tuple[str, ...]] = ("part",)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
 from skancf.kernels.constants import VECTORS, R
@@ -18,6 +19,7 @@ from skancf.supports.conditions import Support, edges
 from skancf.theories.rows import Row, condition
 
 
+@by_value
 @dataclass(frozen=True)
 class DrivenClamp(Support):
     r"""The nodes of a place are bonded to a rigid body that turns about a fixed axis and moves, as given in time.

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, unit_vector, vector
 from skancf.functions import is_function, values_at
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL, POINTS
@@ -59,6 +60,7 @@ def on_place(geometry: Geometry, where: Any, name: str, factors: Any) -> list[tu
     return parts
 
 
+@by_value
 @dataclass(frozen=True)
 class Spring(Support):
     r"""Linear springs along the axes of space: at points (N/m), or along edges per length (N/m2).
@@ -76,6 +78,18 @@ class Spring(Support):
     ------
     InputError
         For a factor that is negative or not finite, and where all are zero.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.01, steel,
+    ...     supports=[sk.Clamp("left"), sk.Spring([(1.0, 0.05)], (0.0, 0.0, 1e4))],
+    ...     loads=[sk.EdgeLoad("right", (0, 0, 100.0))],
+    ... )
+    >>> tip = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 2), "kirchhoff")).displacement((1.0, 0.05))
+    >>> print(f"{1000 * tip[2]:.4f} mm")
+    0.6557 mm
     """
 
     where: Any
@@ -91,6 +105,7 @@ class Spring(Support):
         return on_place(assembly.geometry, self.where, "stiffness", self.stiffness)
 
 
+@by_value
 @dataclass(frozen=True)
 class Dashpot(Support):
     r"""Linear dashpots along the axes of space: at points (N s/m), or along edges per length (N s/m2).
@@ -109,6 +124,15 @@ class Dashpot(Support):
     ------
     InputError
         For a factor that is negative or not finite, and where all are zero.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.01, steel,
+    ...     supports=[sk.Clamp("left"), sk.Dashpot("right", (0.0, 0.0, 50.0))],
+    ...     loads=[sk.Gravity()],
+    ... )
     """
 
     where: Any
@@ -127,6 +151,7 @@ class Dashpot(Support):
         return at_place(geometry, self.where, self.holds, "a Dashpot", at_rest=False)
 
 
+@by_value
 @dataclass(frozen=True)
 class Foundation(Support):
     r"""An elastic foundation (Winkler): a linear spring per area under the whole surface (N/m3).
@@ -145,6 +170,18 @@ class Foundation(Support):
     InputError
         For a stiffness that is not positive, and an invalid direction; on a mesh, for a function that is negative or not
         finite somewhere, or zero all over.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> slab = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Foundation(1e6), sk.Roller("left", (1, 0, 0)), sk.Roller("bottom", (0, 1, 0))],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> sunk = sk.solve_linear(slab.on(sk.meshes.uniform(slab.surface, 2, 2), "kirchhoff")).displacement((0.5, 0.5))
+    >>> print(f"{1000 * sunk[2]:.4f} mm")  # p / k
+    -1.0000 mm
     """
 
     stiffness: Any

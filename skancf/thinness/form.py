@@ -56,7 +56,21 @@ class Fields:
 
 
 class ShearForm:
-    """The form F on a system of theory `kirchhoff`."""
+    """The form F on a system of theory `kirchhoff`.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> form, fields = sk.solve_linear(system).shear_fields()
+    >>> print(f"{form.shares(fields, fields).sum() > 0}")
+    True
+    """
 
     def __init__(self, system: System, case: Case = FULL):
         self.system, self.geometry, self.case = system, system.geometry, case

@@ -11,6 +11,7 @@ import numba
 import numpy as np
 
 from skancf.arguments import flag, function, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.materials.hyperelastic.law import Rubber
 from skancf.materials.hyperelastic.own_check import EXAMPLE, check_energy
@@ -19,6 +20,7 @@ from skancf.materials.law import corrected
 from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Hyperelastic(Rubber):
     r"""A law with an energy of your own, of the invariants of C or of its components.

@@ -14,7 +14,7 @@ from skancf.layout.layout import vectors
 from skancf.lines import AtPlaces
 from skancf.local_fields import LocalFields
 from skancf.materials.heights import Depth, depth_of
-from skancf.showing import in_a_notebook, in_brackets, summary
+from skancf.showing import in_a_notebook, in_brackets, looked_at, summary
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
@@ -72,7 +72,7 @@ class Solution(LocalFields, AtPlaces):
     note: str = field(default="", kw_only=True)
     multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:

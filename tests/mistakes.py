@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from mistaken_exchange import add_exchange
 from mistaken_problems import add_problems
 
 import skancf as sk
@@ -307,6 +308,7 @@ def calls(scene: Scene) -> dict[str, Call]:
     add_adaptive(add, s)
     add_output(add, s)
     add_problems(add, s)
+    add_exchange(add, s)
     return out
 
 

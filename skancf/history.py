@@ -358,6 +358,8 @@ class Ramp(Lasting):
     duration: float
     start: float = 0.0
 
+    __repr__ = short
+
     def __call__(self, time: float) -> float:
         return min(max((_moment(time) - self.start) / self.duration, 0.0), 1.0)
 
@@ -402,6 +404,8 @@ class Pulse(Lasting):
     duration: float
     start: float = 0.0
     shape: str = "sine"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -10,8 +10,6 @@ from skancf.output.frames import frame_of, survey
 from skancf.output.style import Style
 from skancf.solution import Solution
 
-    __repr__ = short
-
 
 def picture(solution: Solution, path: AnyPath, **options: Any) -> Path:
     """Draw a deformed plate, coloured by a field.

@@ -63,6 +63,12 @@ def mesh_levels(
     ------
     InputError
         Without meshes, for another number of titles or values, and for values that are negative or all zero.
+
+    Examples
+    --------
+    >>> plate = sk.meshes.quadtree(sk.meshes.uniform(sk.Rectangle(1.0, 1.0), 2, 2))
+    >>> sk.output.mesh_levels([plate, plate.refined([0])], "levels.png").name
+    'levels.png'
     """
     from matplotlib.cm import ScalarMappable
 
@@ -173,6 +179,12 @@ def convergence(
     ------
     InputError
         For curves of two lengths, for curves without a positive value, and for a slope of zero.
+
+    Examples
+    --------
+    >>> curves = {"uniform": ([100, 400, 1600], [1e-2, 2.5e-3, 6e-4])}
+    >>> sk.output.convergence(curves, "convergence.png").name
+    'convergence.png'
     """
     texts(xlabel=xlabel, ylabel=ylabel, title=title)
     triangles: list[float] = [] if slopes is None else row("slopes", slopes).tolist()
@@ -222,6 +234,12 @@ def effectivity(
     ------
     InputError
         For curves of two lengths, x that is not positive, no curves at all, and a band that does not hold 1.
+
+    Examples
+    --------
+    >>> curves = {"uniform": ([100, 400, 1600], [0.8, 0.95, 0.99])}
+    >>> sk.output.effectivity(curves, "effectivity.png").name
+    'effectivity.png'
     """
     texts(xlabel=xlabel, title=title)
     low, high = vector("band", band, 2).tolist()

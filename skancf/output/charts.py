@@ -60,6 +60,12 @@ def mesh_chart(
     Returns
     -------
     Path, or without a path the matplotlib axes
+
+    Examples
+    --------
+    >>> mesh = sk.meshes.uniform(sk.Rectangle(2.0, 1.0), 4, 2)
+    >>> sk.output.mesh_chart(mesh, "mesh.png", points={"load": (1.0, 0.5)}).name
+    'mesh.png'
     """
     drawable(mesh, surface)
     texts(title=title)
@@ -124,6 +130,15 @@ def field_chart(
     Returns
     -------
     Path, or without a path the matplotlib axes
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
+    >>> solution = sk.solve(plate.on(mesh)).unwrap()
+    >>> measure = sk.nodal_measure(solution, z="top")
+    >>> sk.output.field_chart(mesh, measure, "stress.png", "largest stress (Pa)").name
+    'stress.png'
     """
     drawable(mesh, surface)
     texts(label=label, title=title)
@@ -172,6 +187,13 @@ def histories_chart(
     Returns
     -------
     Path, or without a path the matplotlib axes, of several panels an array of them
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 50)
+    >>> panels = {"tip": {"coarse": np.sin(6 * times), "fine": np.sin(6.1 * times)}}
+    >>> sk.output.histories_chart(times, panels, "tip.png", ylabel="w (m)").name
+    'tip.png'
     """
     texts(ylabel=ylabel, title=title, xlabel=xlabel)
     panels = panels_of(times, histories)

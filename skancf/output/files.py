@@ -87,6 +87,14 @@ def write(
     of the library has the shear in the order 23, 13, 12. Cell data ``element`` is the number of the element.
 
     The time of a state without one is its load factor if these increase, else its number.
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
+    >>> solution = sk.solve(plate.on(mesh)).unwrap()
+    >>> sk.output.write(solution, "plate.vtu").name
+    'plate.vtu'
     """
     choice("cells", cells, ("flat", "curved"))
     check_progress(progress)
@@ -165,6 +173,15 @@ def read(path: AnyPath) -> Any:
     ------
     InputError
         For a file that is not there, or is no such file.
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
+    >>> solution = sk.solve(plate.on(mesh)).unwrap()
+    >>> grid = sk.output.read(sk.output.write(solution, "plate.vtu"))
+    >>> "displacement" in grid.point_data
+    True
     """
     file = as_path("file", path)
     if not file.is_file():

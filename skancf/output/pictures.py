@@ -33,6 +33,14 @@ def picture(solution: Solution, path: AnyPath, **options: Any) -> Path:
         For a field, depth or file that cannot be.
     SkancfError
         On a machine that cannot draw; the message says what to install.
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
+    >>> solution = sk.solve(plate.on(mesh)).unwrap()
+    >>> sk.output.picture(solution, "plate.png", field="mises", z="top", size=(300, 200)).name
+    'plate.png'
     """
     file, style = check_file(path, ".png"), Style(**options)
     frame = frame_of(solution, style)
@@ -74,7 +82,7 @@ def plot(solution: Solution, plotter: Any = None, *, off_screen: bool | None = N
 
     Examples
     --------
-    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3), [sk.Clamp("left")],
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3, 1e3), [sk.Clamp("left")],
     ...                    [sk.EdgeLoad("right", (0.0, 0.0, -1.0))])
     >>> solution = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 6, 2)))
     >>> plotter = sk.output.plot(solution, off_screen=True, field="u3", size=(400, 300))

@@ -68,6 +68,15 @@ class Samples(SampledSurface):
         Green-Lagrange strain in the local frame, order 11, 22, 33, 23, 13, 12, shear strains doubled.
     stress : (n, 6) array
         Second Piola-Kirchhoff stress in the local frame, same order (Pa).
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
+    >>> solution = sk.solve(plate.on(mesh)).unwrap()
+    >>> surface = sk.output.sample(solution)
+    >>> float(abs(surface.displacement[:, 2]).max()) > 0
+    True
     """
 
     strain: np.ndarray
@@ -167,6 +176,15 @@ def sample(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> Samples
     ------
     InputError
         For subdivisions that are no positive whole number and a depth outside the plate.
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
+    >>> solution = sk.solve(plate.on(mesh)).unwrap()
+    >>> surface = sk.output.sample(solution, 2, z="top")
+    >>> surface.points.shape, surface.cells.shape, surface.stress.shape
+    ((36, 3), (16, 4), (36, 6))
     """
     strain, stress = sample_strain(solution, subdivisions, z)
     return Samples(**vars(sample_surface(solution, subdivisions, z)), strain=strain, stress=stress)

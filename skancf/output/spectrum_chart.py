@@ -55,6 +55,13 @@ def spectrum_chart(
     ------
     InputError
         Without spectra, and for spectra that are zero everywhere.
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 400)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 20 * times))
+    >>> sk.output.spectrum_chart(found, "spectrum.png").name
+    'spectrum.png'
     """
     texts(title=title, ylabel=ylabel)
     example = "a Spectrum, or labels and spectra, as in {'tip': sk.spectrum(times, values)}"

@@ -47,6 +47,11 @@ class Style:
         Cells along an element's edge. Default: by the number of elements.
     size : (2,) tuple of int
         Pixels.
+
+    Examples
+    --------
+    >>> sk.output.Style(field="mises", z="top", scale=20.0).scale
+    20.0
     """
 
     field: str = "displacement"

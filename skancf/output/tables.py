@@ -28,5 +28,14 @@ def save_table(path: AnyPath, columns: Mapping[str, Any]) -> Path:
     ------
     InputError
         For columns of different lengths, none at all, or a file that cannot be written.
+
+    Examples
+    --------
+    >>> sk.output.save_table("deflections.csv", {"t": [0.0, 0.1], "w": [0.0, 2.5]}).name
+    'deflections.csv'
+    >>> print(open("deflections.csv").read().strip())
+    t,w
+    0.0,0.0
+    0.1,2.5
     """
     return Columns(columns).to_csv(path)

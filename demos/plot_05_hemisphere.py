@@ -32,7 +32,7 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
-from skancf.output.fields import von_mises
+from skancf.output import von_mises
 
 # sphinx_gallery_thumbnail_path = "pictures/gallery/05_hemisphere.jpg"
 

@@ -19,8 +19,8 @@ mode, to 1 %. In the same hard throw the default, ``EnergyMomentum(0.8)``, keeps
 loses less than half as much with half the step: the energy of a plate that is bent so far goes into ever faster vibrations,
 which steps of 0.2 ms do not follow.
 
-This example shows initial velocities, records at every step, spectra compared with natural frequencies. It builds on the free
-ruler.
+This example shows initial velocities, records at every step, and spectra compared with natural frequencies. It builds on the
+free ruler.
 """
 
 # %%

@@ -44,8 +44,6 @@ extensions = [
 exclude_patterns = ["_build", "measure", "_templates"]
 templates_path = ["_templates"]
 source_suffix = {".rst": "restructuredtext"}
-# Toctrees end with a pattern that finds new pages; that there are none is no fault.
-suppress_warnings = ["toc.empty_glob"]
 
 html_theme = "pydata_sphinx_theme"
 html_context = {"default_mode": "auto"}

@@ -52,6 +52,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.checks import Check
+from skancf.compiling import announce
 from skancf.conditions import Hinge, RigidLink
 from skancf.dynamics import (
     Checkpoint,
@@ -74,6 +75,7 @@ from skancf.dynamics import (
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Case, Path, Pulse, Ramp, Table
+from skancf.lines import Arc
 from skancf.loads import (
     DiskForce,
     EdgeImpulse,
@@ -158,6 +160,7 @@ __all__ = [
     "AllElements",
     "Anisotropic",
     "AnnulusSector",
+    "Arc",
     "ArcLength",
     "Below",
     "BucklingLoad",
@@ -310,6 +313,8 @@ __all__ = [
 
 # Nothing is printed before a user asks for it, as by logging.basicConfig(level=logging.INFO).
 logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+announce()
 
 RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
 

@@ -66,9 +66,9 @@ def mesh_levels(
 
     Examples
     --------
-    >>> plate = sk.meshes.quadtree(sk.meshes.uniform(sk.Rectangle(1.0, 1.0), 2, 2))
-    >>> sk.output.mesh_levels([plate, plate.refined([0])], "levels.png").name
-    'levels.png'
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> tree = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate)
+    >>> panels = sk.output.mesh_levels([tree, tree.refined([0])])
     """
     from matplotlib.cm import ScalarMappable
 
@@ -182,9 +182,7 @@ def convergence(
 
     Examples
     --------
-    >>> curves = {"uniform": ([100, 400, 1600], [1e-2, 2.5e-3, 6e-4])}
-    >>> sk.output.convergence(curves, "convergence.png").name
-    'convergence.png'
+    >>> axes = sk.output.convergence({"uniform": ([100, 400, 1600], [1e-2, 2.5e-3, 6e-4])}, slopes=[1.0])
     """
     texts(xlabel=xlabel, ylabel=ylabel, title=title)
     triangles: list[float] = [] if slopes is None else row("slopes", slopes).tolist()
@@ -237,9 +235,7 @@ def effectivity(
 
     Examples
     --------
-    >>> curves = {"uniform": ([100, 400, 1600], [0.8, 0.95, 0.99])}
-    >>> sk.output.effectivity(curves, "effectivity.png").name
-    'effectivity.png'
+    >>> axes = sk.output.effectivity({"goal": ([100, 400, 1600], [0.93, 0.98, 1.01])})
     """
     texts(xlabel=xlabel, title=title)
     low, high = vector("band", band, 2).tolist()

@@ -63,9 +63,8 @@ def mesh_chart(
 
     Examples
     --------
-    >>> mesh = sk.meshes.uniform(sk.Rectangle(2.0, 1.0), 4, 2)
-    >>> sk.output.mesh_chart(mesh, "mesh.png", points={"load": (1.0, 0.5)}).name
-    'mesh.png'
+    >>> mesh = sk.meshes.uniform(sk.Rectangle(2.0, 1.0), 8, 4)
+    >>> axes = sk.output.mesh_chart(mesh, title="A coarse mesh")
     """
     drawable(mesh, surface)
     texts(title=title)
@@ -133,12 +132,15 @@ def field_chart(
 
     Examples
     --------
-    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
-    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
-    >>> solution = sk.solve(plate.on(mesh)).unwrap()
-    >>> measure = sk.nodal_measure(solution, z="top")
-    >>> sk.output.field_chart(mesh, measure, "stress.png", "largest stress (Pa)").name
-    'stress.png'
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> deflection = sk.solve_linear(system).displacements[2]
+    >>> axes = sk.output.field_chart(system.mesh, deflection, label="w (m)")
     """
     drawable(mesh, surface)
     texts(label=label, title=title)
@@ -190,10 +192,8 @@ def histories_chart(
 
     Examples
     --------
-    >>> times = np.linspace(0.0, 1.0, 50)
-    >>> panels = {"tip": {"coarse": np.sin(6 * times), "fine": np.sin(6.1 * times)}}
-    >>> sk.output.histories_chart(times, panels, "tip.png", ylabel="w (m)").name
-    'tip.png'
+    >>> times = np.linspace(0.0, 1.0, 101)
+    >>> axes = sk.output.histories_chart(times, {"tip": np.sin(9.0 * times)}, ylabel="deflection (m)")
     """
     texts(ylabel=ylabel, title=title, xlabel=xlabel)
     panels = panels_of(times, histories)

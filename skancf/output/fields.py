@@ -7,6 +7,7 @@ from skancf.materials import Section, SectionField
 from skancf.materials.heights import DEPTHS, Depth, Interface, depth_of
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import STRESSES, Solution
+from skancf.tensors import von_mises
 
 STRAINS = tuple(name.replace("S", "E") for name in STRESSES)
 VECTORS = {"displacement": ("u", "m"), "velocity": ("v", "m/s")}
@@ -15,18 +16,6 @@ SHEAR = ("Q1", "Q2")
 ABOVE = 1e-9
 """Of the thickness."""
 NAMES = (*STRESSES, "mises", *STRAINS, *FORCES, *SHEAR, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3", "thickness")
-
-
-def von_mises(stress: np.ndarray) -> np.ndarray:
-    r"""Von Mises' equivalent of stresses in the order 11, 22, 33, 23, 13, 12: (..., 6) to (...), same unit.
-
-    .. math:: \sigma_v^2 = \tfrac12 [(S_{11} - S_{22})^2 + (S_{22} - S_{33})^2 + (S_{33} - S_{11})^2]
-                           + 3 (S_{23}^2 + S_{13}^2 + S_{12}^2)
-
-    Of the second Piola-Kirchhoff stress it is the usual one where strains are small, however large rotations are.
-    """
-    s11, s22, s33, s23, s13, s12 = np.moveaxis(stress, -1, 0)
-    return np.sqrt(0.5 * ((s11 - s22) ** 2 + (s22 - s33) ** 2 + (s33 - s11) ** 2) + 3 * (s23**2 + s13**2 + s12**2))
 
 
 def check_name(name: str) -> str:

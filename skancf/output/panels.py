@@ -36,16 +36,11 @@ def draw_cells(
 
     Examples
     --------
-    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
-    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
-    >>> solution = sk.solve(plate.on(mesh)).unwrap()
-    >>> import matplotlib
-    >>> matplotlib.use("agg")
     >>> import matplotlib.pyplot as plt
-    >>> surface = sk.output.sample(solution, 2)
-    >>> axes = plt.figure().add_subplot(projection="3d")
-    >>> cells = surface.points[surface.cells]
-    >>> _ = sk.output.draw_cells(axes, cells, np.full((len(cells), 4), 0.7), light=(0.4, -0.6, 0.7))
+    >>> figure, axes = plt.subplots(subplot_kw={"projection": "3d"})
+    >>> square = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]], float)
+    >>> cells = sk.output.draw_cells(axes, square, np.array([[0.2, 0.4, 0.8, 1.0]]))
+    >>> plt.close(figure)
     """
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 

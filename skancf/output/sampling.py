@@ -28,6 +28,9 @@ class Grid(NamedTuple):
     cells: np.ndarray
     rim: np.ndarray
 
+    def __repr__(self) -> str:
+        return short(self)
+
 
 @dataclass(frozen=True)
 class SampledSurface:
@@ -71,12 +74,16 @@ class Samples(SampledSurface):
 
     Examples
     --------
-    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
-    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
-    >>> solution = sk.solve(plate.on(mesh)).unwrap()
-    >>> surface = sk.output.sample(solution)
-    >>> float(abs(surface.displacement[:, 2]).max()) > 0
-    True
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.output.sample(sk.solve_linear(system), z="bottom")
+    >>> print(found.strain.shape[1], found.displacement.shape[1])
+    6 3
     """
 
     strain: np.ndarray
@@ -179,12 +186,16 @@ def sample(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> Samples
 
     Examples
     --------
-    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
-    >>> mesh = sk.meshes.uniform(plate.surface, 2, 2)
-    >>> solution = sk.solve(plate.on(mesh)).unwrap()
-    >>> surface = sk.output.sample(solution, 2, z="top")
-    >>> surface.points.shape, surface.cells.shape, surface.stress.shape
-    ((36, 3), (16, 4), (36, 6))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.output.sample(sk.solve_linear(system), subdivisions=2, z="top")
+    >>> print(found.points.shape, found.stress.shape)
+    (324, 3) (324, 6)
     """
     strain, stress = sample_strain(solution, subdivisions, z)
     return Samples(**vars(sample_surface(solution, subdivisions, z)), strain=strain, stress=stress)

@@ -58,10 +58,9 @@ def spectrum_chart(
 
     Examples
     --------
-    >>> times = np.linspace(0.0, 1.0, 400)
-    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 20 * times))
-    >>> sk.output.spectrum_chart(found, "spectrum.png").name
-    'spectrum.png'
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> axes = sk.output.spectrum_chart(found, limit=100.0)
     """
     texts(title=title, ylabel=ylabel)
     example = "a Spectrum, or labels and spectra, as in {'tip': sk.spectrum(times, values)}"

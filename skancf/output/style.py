@@ -50,8 +50,8 @@ class Style:
 
     Examples
     --------
-    >>> sk.output.Style(field="mises", z="top", scale=20.0).scale
-    20.0
+    >>> sk.output.Style(field="S11", z="top", scale=10.0).field
+    'S11'
     """
 
     field: str = "displacement"

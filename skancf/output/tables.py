@@ -31,11 +31,8 @@ def save_table(path: AnyPath, columns: Mapping[str, Any]) -> Path:
 
     Examples
     --------
-    >>> sk.output.save_table("deflections.csv", {"t": [0.0, 0.1], "w": [0.0, 2.5]}).name
-    'deflections.csv'
-    >>> print(open("deflections.csv").read().strip())
-    t,w
-    0.0,0.0
-    0.1,2.5
+    >>> file = sk.output.save_table("deflections.csv", {"n": [4, 8], "deflection": [1.02, 1.01]})
+    >>> print(file.read_text().splitlines()[0])
+    n,deflection
     """
     return Columns(columns).to_csv(path)

@@ -14,6 +14,7 @@ from skancf.functions import values_at
 from skancf.history import Table
 from skancf.supports import DrivenClamp
 from skancf.surfaces import MappedSurface
+from skancf.tolerances import SAMPLED_EXACTLY, TINY
 
 ORDER = 5
 """Of the splines between the samples."""
@@ -21,8 +22,6 @@ SAMPLES, MOMENTS = 65, 2001
 """In each direction of the parameter plane; over time."""
 SMOOTH = 1e-3
 """Largest difference from the function between its samples, relative to its largest value, that a table may have."""
-EXACT = 1e-12
-"""Differences that are rounding, and not worth a warning."""
 
 
 @by_value
@@ -138,10 +137,10 @@ class Sampler:
         return Sampled(x, y, values, error) if self._close(owner, name, error) else None
 
     def _error(self, near: Any, exact: Any) -> float:
-        return float(np.abs(near - exact).max() / max(np.abs(exact).max(), np.finfo(float).tiny))
+        return float(np.abs(near - exact).max() / max(np.abs(exact).max(), TINY))
 
     def _close(self, owner: Any, name: str, error: float) -> bool:
-        if error > EXACT:
+        if error > SAMPLED_EXACTLY:
             self.said.append(f"{type(owner).__name__}.{name}, with an error of {error:.1e} of its largest value")
         return error <= SMOOTH
 

@@ -103,13 +103,18 @@ def _optional(package: str) -> str:
 
 def kernels() -> str:
     """How many of the kernels are compiled and kept on disk, and where."""
-    caches = [cache for cache in map(_cache_of, _functions()) if cache is not None]
-    ready = sum(_is_kept(cache) for cache in caches)
-    if not caches:
+    ready, known, folder = kept_kernels()
+    if not known:
         return f"no folder for them can be written: set {VARIABLE}"
-    folder = os.path.commonpath([cache.cache_path for cache in caches])
-    said = f"{ready} of {len(caches)} compiled, kept in {folder}{_set(VARIABLE)}"
+    said = f"{ready} of {known} compiled, kept in {folder}{_set(VARIABLE)}"
     return said if ready else f"{said}; the first calculation compiles them, or the command: skancf compile"
+
+
+def kept_kernels() -> tuple[int, int, str]:
+    """Of the kernels of all modules that are loaded: compiled ones on disk, those that can be kept there, and the folder."""
+    caches = [cache for cache in map(_cache_of, _functions()) if cache is not None]
+    folder = os.path.commonpath([cache.cache_path for cache in caches]) if caches else ""
+    return sum(_is_kept(cache) for cache in caches), len(caches), folder
 
 
 def _set(variable: str) -> str:

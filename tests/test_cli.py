@@ -1,7 +1,9 @@
 """The command: what it prints and writes, its exit codes, and that errors are one message."""
 
+import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -106,7 +108,7 @@ def test_info_names_what_is_missing(monkeypatch):
 def test_info_counts_kernels_that_are_kept(tmp_path, state):
     code = "import skancf as sk; print(sk.info().parts['Calculation']['kernels'])"
     fresh = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120,
-                           env={**__import__("os").environ, "NUMBA_CACHE_DIR": str(tmp_path)})  # fmt: skip
+                           env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)})  # fmt: skip
     assert fresh.stdout.startswith("0 of ") and str(tmp_path) in fresh.stdout and "skancf compile" in fresh.stdout
     here = sk.info().parts["Calculation"]["kernels"]
     assert int(here.split()[0]) > 3
@@ -187,15 +189,39 @@ def test_an_interruption_is_no_traceback(monkeypatch, capsys):
 
 
 def test_a_warning_is_a_line(monkeypatch, capsys):
-    import warnings
-
     monkeypatch.setattr("skancf.about.info", lambda: warnings.warn("thick", sk.OutOfDepth, stacklevel=1))
     main(["info"])
     assert capsys.readouterr().err == "skancf: warning: thick\n"
 
 
-def test_compile_needs_every_kernel_once(capsys):
-    """Behind it all kernels that are loaded are kept on disk."""
+def test_compile_runs_what_needs_the_kernels(monkeypatch, capsys, caplog):
+    from skancf.cli import compiles
+    from skancf.compiling import announce
+
+    listener = announce()
+    ran = []
+
+    def run(name, found):
+        ran.append(name)
+        listener.total += found
+
+    monkeypatch.setattr(compiles, "RUNS", {"one": lambda: run("one", 2), "two": lambda: run("two", 1)})
     assert main(["compile"]) == 0
-    kept, of, whole, *_ = capsys.readouterr().out.splitlines()[-1].split()
-    assert (kept, of) == (whole, "of")
+    shown = capsys.readouterr().out
+    assert ran == ["one", "two"] and shown.startswith("3 kernels compiled in ") and "kept in /" in shown
+    monkeypatch.setattr(compiles, "RUNS", {"theory kirchhoff": compiles.RUNS["one"]} | {"two": lambda: None})
+    monkeypatch.setitem(compiles.RUNS, "theory kirchhoff", lambda: compiles._plain("kirchhoff"))
+    main(["compile"])
+    # Compiled by it or before it, all that the theory and the solvers need is on disk.
+    from skancf import about
+
+    kept = {f.py_func.__module__ for f in about._functions() if about._is_kept(about._cache_of(f))}
+    assert {"skancf.theories.kirchhoff.tangent_kernel", "skancf.loads.pressure_kernel", "skancf.linear.kernels"} <= kept
+
+
+def test_compile_knows_every_rubber():
+    from skancf.cli import compiles
+
+    laws = {path.stem for path in (Path(sk.__file__).parent / "materials" / "hyperelastic").glob("*.py")}
+    named = {"neo_hooke": "NeoHooke", "mooney_rivlin": "MooneyRivlin", "yeoh": "Yeoh", "gent": "Gent", "ogden": "Ogden"}
+    assert set(named) <= laws and set(named.values()) == set(compiles.RUBBERS)

@@ -73,8 +73,10 @@ from skancf.dynamics import (
     spectrum,
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
+from skancf.envelopes import Envelope, envelope
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Case, Path, Pulse, Ramp, Table
+from skancf.lines import Arc
 from skancf.loads import (
     DiskForce,
     EdgeImpulse,
@@ -122,6 +124,7 @@ from skancf.statics import (
     trace,
 )
 from skancf.storage import load, read_problem, run_file, save
+from skancf.strength import Strength, Utilisation, utilisation
 from skancf.supports import (
     Clamp,
     Dashpot,
@@ -147,6 +150,7 @@ from skancf.surfaces import (
     SphereSector,
 )
 from skancf.theories import Full, Kirchhoff
+from skancf.units import Units
 from skancf.version import __version__
 
 if TYPE_CHECKING:
@@ -160,6 +164,7 @@ __all__ = [
     "AllElements",
     "Anisotropic",
     "AnnulusSector",
+    "Arc",
     "ArcLength",
     "Below",
     "BucklingLoad",
@@ -188,6 +193,7 @@ __all__ = [
     "ElementQuadHermite",
     "EnergyBalance",
     "EnergyMomentum",
+    "Envelope",
     "Even",
     "FixedFraction",
     "FixedStep",
@@ -260,12 +266,15 @@ __all__ = [
     "Status",
     "StepLength",
     "StrainEnergy",
+    "Strength",
     "SurfaceLoad",
     "Symmetry",
     "Table",
     "Temperature",
     "TheoryError",
     "Trapezoidal",
+    "Units",
+    "Utilisation",
     "Zone",
     "__version__",
     "adapt",
@@ -273,6 +282,7 @@ __all__ = [
     "buckling",
     "conditions",
     "dynamics",
+    "envelope",
     "export",
     "find_regions",
     "goal_estimate",
@@ -308,6 +318,7 @@ __all__ = [
     "through_thickness",
     "trace",
     "transfer",
+    "utilisation",
 ]  # fmt: skip
 
 

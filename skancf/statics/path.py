@@ -11,7 +11,7 @@ from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfErro
 from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
-from skancf.showing import FEW, counted, in_a_notebook, in_brackets, passed, span, summary
+from skancf.showing import FEW, counted, in_a_notebook, in_brackets, looked_at, of_state, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
@@ -94,14 +94,14 @@ class PathResult(Tabular):
     message: str = ""
     checks: tuple[Check, ...] = ()
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:
         loads = [solution.load_factor for solution in self.solutions]
         found = f"{counted(len(loads), 'equilibrium', 'equilibria')}, load factors {span(min(loads), max(loads))}"
         met = "".join(f"; {event}" for event in self.events[:FEW]) + ("; ..." if len(self.events) > FEW else "")
-        return f"PathResult: {self.status.value}, {found}, at the end {self.solution.said}{met}{passed(self.checks)}"
+        return f"PathResult: {self.status.value}, {found}; at the end: {of_state(self.solution)}{met}{passed(self.checks)}"
 
     def _table(self) -> dict[str, Column]:
         return {**states_of(self.solutions), "negative_pivots": (self.negative_pivots, "")}

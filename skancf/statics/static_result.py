@@ -6,7 +6,7 @@ from skancf.arguments import plain, whole
 from skancf.checks import Check
 from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, positive, warn
-from skancf.showing import counted, in_a_notebook, in_brackets, passed, summary
+from skancf.showing import counted, in_a_notebook, in_brackets, looked_at, of_state, passed, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import OPEN, NewtonResult
@@ -93,12 +93,12 @@ class StaticResult(Tabular):
     message: str = ""
     checks: tuple[Check, ...] = ()
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:
         steps = counted(len(self.path), "load step")
-        said = f"{self.status.value}, {self.solution.said}, {counted(self.iterations, 'iteration')} in {steps}"
+        said = f"{self.status.value}, {of_state(self.solution)}, {counted(self.iterations, 'iteration')} in {steps}"
         return f"StaticResult: {said}{passed(self.checks)}"
 
     def _table(self) -> dict[str, Column]:

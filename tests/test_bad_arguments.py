@@ -45,7 +45,7 @@ ELSEWHERE = {
     "Remapped", "Spectrum", "TheoryError", "StaticResult", "Samples", "MeshQuadTree", "Status", "Envelope", "Utilisation",
     "CalculixDeck", "Printed",
     # Without arguments.
-    "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
+    "info", "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
     "ElementQuadHermite", "Plane",
     # Its functions are asked on a mesh, see test_forms.py.
     "FormTerm",

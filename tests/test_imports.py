@@ -19,7 +19,7 @@ ROOMS = [
     "tensors", "elements", "surfaces", "linear", "kernels", "solving", "materials", "meshes", "theories", "layout", "terms",
     "conditions", "supports", "loads", "system", "thinness", "problem", "testing", "recovered", "true_stress",
     "local_fields", "point_values", "lines", "reactions", "solution", "statics", "dynamics", "envelopes", "strength",
-    "adaptive", "output", "export", "storage", "info", "cli", "__main__",
+    "adaptive", "output", "export", "storage", "about", "cli", "__main__",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.name != "__init__.py")

@@ -8,17 +8,22 @@ OUT    ?= out
 SET    ?= all
 BASE   ?=
 FUZZ_MINUTES ?= 60
+JOBS   ?= auto
 BIN     = $(VENV)/bin
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
+# Tests of a file mostly stay in one process, which makes what they share once.
+PARALLEL = -n $(JOBS) --dist worksteal
 
-.PHONY: help demo test fuzz lint types docs peers bench bars guard check kernels clean
+.PHONY: help demo test cover fuzz lint types docs peers bench bars guard check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
-	@echo "make test    run the tests"
+	@echo "make test    run the tests, on all cores (JOBS=0: in one process)"
+	@echo "make cover   the same, and which lines of the package they ran: table here, pages in $(OUT)/cover"
 	@echo "make fuzz    problems made by chance, until FUZZ_MINUTES=60 are over; what fails is kept in $(OUT)/fuzz as Python"
 	@echo "make docs    build the documentation into docs/_build/html"
+	@echo "make site    look at the built pages in a browser without a window: layout, contrast, links, search (needs chromium)"
 	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
 	@echo "make bench   speed against accuracy, beside those that are installed, and what each part costs (an hour; SET=quick: 5 minutes)"
 	@echo "make bars    are error bars right, and not too large? Scenes with known answers (half an hour)"
@@ -44,7 +49,11 @@ demo: $(READY)
 	$(BIN)/python demos/plot_01_paper_example.py --size $(SIZE) --out $(OUT)
 
 test: $(READY)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(PARALLEL)
+
+cover: $(READY)
+	$(BIN)/python -m pytest $(PARALLEL) --cov --cov-report=term --cov-report=html:$(OUT)/cover
+	@echo "== $(OUT)/cover/index.html"
 
 fuzz: $(READY)
 	PYTHONPATH=tests $(BIN)/python -m fuzz --minutes $(FUZZ_MINUTES) --out $(OUT)/fuzz
@@ -62,6 +71,9 @@ docs: $(DOCS)
 	SKANCF_DEMO_SIZE=$(SIZE) $(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
 	@echo "== docs/_build/html/index.html"
 
+site: $(DOCS)
+	$(BIN)/python docs/check_site.py
+
 peers: $(READY)
 	$(BIN)/python -m benchmarks.setup_peers
 
@@ -78,5 +90,5 @@ kernels:
 	find skancf -name '*.nb[ic]' -delete
 
 clean:
-	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache docs/_build docs/gallery docs/api/generated skancf.egg-info
+	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .coverage docs/_build docs/gallery docs/api/generated skancf.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

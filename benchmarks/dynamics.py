@@ -19,7 +19,7 @@ import numpy as np
 import skancf as sk
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.run import Run, Settings
-from skancf.progress import Progress
+from skancf.progress import Bar
 
 RULES = [sk.EnergyMomentum(), sk.EnergyMomentum(1.0), sk.GeneralizedAlpha(0.8), sk.ImplicitMidpoint(), sk.Trapezoidal()]
 STEPS = 20
@@ -46,7 +46,7 @@ def run(n: int, theory: str, rule: object, dt: float) -> tuple[float, float, flo
     recorder = Recorder(np.linspace(0, STEPS * dt, 11), {})
     loop = Run(system, settings, recorder, system.undeformed.copy(), np.zeros(system.n_dofs))
     began = time.perf_counter()
-    with Progress("", settings.end, shown=False) as bar:
+    with Bar("", settings.end) as bar:
         loop.go(bar)
     seconds = time.perf_counter() - began
     loop.close()

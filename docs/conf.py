@@ -3,7 +3,9 @@
 import os
 import re
 import sys
+import textwrap
 import warnings
+from importlib import resources
 from pathlib import Path
 
 import matplotlib
@@ -34,26 +36,58 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
     "sphinx_gallery.gen_gallery",
+    "sphinx_copybutton",
+    "sphinx_design",
+    # Reads CHANGELOG.md.
+    "myst_parser",
 ]
 exclude_patterns = ["_build", "measure", "_templates"]
 templates_path = ["_templates"]
-html_theme = "alabaster"
-html_static_path = ["_static"]
+source_suffix = {".rst": "restructuredtext"}
+# Toctrees end with a pattern that finds new pages; that there are none is no fault.
+suppress_warnings = ["toc.empty_glob"]
+
+html_theme = "pydata_sphinx_theme"
+html_context = {"default_mode": "auto"}
+html_title = f"skancf {release}"
+html_logo = "_static/logo.svg"
+html_favicon = "_static/logo.svg"
+# MathJax with all its extensions and drawn letters is one file, so that a page asks no other machine for anything.
+html_static_path = ["_static", str(resources.files("sphinx-mathjax-offline") / "static/mathjax/tex-svg-full.js")]
+mathjax_path = "tex-svg-full.js"
+html_search_scorer = "_static/scorer.js"
+html_css_files = ["site.css"]
 html_theme_options = {
-    "description": "Plates and shells that move and bend a lot",
-    "page_width": "1120px",
-    "sidebar_width": "230px",
-    "fixed_sidebar": True,
-    "show_relbars": True,
+    "logo": {"text": "skancf", "alt_text": "skancf, first page"},
+    "navbar_align": "left",
+    "header_links_before_dropdown": 6,
+    "navbar_persistent": ["search-button-field"],
+    "show_nav_level": 1,
+    "navigation_depth": 2,
+    "show_toc_level": 2,
+    "secondary_sidebar_items": ["page-toc"],
+    "back_to_top_button": False,
+    "footer_start": ["project-footer"],
+    "footer_end": [],
+    "pygments_light_style": "a11y-high-contrast-light",
+    "pygments_dark_style": "a11y-high-contrast-dark",
+    "search_bar_text": "Search: hole, gmsh, pandas ...",
 }
-html_css_files = ["tables.css"]
-html_show_copyright = False
+# These pages have no siblings to list beside them.
+html_sidebars = {"index": [], "gallery/index": [], "search": []}
+html_show_sourcelink = False
+html_copy_source = False
+copybutton_exclude = ".linenos, .gp, .go"
+copybutton_prompt_text = r"\$ |>>> |\.\.\. "
+copybutton_prompt_is_regexp = True
 
 autosummary_generate = True
 autosummary_imported_members = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_default_options = {"show-inheritance": False}
+# Longer signatures have a line for each parameter.
+python_maximum_signature_line_length = 72
 # Fields of data classes are described where the class lists them; once is enough.
 napoleon_google_docstring = False
 napoleon_use_ivar = True
@@ -70,6 +104,8 @@ sphinx_gallery_conf = {
     "plot_gallery": True,
     "abort_on_example_error": True,
     "min_reported_time": 1,
+    # That page would load its sortable table from other machines.
+    "write_computation_times": False,
 }
 
 
@@ -78,6 +114,19 @@ def keep_units(app: object, what: str, name: str, obj: object, options: object, 
     lines[:] = [re.sub(r"^(\s*)([A-Za-z]\.)$", r"\1\\\2", line) for line in lines]
 
 
+def fold_pictures(app: object, docname: str, source: list[str]) -> None:
+    """Code that only draws, below the heading "Pictures" of an example, is folded up."""
+    if docname.startswith("gallery/plot_"):
+        source[0] = re.sub(
+            r"(\nPictures\n-+\n(?:(?!\.\. code-block)[^\n]*\n)*?)\.\. code-block:: Python\n((?:(?: {4}[^\n]*)?\n)+)",
+            lambda found: (
+                f"{found[1]}.. dropdown:: Code that draws\n\n    .. code-block:: Python\n{textwrap.indent(found[2], '    ')}"
+            ),
+            source[0],
+        )
+
+
 def setup(app: object) -> None:
     # Before napoleon, which moves such lines behind the name of a parameter.
     app.connect("autodoc-process-docstring", keep_units, priority=100)
+    app.connect("source-read", fold_pictures)

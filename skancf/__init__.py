@@ -1,9 +1,23 @@
 """Plates and shells that move and bend a lot: ANCF with local refinement on scikit-fem."""
 
 import importlib
+import logging
 from typing import TYPE_CHECKING, Any
 
-from skancf import adaptive, conditions, dynamics, loads, materials, meshes, statics, supports, surfaces, terms, theories
+from skancf import (
+    adaptive,
+    conditions,
+    dynamics,
+    loads,
+    materials,
+    meshes,
+    statics,
+    storage,
+    supports,
+    surfaces,
+    terms,
+    theories,
+)  # fmt: skip
 from skancf.adaptive import (
     AdaptiveResult,
     AllElements,
@@ -38,6 +52,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.checks import Check
+from skancf.compiling import announce
 from skancf.conditions import Hinge, RigidLink
 from skancf.dynamics import (
     Checkpoint,
@@ -88,6 +103,7 @@ from skancf.materials import (
     Zone,
 )
 from skancf.problem import Problem
+from skancf.progress import Progress
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics import (
@@ -107,6 +123,7 @@ from skancf.statics import (
     solve_linear,
     trace,
 )
+from skancf.storage import load, read_problem, run_file, save
 from skancf.strength import Strength, Utilisation, utilisation
 from skancf.supports import (
     Clamp,
@@ -137,7 +154,7 @@ from skancf.units import Units
 from skancf.version import __version__
 
 if TYPE_CHECKING:
-    from skancf import output, testing
+    from skancf import export, output, testing
     from skancf.materials import Hyperelastic, MooneyRivlin, NeoHooke, Ogden
     from skancf.terms.forms import FormTerm
 
@@ -225,6 +242,7 @@ __all__ = [
     "PointMoment",
     "Prescribed",
     "Problem",
+    "Progress",
     "Pulse",
     "Ramp",
     "Reaction",
@@ -264,8 +282,10 @@ __all__ = [
     "conditions",
     "dynamics",
     "envelope",
+    "export",
     "find_regions",
     "goal_estimate",
+    "load",
     "loads",
     "materials",
     "meshes",
@@ -273,14 +293,18 @@ __all__ = [
     "nodal_measure",
     "output",
     "read_motion",
+    "read_problem",
     "recovery_indicator",
     "remap",
     "residual_indicator",
+    "run_file",
+    "save",
     "simulate",
     "solve",
     "solve_linear",
     "spectrum",
     "statics",
+    "storage",
     "stress_indicator",
     "stress_regions",
     "supports",
@@ -296,12 +320,17 @@ __all__ = [
 ]  # fmt: skip
 
 
+# Nothing is printed before a user asks for it, as by logging.basicConfig(level=logging.INFO).
+logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+announce()
+
 RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
 
 
 def __getattr__(name: str) -> Any:
     """Some are loaded when they are first used: many runs show nothing, and few have rubber, forms or tests of terms."""
-    if name in ("output", "testing"):
+    if name in ("export", "output", "testing"):
         return importlib.import_module(f"skancf.{name}")
     if name == "FormTerm":
         return importlib.import_module("skancf.terms.forms").FormTerm

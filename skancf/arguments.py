@@ -116,7 +116,7 @@ def function(name: str, value: Any, example: str) -> Callable[..., Any]:
 
 
 def choice(name: str, value: Any, choices: Collection[Any]) -> None:
-    """InputError for what is none of some names."""
+    """InputError for what is not one of some names."""
     if not (value is None or isinstance(value, str)) or value not in choices:
         *names, last = [repr(each) for each in choices]
         which = f"one of {', '.join(names)} or {last}" if names else last

@@ -1,4 +1,4 @@
-"""Files that are whole or not there: written beside their place under another name, then moved."""
+"""Files that are whole or not there: written next to their place under another name, then moved."""
 
 import os
 import secrets
@@ -45,7 +45,7 @@ def as_path(what: str, path: AnyPath) -> Path:
 def check_folder(path: AnyPath) -> Path:
     """Make sure that files can be written to a folder, before a long computation relies on it.
 
-    Makes the folder if there is none, writes a small file into it and removes that file.
+    Makes the folder if it does not exist, writes a small file into it and removes that file.
 
     Parameters
     ----------

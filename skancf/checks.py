@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from skancf.showing import short, summary
+
 
 @dataclass(frozen=True)
 class Check:
@@ -16,6 +18,16 @@ class Check:
         Relative to what ``name`` compares with; a value that is not a number fails.
     advice : str
         What to do where it fails.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> check = sk.solve(system).checks[0]
+    >>> print(check.name, check.passed)
+    residual in the energy norm, of that of the strain True
     """
 
     name: str
@@ -23,10 +35,13 @@ class Check:
     bound: float
     advice: str = ""
 
+    __repr__ = short
+
     @property
     def passed(self) -> bool:
         return bool(self.value <= self.bound)
 
+    @summary
     def __str__(self) -> str:
         word = "holds" if self.passed else "FAILED"
         return f"{self.name}: {self.value:.1e}, at most {self.bound:.1e}: {word}"

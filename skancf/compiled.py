@@ -88,6 +88,16 @@ class SealedFile(IndexDataCacheFile):
     numba looks at the source of the outermost function only, which holds machine code of all those that it calls.
     """
 
+    def save(self, key: Any, data: Any) -> None:
+        """Write what was compiled for a signature, then the index that tells of it.
+
+        numba counts files: two processes that compile at the same time take one name for two signatures, and a third one
+        calls the code of the wrong one. Here each signature has a name of its own.
+        """
+        name = f"{Path(self._index_path).stem}.{_digest(repr(key).encode()).hex()}.nbc"
+        self._save_data(name, data)
+        self._save_index({**self._load_index(), key: name})
+
     def _load_index(self) -> dict[Any, str]:
         try:
             data = self._unsealed(self._index_path)

@@ -1,8 +1,11 @@
 """Errors of this library. Each message names the value, the rule and the way out."""
 
+import logging
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from decimal import Decimal
 from numbers import Real
 from typing import Any
@@ -11,19 +14,66 @@ import numpy as np
 
 
 class SkancfError(Exception):
-    """Base class, so that a caller can catch this library and nothing else."""
+    """Base class, so that a caller can catch this library and nothing else.
+
+    Examples
+    --------
+    >>> try:
+    ...     sk.Rectangle(-1.0, 1.0)
+    ... except sk.SkancfError as reason:
+    ...     print(type(reason).__name__)
+    InputError
+    """
 
 
 class InputError(SkancfError, ValueError):
-    """A value that cannot be used, found before any work was done."""
+    """A value that cannot be used, found before any work was done.
+
+    Examples
+    --------
+    >>> try:
+    ...     sk.Rectangle(-1.0, 1.0)
+    ... except sk.InputError as reason:
+    ...     print(reason)
+    length_x = -1.0: give a number greater than zero
+    """
 
 
 class NoLimit(InputError):
-    """A number that has no limit as the mesh is refined; the message names the point, and a quantity that has one."""
+    """A number that has no limit as the mesh is refined; the message names the point, and a quantity that has one.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> nail = sk.PointForce((0.5, 0.5), (0.0, 0.0, -100.0))
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, supports=[sk.Clamp("boundary")], loads=[nail])
+    >>> try:
+    ...     sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-2, theory="full", linear=True)
+    ... except sk.NoLimit as reason:
+    ...     print(str(reason).split(":")[0])
+    Displacement(at=(0.5, 0.5)) has no limit as the mesh is refined
+    """
 
 
 class DidNotConverge(SkancfError):
-    """A solve that stopped without an answer; carries the history of its residual."""
+    """A solve that stopped without an answer; carries the history of its residual.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> hard = replace(strip, loads=[sk.EdgeMoment("right", (0.0, -2e5, 0.0))])
+    >>> step = sk.HalveAndGrow(smallest=0.9)
+    >>> result = sk.solve(hard.on(system.mesh, "kirchhoff"), max_iterations=2, control=step, relax=False)
+    >>> try:
+    ...     solution = result.unwrap()
+    ... except sk.DidNotConverge:
+    ...     print(result.ok)
+    False
+    """
 
     def __init__(self, message: str, residual_norms: Sequence[float] = ()):
         self.residual_norms = tuple(residual_norms)
@@ -31,23 +81,84 @@ class DidNotConverge(SkancfError):
 
 
 class OutOfDepth(UserWarning):
-    """An answer that leaves out what may matter: shear of a thick plate, mass off its surface, loads that may flutter."""
+    """An answer that leaves out what may matter: shear of a thick plate, mass off its surface, loads that may flutter.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> from dataclasses import replace
+    >>> thick = replace(plate, thickness=0.1).on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> with warnings.catch_warnings(record=True) as told:
+    ...     warnings.simplefilter("always")
+    ...     solution = sk.solve(thick).unwrap()
+    >>> print([warning.category.__name__ for warning in told])
+    ['OutOfDepth']
+    """
+
+
+_silent: ContextVar[bool] = ContextVar("_silent", default=False)
+
+
+@contextmanager
+def silenced() -> Iterator[None]:
+    """No warnings by :func:`warn`, as of states on the way to an answer that will be judged itself."""
+    before = _silent.set(True)
+    try:
+        yield
+    finally:
+        _silent.reset(before)
+
+
+def is_silenced() -> bool:
+    """Whether the code runs in :func:`silenced`."""
+    return _silent.get()
 
 
 def warn(message: str) -> None:
-    """Warn of what is :class:`OutOfDepth`, at the line outside of this library that led to it."""
+    """Warn of what is :class:`OutOfDepth`, at the line outside of this library that led to it, and log it."""
+    if is_silenced():
+        return
     frame, level = sys._getframe(1), 2
+    logging.getLogger(frame.f_globals["__name__"]).warning("%s", message)
     while frame is not None and frame.f_globals.get("__name__", "").startswith("skancf."):
         frame, level = frame.f_back, level + 1  # type: ignore[assignment]
     warnings.warn(message, OutOfDepth, stacklevel=level)
 
 
 class SingularMatrix(SkancfError):
-    """A matrix that has no factors."""
+    """A matrix that has no factors.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> free = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel)
+    >>> system = free.on(sk.meshes.uniform(free.surface, 2, 2), "kirchhoff")
+    >>> with sk.linear.DirectSolver(system.pattern, system.constraints) as solver:
+    ...     try:
+    ...         solver.factor(system.tangent(system.undeformed))
+    ...     except sk.SingularMatrix:
+    ...         print("moves freely")
+    moves freely
+    """
 
 
 class NotEnoughMemory(SkancfError, MemoryError):
-    """A run that would not fit into memory, found before the memory was asked for."""
+    """A run that would not fit into memory, found before the memory was asked for.
+
+    Examples
+    --------
+    >>> try:
+    ...     sk.meshes.uniform(sk.Rectangle(1.0, 1.0), 10**6, 10**6)
+    ... except sk.NotEnoughMemory:
+    ...     print("too large")
+    too large
+    """
 
 
 LARGEST, SMALLEST = 1e100, 1e-100
@@ -66,7 +177,7 @@ def shown(value: Any) -> str:
 def finite(name: str, value: Any) -> np.ndarray:
     """``value`` as a float array; :class:`InputError` where it is no number, not finite, or beyond :data:`LARGEST`.
 
-    Text, truth values and complex numbers are none, and neither are masked entries.
+    Text, truth values, complex numbers and masked entries are refused.
     """
     array = _as_floats(name, value)
     wrong = ~(np.abs(array) <= LARGEST)
@@ -135,7 +246,7 @@ NO_DIRECTION = "this is no direction; give three components, not all zero"
 
 
 def unit_vector(name: str, value: Any, need: str = NO_DIRECTION) -> np.ndarray:
-    """``value`` as a direction of space, of length one; ``need`` says why zero is none."""
+    """``value`` as a direction of space, of length one; ``need`` says why it may not be zero."""
     direction = vector(name, value, 3)
     length = float(np.linalg.norm(direction))
     if not length:

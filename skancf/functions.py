@@ -14,7 +14,7 @@ WORDS = {2: "two", 3: "three"}
 
 
 def is_function(value: Any) -> bool:
-    """Whether a value is to be called; a class is none of a user's functions."""
+    """Whether a value is to be called; a class does not count as a function of the user."""
     return callable(value) and not isinstance(value, type)
 
 
@@ -191,7 +191,7 @@ def _wrong_shape(name: str, shape: tuple[int, ...], points: tuple[int, ...], com
 
 
 def _numbers(name: str, value: Any) -> np.ndarray:
-    """Finite numbers; strings, which numpy would read, complex numbers and None are none."""
+    """Finite numbers; strings, which numpy would read, complex numbers and None are refused."""
     try:
         kind = np.asarray(value).dtype.kind
     except ValueError:

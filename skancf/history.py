@@ -9,9 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import choice, function, plain
+from skancf.arguments import choice, function, plain, text
+from skancf.columns import columns
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.functions import called
+from skancf.showing import short
 from skancf.tolerances import ONE_TIME
 
 History = Callable[[float], float]
@@ -64,6 +67,11 @@ class Case:
         Of all loads and prescribed motions.
     time : float or None
         In seconds. Statics has none: there every history counts with its full amplitude.
+
+    Examples
+    --------
+    >>> sk.Case(0.5), sk.Case(time=0.1)
+    (Case(factor=0.5, time=None), Case(factor=1.0, time=0.1))
     """
 
     factor: float = 1.0
@@ -107,6 +115,15 @@ def check_cover(history: Any, begin: float, end: float) -> None:
         Any; a function without ``span = (first, last)`` covers all times.
     begin, end : float
         Of the run (s).
+
+    Examples
+    --------
+    >>> sk.history.check_cover(sk.Table((0.0, 1.0), (0.0, 1.0)), 0.0, 0.5)
+    >>> try:
+    ...     sk.history.check_cover(sk.Table((0.0, 1.0), (0.0, 1.0)), 0.0, 2.0)
+    ... except sk.InputError as reason:
+    ...     print(str(reason)[:60])
+    Table from t = 0 to 1 s does not cover the run from t = 0 to
     """
     span = getattr(history, "span", None)
     if span is None:
@@ -164,6 +181,7 @@ class Tabulated:
         return float(min(max(time, first), last))
 
 
+@by_value
 @dataclass(frozen=True)
 class Table(Tabulated):
     """A function of time given by values, for example measured ones.
@@ -186,13 +204,16 @@ class Table(Tabulated):
 
     Examples
     --------
-    >>> gust = sk.Table([0.0, 0.5, 2.0], [0.0, 1.0, 0.3], kind="smooth")
-    >>> load = sk.SurfaceLoad((0.0, 0.0, 200.0), history=gust)
+    >>> measured = sk.Table(times=(0.0, 0.1, 0.3), values=(0.0, 1.0, 0.5))
+    >>> measured(0.2)
+    0.75
     """
 
     times: Sequence[float]
     values: Sequence[float]
     kind: str = "linear"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -201,6 +222,38 @@ class Table(Tabulated):
             raise InputError(f"values of shape {values.shape}: give {n} numbers, one for each time")
         choice("kind", self.kind, ("linear", "smooth"))
         object.__setattr__(self, "values", tuple(values.tolist()))
+
+    @classmethod
+    def of(
+        cls, table: Any, time: str = "time", value: str = "factor", kind: str = "linear"
+    ) -> "Table":  # fmt: skip
+        """The function of time in two columns of a table, or in a Series over its index.
+
+        Parameters
+        ----------
+        table
+            A DataFrame, a Series of pandas, a mapping from names to columns, a structured array, or the path of a ``.csv``
+            file. Titles may have a unit, as in ``"time (s)"``.
+        time, value : str
+            Names of the two columns.
+        kind : {"linear", "smooth"}
+
+        Raises
+        ------
+        InputError
+            For a missing column, an entry that is no finite number (its column and row are named), and for values that make
+            no :class:`Table`.
+
+        Examples
+        --------
+        >>> sk.Table.of({"time (s)": [0.0, 1.0, 2.0], "factor": [0.0, 1.0, 0.5]})(1.5)
+        0.75
+        """
+        time, value = text("time", time), text("value", value)
+        if hasattr(table, "index") and hasattr(table, "to_frame"):
+            table = {time: np.asarray(table.index), value: np.asarray(table)}
+        found = columns("table", table, (time, value))
+        return cls(found[time].tolist(), found[value].tolist(), kind)
 
     @cached_property
     def _function(self) -> Callable[[float], Any]:
@@ -215,6 +268,7 @@ class Table(Tabulated):
         return float(self._function(self._inside(time)))
 
 
+@by_value
 @dataclass(frozen=True)
 class Path(Tabulated):
     """A way in the parameter plane, straight from point to point; a load that moves follows it.
@@ -231,10 +285,18 @@ class Path(Tabulated):
     InputError
         For times that do not ascend, fewer than two, points that are not finite or not as many; when called, for a time
         outside the range.
+
+    Examples
+    --------
+    >>> lane = sk.Path(times=(0.0, 2.0), points=[(0.0, 0.5), (10.0, 0.5)])
+    >>> print(lane(1.0))
+    [5.  0.5]
     """
 
     times: Sequence[float]
     points: Sequence[tuple[float, float]]
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -269,6 +331,7 @@ class Lasting:
         return self.start, self.start + self.duration
 
 
+@by_value
 @dataclass(frozen=True)
 class Ramp(Lasting):
     r"""Zero before ``start``, one after ``start + duration``, a straight line between: :math:`(t - t_0) / T`.
@@ -284,10 +347,18 @@ class Ramp(Lasting):
     ------
     InputError
         For a duration that is not positive, or a start that is not finite.
+
+    Examples
+    --------
+    >>> ramp = sk.Ramp(duration=0.2, start=0.1)
+    >>> ramp(0.1), ramp(0.2), ramp(1.0)
+    (0.0, 0.5, 1.0)
     """
 
     duration: float
     start: float = 0.0
+
+    __repr__ = short
 
     def __call__(self, time: float) -> float:
         return min(max((_moment(time) - self.start) / self.duration, 0.0), 1.0)
@@ -301,6 +372,7 @@ PULSES: dict[str, Callable[[float], float]] = {
 """Shapes over 0 < s < 1."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Pulse(Lasting):
     r"""A pulse of height one between ``start`` and ``start + duration``, zero elsewhere.
@@ -321,11 +393,19 @@ class Pulse(Lasting):
     ------
     InputError
         For a duration that is not positive, a start that is not finite, and an unknown shape.
+
+    Examples
+    --------
+    >>> tap = sk.Pulse(duration=0.01)
+    >>> print(tap(0.005), tap(0.02))
+    1.0 0.0
     """
 
     duration: float
     start: float = 0.0
     shape: str = "sine"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

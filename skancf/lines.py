@@ -14,6 +14,7 @@ from skancf.layout.around import require_inside
 from skancf.materials.heights import Interface
 from skancf.optional import needed
 from skancf.point_values import COMPONENTS, PointValues
+from skancf.showing import short
 from skancf.tabular import Column, Tabular
 from skancf.tensors import principal_stresses, von_mises
 from skancf.units import Units
@@ -53,6 +54,8 @@ class Arc:
     radius: float
     start: float = 0.0
     end: float = 2 * np.pi
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -157,6 +160,8 @@ class Profile(Tabular):
     z: np.ndarray
     layer: np.ndarray
     stress: np.ndarray
+
+    __repr__ = short
 
     def _table(self) -> dict[str, Column]:
         table: dict[str, Column] = {"z": (self.z, "m"), "layer": (self.layer, "")}

@@ -54,13 +54,13 @@ least there are."""
 
 
 def require_mesh(n_elements: int, each: int = SYSTEM) -> None:
-    """Refuse a mesh of so many elements on which no system would fit; :data:`MESH` of bytes each where some are cut out."""
+    """Refuse a mesh of more elements than a system would fit on; :data:`MESH` of bytes each where some are cut out."""
     many = f"{n_elements}" if n_elements < 10**12 else f"{min(n_elements, 10**300):.3g}"
     require_much(each * n_elements, f"{many} elements", "a mesh" if each == MESH else "a mesh with a system on it")
 
 
 def require_shapes(n_shapes: int, each: int, theory: str) -> None:
-    """Refuse a mesh of so many elements of different shapes whose laws, of ``each`` bytes, would not fit into memory."""
+    """Refuse elements of different shapes whose laws, of ``each`` bytes, would not fit into memory."""
     require_much(
         each * n_shapes, f"{n_shapes} elements of different shapes", f"the set-up of theory '{theory}'",
         f"take equal elements (sk.meshes.uniform, or a quadtree of it), which share what they need; {WAY_OUT}",

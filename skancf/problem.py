@@ -10,6 +10,7 @@ import skfem
 
 from skancf.arguments import MESH, instance, plain
 from skancf.conditions import Joint
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, shown, warn
 from skancf.layout.geometry import Geometry
 from skancf.loads import Load
@@ -18,6 +19,7 @@ from skancf.materials.zones import check_zones
 from skancf.memory import require_mesh
 from skancf.meshes.sides import misnamed, unjoined
 from skancf.meshes.snap import onto_bounds, onto_lines
+from skancf.showing import in_a_notebook, short
 from skancf.supports import Support
 from skancf.surfaces import Surface
 from skancf.surfaces.checks import require_surface, require_vectors
@@ -31,6 +33,7 @@ CHOICES: dict[str, Callable[[Callable[[Theory], System], float], System]] = {}
 theory, by solving, puts its name here."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Problem:
     """Surface, thickness, material, supports and loads; knows no mesh.
@@ -47,7 +50,7 @@ class Problem:
         as fibres that turn. It is called point by point.
     supports, loads : sequences
     damping : Damping, optional
-        Of the material and of the mass, in dynamics; without it there is none.
+        Of the material and of the mass, in dynamics; motion is undamped without it.
     terms : sequence of Addition, optional
         Energies, forces and bodies of your own, see :class:`~skancf.terms.Addition`.
     offset : float or callable
@@ -63,7 +66,7 @@ class Problem:
     ------
     InputError
         For a thickness that is not positive, is missing, or is given with a laminate, and for a surface, material,
-        support, load or damping that is none; for zones that overlap.
+        support, load or damping that is not one; for zones that overlap.
 
     Examples
     --------
@@ -87,6 +90,10 @@ class Problem:
     zones: Sequence[Zone] = field(default_factory=tuple)
     conditions: Sequence[Joint] = field(default_factory=tuple)
 
+    __repr__ = short
+
+    _repr_html_ = in_a_notebook
+
     def __post_init__(self) -> None:
         plain(self)
         require_surface(self.surface)
@@ -99,7 +106,7 @@ class Problem:
             object.__setattr__(self, name, tuple(items))
             for item in items:
                 if isinstance(item, type) or not hasattr(item, method):
-                    raise InputError(f"{name}: {shown(item)} is none; see skancf.{name} for what there is")
+                    raise InputError(f"{name}: {shown(item)} is not a {name[:-1]}; see skancf.{name} for the choices")
                 if name == "loads" and isinstance(item, Addition):
                     raise InputError(f"loads: {shown(item)} is a term; give it in terms=[...], a FormTerm with load=True")
         if self.damping is not None:
@@ -126,7 +133,7 @@ class Problem:
         Raises
         ------
         InputError
-            For a mesh or theory that is none, or does not fit the surface; for supports and loads that have no place there;
+            For a mesh or theory that is not one, or does not fit the surface; for supports and loads without a place there;
             for zones whose sides are no mesh lines, and a thickness that is not positive somewhere.
         OutOfDepth
             Warned: for a boundary of the mesh with the name of one side of the surface that lies on another one, and for two

@@ -161,7 +161,7 @@ def _along(geometry: Geometry, start: np.ndarray, end: np.ndarray) -> np.ndarray
 
 
 def _near(geometry: Geometry, apart: np.ndarray) -> np.ndarray:
-    """Which differences (n, 2) of places are none, across a seam too."""
+    """Which differences (n, 2) of places are zero, across a seam too."""
     apart = apart - geometry.whole_turns(apart.T).T
     return np.asarray(np.abs(apart / np.ptp(geometry.mesh.p, axis=1)).max(axis=1) < SAME_POINT)
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import flag, plain, system_like, text
+from skancf.equality import by_value
 from skancf.errors import InputError, number, shown, vector
 from skancf.history import Case
 from skancf.layout.layout import vectors
@@ -14,6 +15,7 @@ from skancf.lines import AtPlaces
 from skancf.local_fields import LocalFields
 from skancf.materials.heights import Depth, depth_of
 from skancf.reactions import Reactions
+from skancf.showing import in_a_notebook, in_brackets, state_in_words
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
@@ -23,6 +25,7 @@ from skancf.tolerances import SAME_VALUE
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 
 
+@by_value
 @dataclass(frozen=True)
 class Solution(LocalFields, AtPlaces, Reactions):
     """One state: nodal coordinates with their system.
@@ -45,6 +48,19 @@ class Solution(LocalFields, AtPlaces, Reactions):
         What is to be known of it, such as that a mode has no size of its own; titles of pictures say it.
     multipliers : (n,) array or None
         Of the conditions, in the order of their rows; :attr:`conditions` has them by name.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> solution = sk.solve_linear(system)
+    >>> print(f"{1000 * solution.displacement((0.5, 0.5))[2]:.4f} mm, {solution.reactions()[2]:.1f} N")
+    -0.0658 mm, 1000.0 N
     """
 
     system: System
@@ -56,6 +72,8 @@ class Solution(LocalFields, AtPlaces, Reactions):
     small: np.ndarray | None = field(default=None, repr=False, kw_only=True)
     note: str = field(default="", kw_only=True)
     multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
+
+    __repr__, __str__, _repr_html_ = in_brackets, state_in_words, in_a_notebook
 
     def __post_init__(self) -> None:
         plain(self)

@@ -12,6 +12,7 @@ from skancf.lines import ABOVE, checked_points
 from skancf.materials import Laminate
 from skancf.materials.heights import Interface
 from skancf.point_values import PointValues
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.tabular import Column, Tabular
 from skancf.tensors import tresca, turned, von_mises
@@ -50,6 +51,8 @@ class Strength:
     compression: tuple[float, float]
     shear: float
     interaction: float = -0.5
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         for name in ("tension", "compression"):
@@ -124,6 +127,8 @@ class Utilisation(Tabular):
     values: np.ndarray
     z: np.ndarray
     layer: np.ndarray
+
+    __repr__ = short
 
     @property
     def governing(self) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Tolerances, in four families: places, angles, rounding and convergence.
 
 Each says what it is relative to, and why it is no smaller and no larger. Parameters of a method (shares, factors, steps of
-differences, shifts of a matrix) are no tolerances; they are beside the method.
+differences, shifts of a matrix) are not tolerances; they stand with the method.
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ NO_AREA = 1e-12
 """Of the square of the longest side: less is no area. Rounding leaves 1e-16, derivatives by differences 1e-12; an aspect
 ratio of 1e6 has 1e-6."""
 LOST_AREA = 1e-6
-"""Of the undeformed area: a deformed one that is smaller is none."""
+"""Of the undeformed area: a smaller deformed one counts as zero."""
 ONE_TIME = 1e-9
 """Of a span of time: a time this near to its end is in it, and one this near to another is the same. Sums of time steps
 round by less."""
@@ -87,7 +87,7 @@ ROUNDED_PRODUCT = 1e-12
 and derivatives of second order leave."""
 SAME_VALUE = 1e-9
 """Of their size: two values that are equal in exact arithmetic, but were computed in different ways, as at elements that are
-mirror images. A difference that is smaller is none."""
+mirror images. A smaller difference does not count."""
 SAME_DERIVATIVE = 1e-5
 """Of its size: a derivative and a central difference, of whose steps the best counts, that differ by more are two things."""
 SYMMETRIC = 1e-10
@@ -152,6 +152,8 @@ NO_CHANGE = 1e-6
 """Of a strain between two states, relative to the strains: what is of third order in it is rounding of the energy."""
 PASSED = 1e-12
 """Of the answer of a linear solve with conditions, and of its multipliers: the last pass. Each gains a thousandfold."""
+SAMPLED_EXACTLY = 1e-12
+"""Of the largest value of a function: differences of a table of it that are rounding, and not worth a warning."""
 ROUNDED_LEAST_SQUARES = 1e-14
 """Of matrix and right-hand side: where an iteration for least squares ends."""
 CONTRADICTION = 1e-6

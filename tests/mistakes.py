@@ -169,6 +169,7 @@ MAY_BE: dict[str, set[str]] = {
     "whole": {"many", "zero", "minus"},
     "numbers": {"row", "nothing", "empty", "cube"} | NUMBERS,
     "flag": {"true", "zero", "none"},
+    "progress": {"true", "zero", *FUNCTIONS},
     "text": {"text", "word", "empty text", "long name", "none"},
     "items": {"empty", "none", "nothing"},
     "mapping": {"dict", "none"},
@@ -190,7 +191,7 @@ def kind_of(call: Call, name: str) -> str:
     """The kind of an argument, from what is valid for it."""
     if name in call.kinds:
         return call.kinds[name]
-    if name in ("where", "mesh", "system", "surface"):
+    if name in ("where", "mesh", "system", "surface", "progress"):
         return "place" if name == "where" else name
     value = call.arguments[name]
     for kind, types in (("flag", bool), ("whole", int), ("number", float), ("text", str), ("file", Path),
@@ -405,9 +406,9 @@ def add_solvers(add: Any, s: Scene) -> None:
     add("trace", sk.trace, system=s.system, control=sk.ArcLength(), until=0.1, steps=3, start=None, rtol=1e-6,
         max_iterations=10, mixed=True, backend="auto", progress=False,
         kinds={"control": "any", "start": "state", "until": "optional"}, takes="control:none")  # fmt: skip
-    add("modes", sk.modes, system=s.system, n=2, state=s.solution, tolerance=1e-8, backend="auto")
+    add("modes", sk.modes, system=s.system, n=2, state=s.solution, tolerance=1e-8, backend="auto", progress=False)
     add("buckling", sk.buckling, system=s.pushed_system, n=1, signs="positive", tolerance=1e-8, backend="auto",
-        takes="system:system")  # fmt: skip
+        progress=False, takes="system:system")  # fmt: skip
     add("simulate", sk.simulate, system=s.system, t_end=0.01, dt=0.01, outputs=3, record={"a": lambda state: 1.0},
         velocity=sk.RigidVelocity(), start=None, balance=0.1, resume=False, newton_rtol=1e-4, backend="auto", check=False,
         progress=False,
@@ -522,9 +523,9 @@ def add_adaptive(add: Any, s: Scene) -> None:
     add("transfer", sk.transfer, state=s.solution, system=s.finer)
     add("remap", sk.remap, state=s.solution, system=s.finer, acceleration=0 * s.solution.q, settle=True, backend="auto",
         takes="acceleration:none")  # fmt: skip
-    add("goal_estimate", sk.goal_estimate, state=s.solution, quantity=sk.Displacement(at), backend="auto",
+    add("goal_estimate", sk.goal_estimate, state=s.solution, quantity=sk.Displacement(at), backend="auto", progress=False,
         halvings=Halvings(np.empty((2, 0)), np.empty(0)))  # fmt: skip
-    add("theory_error", sk.theory_error, solution=s.solution, quantity=sk.Displacement(at), backend="auto",
+    add("theory_error", sk.theory_error, solution=s.solution, quantity=sk.Displacement(at), backend="auto", progress=False,
         takes="quantity:none")  # fmt: skip
     add("residual_indicator", sk.residual_indicator, state=s.solution, backend="auto")
     add("recovery_indicator", sk.recovery_indicator, solution=s.solution)
@@ -568,9 +569,9 @@ def add_output(add: Any, s: Scene) -> None:
     values = np.arange(9.0)
     add("sample", o.sample, solution=s.solution, subdivisions=1, z=0.001)
     add("write", o.write, states=s.solution, path=s.folder / "state.vtu", subdivisions=1, depths={"mid": 0.0},
-        aliases={**file, "states": ".pvd"},
+        progress=False, aliases={**file, "states": ".pvd"},
         takes="depths:none", kinds={"depths": "mapping"})  # fmt: skip
-    add("write many", o.write, states=[s.solution], path=s.folder / "states.pvd", subdivisions=1, depths={},
+    add("write many", o.write, states=[s.solution], path=s.folder / "states.pvd", subdivisions=1, depths={}, progress=False,
         aliases={**file, "states": "state"},
         kinds={"states": "any"})  # fmt: skip
     add("read", o.read, path=s.vtu, aliases=file)
@@ -593,11 +594,11 @@ def add_output(add: Any, s: Scene) -> None:
         aliases={"path": "file", "modes": "natural"}, takes="modes:none,limit:none")  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),
         colours=np.ones((1, 4)), light=(0.5, -0.4, 0.8), stretch=(1.0, 1.0, 1.0))  # fmt: skip
-    from skancf.output.pictures import Style
+    from skancf.output.style import Style
 
     add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
-        show_undeformed=False, title="a", subdivisions=2, size=(300, 200),
-        takes="limits:none,subdivisions:none,z:none")  # fmt: skip
+        show_undeformed=False, title="a", subdivisions=2, size=(300, 200), units=sk.Units(),
+        takes="limits:none,subdivisions:none,z:none,units:none")  # fmt: skip
 
 
 SLOW = {"mesh_chart", "field_chart", "histories_chart", "convergence", "effectivity", "mesh_levels", "spectrum_chart"}

@@ -119,7 +119,7 @@ def test_triangles_have_their_slopes_and_no_curve_in_them(slopes):
 def test_what_cannot_be_drawn_is_refused(tmp_path):
     mesh, path = uniform(SQUARE, 2, 2), tmp_path / "a.png"
     calls = {
-        "meshes: there are none": lambda: output.mesh_levels([], path),
+        "meshes: the sequence is empty": lambda: output.mesh_levels([], path),
         "titles: 1 for 2 meshes": lambda: output.mesh_levels([mesh] * 2, path, titles=["a"]),
         "values: 2 for 1 meshes": lambda: output.mesh_levels([mesh], path, values=[np.ones(4)] * 2),
         r"values\[0\] has shape .*4 elements": lambda: output.mesh_levels([mesh], path, values=[np.ones(9)]),
@@ -128,7 +128,7 @@ def test_what_cannot_be_drawn_is_refused(tmp_path):
         "no positive values": lambda: output.convergence({"a": (DOFS, 0 * DOFS)}, path),
         "'a': values of shape": lambda: output.convergence({"a": (DOFS, [1.0])}, path),
         "slope of 0": lambda: output.convergence({"a": (DOFS, DOFS)}, path, slopes=(0, 1)),
-        "curves: there are none": lambda: output.effectivity({}, path),
+        "curves: the sequence is empty": lambda: output.effectivity({}, path),
         "x = 0.0 cannot be drawn": lambda: output.effectivity({"a": (0 * DOFS, DOFS)}, path),
         "band = .*about 1": lambda: output.effectivity({"a": (DOFS, DOFS)}, path, band=(1.1, 1.2)),
         "end it in .png or .pdf or .svg": lambda: output.effectivity({"a": (DOFS, DOFS)}, path.with_suffix(".jpg")),

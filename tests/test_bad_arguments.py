@@ -11,7 +11,7 @@ import pytest
 from mistakes import Call, Fault, Scene, answer, calls, fault, faults, mistakes, parameters
 
 import skancf as sk
-from skancf.output.pictures import Style
+from skancf.output.style import Style
 
 LEAST = 1500
 
@@ -41,8 +41,9 @@ def test_valid_calls_succeed(scene, capsys):
 
 ELSEWHERE = {
     # Results, which the library makes.
-    "AdaptiveResult", "BucklingResult", "Check", "Ledger", "Modes", "Motion", "PathResult", "RemapChange", "Remapped",
-    "Spectrum", "TheoryError", "StaticResult", "Samples", "MeshQuadTree", "Status", "Envelope", "Utilisation",
+    "AdaptiveResult", "BucklingResult", "Check", "Ledger", "Modes", "Motion", "PathResult", "Progress", "RemapChange",
+    "Remapped", "Spectrum", "TheoryError", "StaticResult", "Samples", "MeshQuadTree", "Status",
+    "Envelope", "Utilisation",
     # Without arguments.
     "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
     "ElementQuadHermite", "Plane",

@@ -113,7 +113,7 @@ WRONG = {
     "between of nothing": ({"energy": lambda self, q, case: None}, "no energy whose work it could do"),
     "mass": ({"add_mass": added("mass", -np.eye(3))}, "negative part of the mass"),
     "skew mass": ({"add_mass": added("mass", np.eye(3) + np.eye(3, k=1) - np.eye(3, k=-1))}, "skew part of the mass matrix"),
-    "blocks": ({"couples": too_far}, "block 400 is none; the layout has blocks 0 to 8, in parts 'plate'"),
+    "blocks": ({"couples": too_far}, "block 400 does not exist; the layout has blocks 0 to 8, in parts 'plate'"),
     "overlap": ({"couples": lambda self: np.array([[1, 1]])}, r"blocks overlap, cell 0 is \[1, 1\]"),
     "no cells": ({"couples": lambda self: [[1, 2]]}, "give an array .* of whole numbers"),
     "shape": ({"force": lambda self, q, v, case: np.zeros(3)}, "of shape .3,.; give 108 finite numbers"),

@@ -89,6 +89,9 @@ def test_killed_runs_end_with_the_same_bytes(name, server, tmp_path):
     assert killed > 1, "hardly any process was killed while it computed"
 
 
+THREADS = dict.fromkeys(("SKANCF_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "2")
+
+
 @posix
 @pytest.mark.parametrize("name", ["large", "large_superlu"])
 def test_large_runs_have_the_same_bytes_in_every_process(name, tmp_path):
@@ -98,7 +101,7 @@ def test_large_runs_have_the_same_bytes_in_every_process(name, tmp_path):
 
     def process(k):
         return subprocess.Popen([sys.executable, SCRIPT, name, tmp_path / f"run {k}", tmp_path / f"{k}.npz"],
-                                env={**os.environ, "PADDING": "x" * 1000 * k})  # fmt: skip
+                                env={**os.environ, **THREADS, "PADDING": "x" * 1000 * k})  # fmt: skip
 
     both = [process(k) for k in range(2)]  # at the same time, so that they disturb each other
     while not (tmp_path / "run 1" / "piece_000002.npz").exists():

@@ -8,8 +8,10 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from numba.core.caching import IndexDataCacheFile
 
 import skancf
+from skancf.compiled import SealedFile
 
 PACKAGE = Path(skancf.__file__).parent
 KERNEL = """
@@ -133,6 +135,25 @@ def test_a_damaged_cache_is_written_again(package, tmp_path, kind, damage):
     assert warned.count("NoCache") == 1
     assert "NUMBA_CACHE_DIR" in warned
     assert run(package, NUMBA_CACHE_DIR=str(folder)) == (["14.0", "1"], "")
+
+
+@pytest.mark.parametrize(("kind", "right"), [(SealedFile, True), (IndexDataCacheFile, False)])
+def test_processes_that_compile_at_the_same_time_keep_their_code_apart(kind, right, tmp_path, monkeypatch):
+    """Both find an empty index; one writes all it has while the other has its code yet to write."""
+    ours, theirs = (kind(str(tmp_path), "kernel", None) for _ in range(2))
+    write = ours._save_data
+
+    def late(name, data):
+        with monkeypatch.context() as patch:
+            patch.setattr(theirs, "_load_index", dict)
+            theirs.save(("their signature",), "their code")
+        write(name, data)
+
+    monkeypatch.setattr(ours, "_save_data", late)
+    ours.save(("our signature",), "our code")
+    third = kind(str(tmp_path), "kernel", None)
+    assert (third.load(("their signature",)) == "their code") is right
+    assert third.load(("our signature",)) == ("our code" if right else None)
 
 
 def test_an_edit_of_an_inner_function_is_seen(package, tmp_path):

@@ -1,5 +1,6 @@
 """The pages keep their word: the tutorials run and print what they show."""
 
+import ast
 import importlib.util
 import re
 from pathlib import Path
@@ -25,22 +26,40 @@ def load(path: Path) -> ModuleType:
 tutorial = load(DOCS / "measure" / "tutorial.py")
 
 
-@pytest.mark.parametrize("name", tutorial.PAGES)
-def test_a_tutorial_prints_what_it_shows(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    pictures = set(tutorial.pictures(tutorial.PAGES[name]))
+def check_page(page: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
+    """Its code prints what it shows and makes its pictures; how many outputs it has."""
+    monkeypatch.chdir(folder)
+    pictures = tutorial.pictures(page)
     try:
         check_rendering()
     except SkancfError:
         monkeypatch.setattr(output, "picture", lambda *_, **__: None)
-        pictures = set()
-    examples = tutorial.examples(tutorial.PAGES[name])
+        pictures = []
+    examples = tutorial.examples(page)
     printed = tutorial.run(examples)
     for example, given in zip(examples, printed, strict=True):
         assert tutorial.same(example.shown, given), f"line {example.line}: shown\n{example.shown}printed\n{given}"
-    assert sum(bool(example.shown) for example in examples) >= 4, "outputs have not been found on the page"
-    for file in pictures:
-        assert (tmp_path / file).stat().st_size > 0
+    for picture in pictures:
+        assert (folder / Path(picture).name).stat().st_size > 0
+    return sum(bool(example.shown) for example in examples)
+
+
+@pytest.mark.parametrize("name", tutorial.PAGES)
+def test_a_tutorial_prints_what_it_shows(name, tmp_path, monkeypatch):
+    assert check_page(tutorial.PAGES[name], tmp_path, monkeypatch) >= 4, "outputs have not been found on the page"
+
+
+def test_the_first_page_runs_in_ten_lines(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    try:
+        check_rendering()
+    except SkancfError:
+        monkeypatch.setattr(output, "picture", lambda *_, **__: None)
+    (example,) = tutorial.examples(tutorial.FRONT)
+    (given,) = tutorial.run([example])
+    assert example.shown and tutorial.same(example.shown, given), given
+    statements = ast.parse(example.code).body
+    assert len(statements) <= 10
 
 
 def test_every_tutorial_is_found_and_shows_a_picture():

@@ -14,10 +14,10 @@ from skancf import atomic, output
 from skancf.errors import InputError, SkancfError
 from skancf.output.fields import place, readable_unit, unit, values
 from skancf.output.files import FILE_ORDER
-from skancf.output.pictures import Style, _title
 from skancf.output.plane import subdivided
 from skancf.output.rendering import check_rendering
 from skancf.output.sampling import grid
+from skancf.output.style import Style, title_of
 from skancf.tensors import von_mises
 
 THICKNESS = 0.1
@@ -289,7 +289,7 @@ def test_wrong_states_are_refused(rested, tmp_path):
     at = [moved(rested, time=t) for t in (0.0, 0.0)]
     for states, message in [
         (at, "state 1: time 0.0 s follows 0.0 s"),
-        ([], "there are none"),
+        ([], "the sequence is empty|there is nothing to write"),
         (3, "give a Solution or a sequence"),
         ([1], "state 0: give Solutions, not int"),
     ]:
@@ -432,7 +432,7 @@ def test_titles_say_at_which_depth_and_of_what_kind_a_state_is():
 
     def title(state, **options):
         style = Style(**options)
-        return _title(state, style, place(style.field, plate.section, style.z)[1])
+        return title_of(state, style, place(style.field, plate.section, style.z)[1])
 
     small, large = sk.solve_linear(system), sk.solve(system).unwrap()
     assert title(small) == "displacement, small deflections"
@@ -482,7 +482,7 @@ def test_a_film_moves(rested, tmp_path):
         film.seek(k)
         frames.append(np.asarray(film.convert("RGB")).astype(float))
     assert np.abs(frames[0] - frames[2]).max() > 100
-    with pytest.raises(InputError, match="none to draw"):
+    with pytest.raises(InputError, match="the sequence is empty"):
         output.animation([], tmp_path / "none.gif")
 
 
@@ -576,7 +576,7 @@ def test_charts_refuse_what_they_cannot_draw(tmp_path):
         "values.*not finite": lambda: output.field_chart(mesh, np.full(9, np.nan), path, "u"),
         "limits = .*smaller": lambda: output.field_chart(mesh, np.ones(9), path, "u", limits=(1, 0)),
         "'a': values of shape": lambda: output.histories_chart(t, {"a": [1, 2]}, path, ylabel="u"),
-        "none to draw": lambda: output.histories_chart(t, {}, path, ylabel="u"),
+        "the sequence is empty": lambda: output.histories_chart(t, {}, path, ylabel="u"),
         "not both": lambda: output.histories_chart(t, {"a": t, "b": {"c": t}}, path, ylabel="u"),
         "no positive values": lambda: output.convergence({"a": (t, 0 * t)}, path),
         "end it in .png or .pdf or .svg": lambda: output.mesh_chart(mesh, tmp_path / "a.jpg"),

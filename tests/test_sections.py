@@ -373,7 +373,7 @@ class HalfALaw:
 MISTAKES = {
     "no layers": (lambda: sk.Laminate([]), r"layers = \[\]: give a list of layers"),
     "no list": (lambda: sk.Laminate(LAYER), "layers = .*give a list of layers"),
-    "not a layer": (lambda: sk.Laminate([LAYER, PLY]), "layers: .*is none; give Layer"),
+    "not a layer": (lambda: sk.Laminate([LAYER, PLY]), "layers: .*is not a layer; give Layer"),
     "negative thickness": (lambda: sk.Layer(PLY, -0.1), "thickness of a layer = -0.1 m: .*greater than zero"),
     "no thickness": (lambda: sk.Layer(PLY, None), "thickness of a layer"),
     "no material": (lambda: sk.Layer(None, 0.1), "material = None: give a law"),

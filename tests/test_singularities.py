@@ -11,7 +11,7 @@ from skancf.adaptive.refined import enriched_mesh
 from skancf.adaptive.singular import singular_points, touching
 from skancf.errors import InputError
 from skancf.loads import Singularity
-from skancf.loads.acting import Acting, point_forces
+from skancf.loads.acting import Acting, at_points
 from skancf.recovered import cuts
 from skancf.supports import Support
 from skancf.supports.conditions import Row
@@ -235,7 +235,7 @@ class Screw:
 class ScrewOnMesh(Acting):
     def __init__(self, geometry, screw):
         element, local = geometry.locate(screw.place)
-        self.screw, self.nodal = screw, point_forces(geometry, [element], local[None], np.array([screw.force]))
+        self.screw, self.nodal = screw, at_points([element], local[None], np.array([screw.force])).nodal(geometry)
 
     def force(self, q, case):
         return case.amplitude(None) * self.nodal

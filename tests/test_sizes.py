@@ -10,7 +10,7 @@ import skfem
 
 import skancf as sk
 from skancf import memory
-from skancf.output.pictures import Style
+from skancf.output.style import Style
 from skancf.theories import theory_named
 
 GIGABYTE = 10**9

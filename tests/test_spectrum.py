@@ -214,7 +214,7 @@ def test_bad_input_is_refused(tmp_path):
         "natural frequencies = .*above zero": lambda: spectrum.compare([0.0, -1.0]),
         r"natural frequencies = \[\]": lambda: spectrum.compare([]),
         "natural frequencies.*not finite": lambda: spectrum.compare([np.nan]),
-        "spectra: there are none": lambda: output.spectrum_chart({}, path),
+        "spectra: the sequence is empty": lambda: output.spectrum_chart({}, path),
         "all amplitudes are zero": lambda: output.spectrum_chart(sk.spectrum(TIMES, 0 * x), path),
         "limit = -1": lambda: output.spectrum_chart(spectrum, path, limit=-1),
         "end it in .png": lambda: output.spectrum_chart(spectrum, path.with_suffix(".jpg")),

@@ -183,14 +183,6 @@ def test_a_support_that_tears_is_refused_before_any_work():
         sk.solve(strip(), backend="abacus")
 
 
-def test_progress_is_shown_on_request(capsys):
-    sk.solve(strip(1.0), progress=True)
-    shown = capsys.readouterr().err
-    assert "statics [" in shown and "100 %" in shown and "load factor 1" in shown
-    sk.solve(strip(1.0))
-    assert capsys.readouterr().err == ""
-
-
 def test_overflow_is_a_result_that_says_where():
     problem = sk.Problem(sk.Rectangle(1.0, 1.0), 0.1, sk.Isotropic(1e6, 0.3, 1.0), [sk.Clamp("left")],
                          [sk.PointForce((1.0, 1.0), (0, 0, 1e99))])  # fmt: skip

@@ -485,7 +485,7 @@ MISTAKES = {
     "empty place": (lambda: system_with([sk.Clamp([])]), r"place \[\]: give the name"),
     "number as a place": (lambda: system_with([sk.Clamp(5)]), "place 5: give the name"),
     "two components": (lambda: system_with([], [sk.SurfaceLoad(lambda x, y: (x, y))]), "must return three components"),
-    "not a support": (lambda: system_with([None]), "supports: None is none"),
+    "not a support": (lambda: system_with([None]), "supports: None is not a support"),
     "no displacement": (lambda: sk.Prescribed("left", None), "give three entries"),
     "no material": (lambda: sk.Problem(sk.Rectangle(1.0, 1.0), 0.1, None), "material = None: give a law"),
     "one thickness point": (lambda: sk.Full(n_thickness=0), "n_thickness = 0"),

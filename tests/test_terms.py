@@ -236,12 +236,12 @@ class Wrong(Addition):
 
 
 def test_what_couples_blocks_that_are_not_there_is_named():
-    with pytest.raises(sk.InputError, match=r"couples\(\): block 40 is none; the layout has blocks 0 to 3"):
+    with pytest.raises(sk.InputError, match=r"couples\(\): block 40 does not exist; the layout has blocks 0 to 3"):
         on([Wrong([[0, 40]], between(1.0))], n=1)
     with pytest.raises(sk.InputError, match=r"matrices of shape \(1, 12, 12\) for cells of shape \(1, 2\): give"):
         own = {"couples": CELL, "add_tangent": lambda self, q, v, case, blocks: blocks.add(CELL, np.eye(12)[None])}
         sk.solve_linear(on([term_with(**own)], n=1))
-    with pytest.raises(sk.InputError, match=r"terms: .* is none"):
+    with pytest.raises(sk.InputError, match=r"terms: .* is not a term"):
         problem([3.0])
 
 
@@ -312,7 +312,7 @@ def test_additions_return_a_term_and_a_part():
         Part(3, np.zeros((1, 4, 3)), np.ones((1, 12)), np.zeros((1, 3)))
     with pytest.raises(sk.InputError, match=r"loads: .* is a term; give it in terms"):
         problem(loads=[sk.FormTerm(energy=lambda w: w.J)])
-    with pytest.raises(sk.InputError, match=r"terms: PointForce.* is none"):
+    with pytest.raises(sk.InputError, match=r"terms: PointForce.* is not a term"):
         problem([sk.PointForce(TIP, (0.0, 0.0, 1.0))])
 
 

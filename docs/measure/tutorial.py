@@ -1,17 +1,18 @@
-"""Run the code of the tutorial pages, compare what it prints with what they show, and renew their pictures.
+"""Run the code of the tutorials and how-to pages, compare what it prints with what they show, and renew their pictures.
 
-From the folder of the repository, in a minute:
+From the folder of the repository, in two minutes:
 
     .venv/bin/python docs/measure/tutorial.py
 
-Names of pages run these only, for example ``laminates``. The pictures go to docs/pictures. tests/test_docs.py runs the same
-code without touching them.
+Names of pages run these only, for example ``laminates`` or ``plate_with_hole``. The pictures go to docs/pictures.
+tests/test_docs.py runs the same code without touching them.
 """
 
 import contextlib
 import io
 import os
 import re
+import shutil
 import sys
 import tempfile
 import textwrap
@@ -20,7 +21,9 @@ from typing import NamedTuple
 
 DOCS = Path(__file__).resolve().parent.parent
 PAGES = {page.stem: page for page in [DOCS / "getting_started.rst", *sorted((DOCS / "tutorials").glob("*.rst"))]}
-PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/(\w+\.png)")
+FRONT = DOCS / "index.rst"
+HOWTO = {page.stem: page for page in sorted((DOCS / "howto").glob("*.rst")) if page.stem != "index"}
+PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/((?:howto/)?\w+\.(?:png|gif))")
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
 NUMBER = re.compile(r"-?\d+\.\d+|-?\d+")
 
@@ -34,7 +37,7 @@ class Example(NamedTuple):
 
 
 def pictures(page: Path) -> list[str]:
-    """Files that the code of a page makes and the page shows."""
+    """Files that the code of a page makes and the page shows, by their places in docs/pictures."""
     return PICTURE.findall(page.read_text(encoding="utf-8"))
 
 
@@ -83,11 +86,15 @@ def renew(page: Path) -> bool:
         finally:
             os.chdir(start)
         for name in pictures(page):
-            with Image.open(Path(folder) / name) as picture:
+            made, kept = Path(folder) / Path(name).name, DOCS / "pictures" / name
+            if made.suffix == ".gif":
+                shutil.copyfile(made, kept)
+                continue
+            with Image.open(made) as picture:
                 flat = picture.convert("RGB")
                 flat.thumbnail((900, 900))
                 flat = flat.quantize(256, dither=Image.Dither.NONE)  # a third of the bytes
-                flat.save(DOCS / "pictures" / name, optimize=True)
+                flat.save(kept, optimize=True)
     wrong = [(e, p) for e, p in zip(found, printed, strict=True) if not same(e.shown, p)]
     for example, given in wrong:
         print(f"{page.name}, line {example.line} shows\n{example.shown}but prints\n{given}")
@@ -95,7 +102,8 @@ def renew(page: Path) -> bool:
 
 
 def main() -> None:
-    results = [renew(PAGES[name]) for name in sys.argv[1:] or PAGES]
+    pages = {"index": FRONT, **PAGES, **HOWTO}
+    results = [renew(pages[name]) for name in sys.argv[1:] or pages]
     sys.exit(not all(results))
 
 

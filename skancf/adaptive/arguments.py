@@ -1,6 +1,5 @@
 """Arguments of the loop, and what is checked before any work."""
 
-import warnings
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -12,7 +11,7 @@ from skancf.adaptive.limits import drift, no_limit
 from skancf.adaptive.recovery import recovery_indicator
 from skancf.adaptive.stress import face_stress
 from skancf.arguments import PROBLEM, flag, having, instance, whole
-from skancf.errors import InputError, NoLimit, OutOfDepth, number, positive, shown
+from skancf.errors import InputError, NoLimit, number, positive, shown, warn
 from skancf.linear import check_backend
 from skancf.meshes import MeshQuadTree
 from skancf.problem import Problem
@@ -74,7 +73,7 @@ def first_system(
         raise NoLimit(why)
     for hint in (drift(system), _between_lines(quantity, mesh)):
         if hint:
-            warnings.warn(hint, OutOfDepth, stacklevel=3)
+            warn(hint)
     warn_without_time(system)
     if isinstance(analysis, StaticAnalysis):
         require_support(system)

@@ -6,6 +6,7 @@ of its error. The residual vanishes on what the coarse mesh can do; the rest of 
 :math:`z - P I z` over its nodal interpolant, which lives in the bubbles of elements and edges.
 """
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
 from types import TracebackType
@@ -30,6 +31,8 @@ from skancf.statics.equilibrium import equilibrium
 from skancf.statics.newton import newton, refusal
 from skancf.statics.stopping import work
 from skancf.tolerances import CANCELLED, ROUNDED_ROW
+
+logger = logging.getLogger(__name__)
 
 CHORDS = 6
 """Steps with one tangent before Newton's method takes over."""
@@ -93,7 +96,7 @@ class Enriched(Refined):
         if self.model.linear:
             return first, pulls
         criterion = _Shrinking(work(first, tangent.multiply(first)))
-        chord = iterate(np.concatenate([first, pulls]), _Chord(self, tangent), criterion, CHORDS)
+        chord = iterate(np.concatenate([first, pulls]), _Chord(self, tangent), criterion, CHORDS, logger)
         return (chord.x[:n], chord.x[n:]) if chord.ok else self._newton()
 
     @property
@@ -272,7 +275,7 @@ class _Chord:
 
 @dataclass(frozen=True)
 class _Shrinking:
-    """Ends where corrections are small beside the first, of energy ``largest``, and where they do not shrink fast."""
+    """Ends where corrections are small against the first, of energy ``largest``, and where they do not shrink fast."""
 
     largest: float
 

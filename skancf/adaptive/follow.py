@@ -1,6 +1,5 @@
-"""Meshes that follow a motion: a policy beside the loop in time."""
+"""Meshes that follow a motion: a policy that the loop in time asks."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,12 +14,14 @@ from skancf.dynamics import MeshEvent
 from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import NewMesh
 from skancf.dynamics.state import State
-from skancf.errors import InputError, OutOfDepth, positive
+from skancf.equality import by_value
+from skancf.errors import InputError, positive, warn
 from skancf.functions import called
 from skancf.history import Case
 from skancf.kernels.constants import BLOCK
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 from skancf.theories import left_per_halving
@@ -37,11 +38,13 @@ PLACES = 5
 """Times until the next check at which places of loads are asked for."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Follow:
     r"""Elements are quartered and merged while the body moves, so that the error stays below an allowed one.
 
-    Every so many steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with an allowed error,
+    At regular intervals of steps the indicators :math:`\eta_K^2` of the present state, energies, are compared with an
+    allowed error,
 
     .. math:: \sum_K \eta_K^2 \le \tau^2 E
 
@@ -67,7 +70,7 @@ class Follow:
     indicator : function of a Solution
         Squared errors of the elements (J), (n_elements,), as :func:`~skancf.recovery_indicator`.
     max_dofs : int
-        No element is quartered beyond so many unknowns; it is warned of.
+        No element is quartered beyond this number of unknowns; a warning tells of it.
     smallest : float
         Size of the smallest elements, of the extent of the surface.
     coarsest : int
@@ -80,7 +83,18 @@ class Follow:
     Raises
     ------
     InputError
-        For numbers that are not positive, and for an indicator that is none.
+        For numbers that are not positive, and for an invalid indicator.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> mesh = sk.meshes.quadtree(sk.meshes.uniform(strip.surface, 4, 1), strip.surface)
+    >>> system = strip.on(mesh, "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, rtol=0.05, follow=sk.Follow(every=5), progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     rtol: float = 0.2
@@ -90,6 +104,8 @@ class Follow:
     smallest: float = SMALLEST
     coarsest: int = 0
     energy: float | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -174,15 +190,15 @@ class Follow:
             return mesh
         finer = mesh.regrown(mesh.leaves.refined(np.flatnonzero(marked)))
         if BLOCK * finer.p.shape[1] > self.max_dofs:
-            warnings.warn(
+            warn(
                 f"max_dofs = {self.max_dofs}: the mesh that this motion asks for has {BLOCK * finer.p.shape[1]} unknowns "
-                "and is not made; errors are larger than asked. Raise it, or ask for less by rtol", OutOfDepth, stacklevel=2,
+                "and is not made; errors are larger than asked. Raise it, or ask for less by rtol"
             )  # fmt: skip
             return mesh
         return finer
 
     def _merged(self, system: System, target: MeshQuadTree, values: np.ndarray, allowed: float) -> MeshQuadTree | None:
-        """The target with elements merged that will have little of the error; None where there are none."""
+        """The target with elements merged that will have little of the error; None without such elements."""
         leaves: Leaves = system.mesh.leaves
         # The merged element has what its quarters have over what a quartering leaves.
         added = values * (1 / left_per_halving(system.geometry.theory) - 1)

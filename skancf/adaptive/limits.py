@@ -43,7 +43,15 @@ def no_limit(quantity: Quantity, system: System) -> str | None:
 
     Examples
     --------
-    >>> sk.adaptive.no_limit(sk.Displacement(at=(0.5, 0.5)), system)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 4, 4), "full")
+    >>> print(sk.adaptive.no_limit(sk.Displacement(at=(0.5, 0.5)), system))
+    None
     """
     if isinstance(quantity, SectionForce):
         said = singularities(system)
@@ -64,6 +72,18 @@ def drift(system: System) -> str | None:
     thickness squared over the size squared; and a moment, of a support that holds the normal at a point, turns that point in
     both theories, by a part of the order of one. A link sinks as a support does, where it pulls along the surface in both
     theories.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(sk.adaptive.drift(system))
+    None
     """
     shear, held = system.geometry.theory.shear, held_points(system.geometry, singularities(system))
     points = [point for _, point, rests, turned in held if turned or (rests and shear)]

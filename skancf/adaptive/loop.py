@@ -1,7 +1,7 @@
 """The loop: solve, estimate, mark, refine, until a number is as accurate as asked."""
 
+import logging
 import time
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeVar
@@ -25,17 +25,20 @@ from skancf.adaptive.singular import singular_points
 from skancf.adaptive.start import starting_mesh
 from skancf.adaptive.unbounded import why_without_limit
 from skancf.arguments import MESH, instance
-from skancf.errors import DidNotConverge, InputError, OutOfDepth, number
+from skancf.errors import DidNotConverge, InputError, number, silenced
 from skancf.functions import called
 from skancf.kernels.constants import BLOCK
 from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
-from skancf.progress import Progress
+from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.system.system import System
 from skancf.theories import Theory
 from skancf.tolerances import ABOVE_ZERO
+
+logger = logging.getLogger(__name__)
 
 BELOW = Below(0.01)
 EVEN = Even(0.65)
@@ -66,7 +69,7 @@ def adapt(
     max_seconds: float | None = None,
     max_levels: int = 50,
     backend: str = "auto",
-    progress: bool = False,
+    progress: ShowProgress = True,
 ) -> AdaptiveResult:
     r"""Refine a mesh until a quantity is as accurate as asked: :math:`|\eta| \le \max(\text{rtol} |J|, \text{atol})`.
 
@@ -107,6 +110,8 @@ def adapt(
     max_seconds : float, optional
         No mesh is begun that would end later, by what the last ones took. The first one is always finished.
     max_levels : int
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each mesh; see :class:`~skancf.Progress`.
 
     Returns
     -------
@@ -124,11 +129,19 @@ def adapt(
 
     Examples
     --------
-    >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-3)
-    >>> print(result)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-3, linear=True)
+    >>> print(f"{1000 * result.value:.4f} mm", result.error_bar < 1e-3 * abs(result.value), result.status.value)
+    -0.0658 mm True the asked accuracy is reached
     """
     check(problem, rtol, atol, indicator, (marking, coarsening), max_dofs, max_seconds, max_levels, backend,
-          linear=linear, progress=progress)  # fmt: skip
+          linear=linear)  # fmt: skip
+    check_progress(progress)
     check_quantity(quantity, ("analysis",) if hasattr(quantity, "analysis") else ("value", "gradient"))
     if mesh is not None:
         instance("mesh", mesh, skfem.MeshQuad, MESH)
@@ -137,7 +150,7 @@ def adapt(
     analysis = quantity.analysis(statics) if hasattr(quantity, "analysis") else statics
     first = quadtree(starting_mesh(problem, quantity) if mesh is None else mesh, problem.surface)
     arguments = AdaptArguments(rtol, atol, max_dofs, max_seconds, max_levels)
-    with Progress("adapt", 1.0, shown=progress) as bar:
+    with Bar("adapt", 1.0, progress) as bar:
         by = INDICATORS[indicator] if isinstance(indicator, str) else indicator
         system = first_system(problem, first, theory, quantity, analysis, max_dofs)
         even = indicator == "goal" and system.geometry.theory.order == 2
@@ -153,12 +166,17 @@ class _Found(NamedTuple):
     answer: Answer
     estimate: Estimate
 
+    def __repr__(self) -> str:
+        return short(self)
+
 
 @dataclass
 class _Clock:
     """Seconds by the name of the work."""
 
     seconds: dict[str, float]
+
+    __repr__ = short
 
     def take(self, name: str, work: Callable[..., T], *arguments: Any) -> T:
         begun = time.perf_counter()
@@ -173,7 +191,7 @@ class _Run:
 
     def __init__(
         self, system: System, quantity: Any, analysis: Analysis, growth: Growth,
-        indicator: Callable[[Solution], np.ndarray] | None, arguments: AdaptArguments, bar: Progress,
+        indicator: Callable[[Solution], np.ndarray] | None, arguments: AdaptArguments, bar: Bar,
     ) -> None:  # fmt: skip
         self.system, self.quantity, self.analysis, self.growth = system, quantity, analysis, growth
         self.indicator, self.arguments, self.bar = indicator, arguments, bar
@@ -186,7 +204,9 @@ class _Run:
         self.begun = time.perf_counter()
 
     def go(self) -> AdaptiveResult:
-        status, message = run_steps(self._step, lambda: self._unless_first("; the last finished mesh is kept"), self._failed)
+        status, message = run_steps(
+            self._step, lambda: self._unless_first("; the last finished mesh is kept"), self._failed, logger
+        )
         assert self.best is not None and self.sound is not None
         kept = self.best if status.ok else self.sound
         level, answer, estimate = kept
@@ -244,9 +264,8 @@ class _Run:
         self.system = self.system.problem.on(mesh, self.system.geometry.theory)
 
     def _on(self, system: System, start: Solution | None, merged: int, clock: _Clock) -> _Found:
-        with warnings.catch_warnings():
-            # Of coarse meshes; the last one is judged.
-            warnings.simplefilter("ignore", OutOfDepth)
+        # Of coarse meshes; the last one is judged.
+        with silenced():
             answer = clock.take("solve", self.analysis.solve, system, start)
             halvings = self.best.estimate.halvings if self.best else NOTHING_KNOWN
             estimate = clock.take("estimate", lambda: self.nested.error(answer) or self.analysis.estimate(answer, halvings))
@@ -279,6 +298,9 @@ class _Run:
         self.levels.append(level)
         wanted = self.arguments.tolerance(level.value) / max(found.estimate.bar, ABOVE_ZERO)
         note = f"{level.n_elements} elements: {level.value:.6g} +- {found.estimate.bar:.1g}"
+        logger.info(
+            "mesh %d: %d nodal coordinates, %s%s", len(self.levels), level.n_dofs, note, ", rejected" * level.rejected
+        )
         self.bar.at(min(1.0, wanted) ** 0.5, note)
 
     def _end(self) -> End | None:

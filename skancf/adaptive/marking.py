@@ -15,7 +15,23 @@ from skancf.tolerances import ABOVE_ZERO, SAME_VALUE
 
 
 class Marking(Protocol):
-    """A policy that marks elements."""
+    """A policy that marks elements.
+
+    Examples
+    --------
+    >>> class Worst:
+    ...     def marked(self, indicators):
+    ...         return np.array([np.argmax(indicators)])
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> result = sk.adapt(plate, sk.StrainEnergy(), rtol=1e-2, linear=True, marking=Worst(), max_levels=3)
+    >>> print(len(result.levels))
+    3
+    """
 
     def marked(self, indicators: Any) -> np.ndarray:
         """Numbers of the marked elements, ascending, of indicators (n,) that are not negative."""
@@ -43,6 +59,11 @@ class Doerfler:
     ----------
     W. Doerfler, A convergent adaptive algorithm for Poisson's equation, SIAM J. Numer. Anal. 33 (1996) 1106-1124. His
     share is that of squared errors, so the indicators are the squares.
+
+    Examples
+    --------
+    >>> print(sk.Doerfler(share=0.5).marked(np.array([4.0, 1.0, 1.0, 3.0])))
+    [0 3]
     """
 
     share: float = 0.5
@@ -79,6 +100,11 @@ class Maximum:
     ----------
     I. Babuska and M. Vogelius, Feedback and adaptive finite element solution of one-dimensional boundary value problems,
     Numer. Math. 44 (1984) 75-102.
+
+    Examples
+    --------
+    >>> print(sk.Maximum(factor=0.5).marked(np.array([4.0, 1.0, 1.0, 3.0])))
+    [0 3]
     """
 
     factor: float = 0.5
@@ -108,6 +134,11 @@ class FixedFraction:
     ------
     InputError
         For a fraction outside (0, 1].
+
+    Examples
+    --------
+    >>> print(sk.FixedFraction(fraction=0.25).marked(np.array([4.0, 1.0, 1.0, 3.0])))
+    [0]
     """
 
     fraction: float = 0.2
@@ -127,7 +158,13 @@ class FixedFraction:
 
 @dataclass(frozen=True)
 class AllElements:
-    """Every element: uniform refinement."""
+    """Every element: uniform refinement.
+
+    Examples
+    --------
+    >>> print(sk.AllElements().marked(np.array([4.0, 1.0, 1.0, 3.0])))
+    [0 1 2 3]
+    """
 
     def marked(self, indicators: Any) -> np.ndarray:
         """Numbers of all elements."""
@@ -155,6 +192,11 @@ class Even:
     ------
     InputError
         For parameters outside (0, 1].
+
+    Examples
+    --------
+    >>> print(sk.Even().marked(np.array([4.0, 1.0, 1.0, 3.0])))
+    [0 1 2 3]
     """
 
     even: float = 0.65
@@ -196,6 +238,11 @@ class Below:
     ------
     InputError
         For a factor outside (0, 1].
+
+    Examples
+    --------
+    >>> print(sk.Below(factor=0.5).marked(np.array([4.0, 1.0, 1.0, 3.0])))
+    [1 2]
     """
 
     factor: float = 0.01
@@ -213,7 +260,13 @@ class Below:
 
 @dataclass(frozen=True)
 class Never:
-    """No element: no coarsening."""
+    """No element: no coarsening.
+
+    Examples
+    --------
+    >>> print(sk.Never().marked(np.array([4.0, 1.0, 1.0, 3.0])))
+    []
+    """
 
     def marked(self, indicators: Any) -> np.ndarray:
         """Nothing."""

@@ -35,7 +35,7 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     mean of those at the ends of the edge that it divides.
 
     Shear forces are left out: their boundary layers would be taken for errors. Loads and supports along a line inside the
-    surface, where moments have a kink or a jump, are taken for errors of the elements beside them. At borders of zones,
+    surface, where moments have a kink or a jump, are taken for errors of the elements next to them. At borders of zones,
     where forces along them jump, each side has polynomials of its own.
 
     C is that of the undeformed state, with laws at points too: the second Piola-Kirchhoff stress of a stretched sheet of
@@ -65,6 +65,18 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     J. Numer. Meth. Eng. 24 (1987) 337-357; The superconvergent patch recovery and a posteriori error estimates, 33 (1992)
     1331-1382. T. Blacker and T. Belytschko, Superconvergent patch recovery with equilibrium and conjoint interpolant
     enhancements, 37 (1994) 517-536: the blend of the polynomials.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(sk.recovery_indicator(sk.solve_linear(system)).shape)
+    (36,)
     """
     instance("solution", solution, Solution, STATE)
     geometry, (points, weights) = solution.system.geometry, square_quadrature(3)
@@ -131,7 +143,7 @@ class _Patches:
 
     def about(self, node: np.ndarray, element: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Patches about nodes of the mesh in the zones of elements, and their trust: 2 for those with elements all around, 1
-        for those of three elements at least, 0 for others; -1 where there is none. Both (m,).
+        for those of three elements at least, 0 for others; -1 where no element is there. Both (m,).
 
         Fewer elements are in a row, and do not tell a quadratic field from a linear one across it.
         """

@@ -1,4 +1,4 @@
-"""A refined system beside a coarse one: fields between them, and what is left of errors there."""
+"""A coarse system and a refined one: fields between them, and what is left of errors there."""
 
 from functools import cached_property
 from typing import Any
@@ -43,7 +43,7 @@ def enriched_mesh(system: System, points: np.ndarray, smallest: float = SMALLEST
 
 
 class Refined:
-    """A refined system beside a coarse one, and fields between them.
+    """A coarse system, a refined one, and fields between them.
 
     Attributes
     ----------

@@ -63,6 +63,14 @@ def find_regions(
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation, "The searching of refinement
     region", with the square root as its positive correlation.
+
+    Examples
+    --------
+    >>> points = np.array(np.meshgrid(np.linspace(0, 1, 11), np.linspace(0, 1, 11))).reshape(2, -1)
+    >>> sigma = 1.0 + 9.0 * np.exp(-50 * ((points - 0.5) ** 2).sum(axis=0))
+    >>> regions = sk.find_regions(points, sigma, spacing=0.1)
+    >>> print([tuple(np.round(region.centre, 2).tolist()) for region in regions])
+    [(0.5, 0.5)]
     """
     points, sigma, positions = _check_nodes(points, sigma, positions)
     reach = positive("radius", radius) * positive("spacing", spacing)

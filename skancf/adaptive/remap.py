@@ -10,6 +10,7 @@ leads towards the internal forces that belong to the accelerations a there were,
 correction of the velocity gives back both momenta; and where the energy rose, what deforms becomes slower.
 """
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
 from types import TracebackType
@@ -21,8 +22,10 @@ from skancf.adaptive.momenta import Momenta
 from skancf.adaptive.on_conditions import Mass, closed, floats, kept
 from skancf.arguments import STATE, SYSTEM, flag, instance
 from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
+from skancf.equality import by_value
 from skancf.errors import SingularMatrix, vector
 from skancf.linear import DirectSolver, check_backend
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
 from skancf.statics.conditioned import factored_about, solved
@@ -31,10 +34,13 @@ from skancf.system.linearised import Exact
 from skancf.system.system import System
 from skancf.tolerances import ROUNDED_PRODUCT
 
+logger = logging.getLogger(__name__)
+
 STEPS, ENOUGH = 3, 1e-2
 """Steps towards the internal forces, at most, and the excess of strain energy over the energy where they end."""
 
 
+@by_value
 @dataclass(frozen=True)
 class RemapChange:
     """What a change of mesh did to a state.
@@ -52,6 +58,17 @@ class RemapChange:
         finer mesh.
     moved : float
         How far the centre of mass moved (m).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> tree = sk.meshes.quadtree(system.mesh, strip.surface)
+    >>> change = sk.remap(sk.solve_linear(strip.on(tree, "kirchhoff")), strip.on(tree.refined(), "kirchhoff")).change
+    >>> print(change.strain_energy.shape)
+    (2,)
     """
 
     strain_energy: np.ndarray
@@ -60,6 +77,8 @@ class RemapChange:
     factor: float
     raised: float
     moved: float
+
+    __repr__ = short
 
     @property
     def energy(self) -> float:
@@ -72,14 +91,29 @@ class RemapChange:
         return np.asarray(np.linalg.norm(self.momenta[1] - self.momenta[0], axis=1))
 
 
+@by_value
 @dataclass(frozen=True)
 class Remapped:
-    """Nodal coordinates on the new mesh, their rates and accelerations (None where none were given), and the change."""
+    """Nodal coordinates on the new mesh, their rates and accelerations (None where none were given), and the change.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> tree = sk.meshes.quadtree(system.mesh, strip.surface)
+    >>> found = sk.remap(sk.solve_linear(strip.on(tree, "kirchhoff")), strip.on(tree.refined(), "kirchhoff"))
+    >>> print(found.v is None, found.change.strain_energy.shape)
+    True (2,)
+    """
 
     q: np.ndarray
     v: np.ndarray | None
     a: np.ndarray | None
     change: RemapChange
+
+    __repr__ = short
 
 
 def remap(
@@ -119,6 +153,18 @@ def remap(
 
     Conditions are met on the new mesh, whose rows may be others: positions and velocities are the nearest in the mass norm
     that meet them.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> tree = sk.meshes.quadtree(system.mesh, strip.surface)
+    >>> state = sk.solve_linear(strip.on(tree, "kirchhoff"))
+    >>> found = sk.remap(state, strip.on(tree.refined(), "kirchhoff"))
+    >>> print(found.q.shape, found.v is None)
+    (324,) True
     """
     instance("state", state, Solution, STATE)
     instance("system", system, System, SYSTEM)
@@ -232,7 +278,7 @@ class _Passage:
             accelerations = self.rates(self.old_mass.solve(self.net_force(old, state.q)))
             inertia = new.mass @ accelerations
             with DirectSolver(new.pattern, new.constraints, self.backend) as solver:
-                found = iterate(q, _Settling(self, inertia, solver), _Excess(self, excess), STEPS)
+                found = iterate(q, _Settling(self, inertia, solver), _Excess(self, excess), STEPS, logger)
             if found.status is Status.SINGULAR:
                 raise SingularMatrix(found.message)
             q = closed(new, found.x, state.case, self.backend)
@@ -272,6 +318,8 @@ class _Settling:
     passage: _Passage
     inertia: np.ndarray
     solver: DirectSolver
+
+    __repr__ = short
 
     def residual(self, q: np.ndarray) -> np.ndarray:
         new = self.passage.new

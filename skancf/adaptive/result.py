@@ -6,12 +6,15 @@ import numpy as np
 
 from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.meshes import MeshQuadTree
+from skancf.showing import in_a_notebook, in_brackets, short, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.tabular import Column, Tabular
 
 
+@by_value
 @dataclass(frozen=True)
 class Level:
     """One mesh of the loop.
@@ -44,6 +47,19 @@ class Level:
         quartered, without a dual weight; indicators are the parts that are left of those before.
     seconds : dict
         For ``assemble``, ``solve``, ``estimate`` and ``mark`` (the next mesh).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> for level in sk.adapt(plate, sk.StrainEnergy(), rtol=1e-2, linear=True).levels:
+    ...     print(level.n_elements, f"{level.value:.4f} J")
+    16 0.0100 J
+    52 0.0101 J
     """
 
     mesh: MeshQuadTree
@@ -60,6 +76,8 @@ class Level:
     nested: bool = False
     bar: float = float("nan")
 
+    __repr__ = short
+
     @property
     def n_elements(self) -> int:
         return int(self.mesh.nelements)
@@ -74,6 +92,7 @@ class Level:
         return sum(self.seconds.values())
 
 
+@by_value
 @dataclass(frozen=True)
 class AdaptiveResult(Tabular):
     """Outcome of :func:`adapt`; as a table its meshes, see :class:`~skancf.tabular.Tabular`.
@@ -100,6 +119,18 @@ class AdaptiveResult(Tabular):
     theory_error : TheoryError or None
         By how much transverse shear, which theory `kirchhoff` leaves out, would change the value: no part of the error bar,
         which is that of the mesh. None of an analysis of the user's own.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> result = sk.adapt(plate, sk.Displacement(at=(0.5, 0.5)), rtol=1e-2, linear=True)
+    >>> print(result.ok, result.unit, len(result.levels) > 0)
+    True m True
     """
 
     value: float
@@ -112,6 +143,8 @@ class AdaptiveResult(Tabular):
     unit: str
     checks: tuple[Check, ...] = ()
     theory_error: TheoryError | None = None
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
 
     def _table(self) -> dict[str, Column]:
         units = {"n_elements": "", "n_dofs": "", "n_hanging": "", "value": self.unit, "error": self.unit, "bar": self.unit,
@@ -133,6 +166,7 @@ class AdaptiveResult(Tabular):
         """
         return abs(self.value) <= self.error_bar
 
+    @summary
     def __str__(self) -> str:
         n, zero = self.solution.system.n_dofs, ", and zero lies within it" if self.is_zero else ""
         said = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit}".rstrip() + self._left_out()

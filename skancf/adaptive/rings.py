@@ -19,8 +19,10 @@ import numpy as np
 
 from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.singular import images, touching
+from skancf.equality import by_value
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.forest import Leaves
+from skancf.showing import short
 from skancf.system.system import System
 from skancf.tolerances import SAME_POINT
 
@@ -35,6 +37,7 @@ Pair = tuple[np.ndarray, np.ndarray]
 """Energies in the elements of the refined mesh, of an answer and of a weight."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Halvings:
     """What one halving leaves at singular points.
@@ -48,6 +51,8 @@ class Halvings:
 
     points: np.ndarray
     left: np.ndarray
+
+    __repr__ = short
 
     def at(self, point: np.ndarray, extent: np.ndarray) -> float | None:
         """That of a point (2,); None of one that is not known."""

@@ -17,7 +17,7 @@ from skancf.errors import InputError
 from skancf.solution import Solution
 from skancf.statics.buckling import buckling
 from skancf.statics.eigen_checks import require_checks
-from skancf.statics.modes import moved_along
+from skancf.statics.shapes import moved_along
 from skancf.system.linearised import geometric_stiffness
 from skancf.system.system import System
 
@@ -38,6 +38,20 @@ class BucklingLoad:
     ------
     InputError
         For a number that is no whole number of at least 0.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[
+    ...         sk.Roller("boundary", kind="hard"), sk.Roller("left", (1, 0, 0)), sk.Roller((0.0, 0.0), (0, 1, 0)),
+    ...     ],
+    ...     loads=[sk.EdgeLoad("right", (-1e5, 0.0, 0.0))],
+    ... )
+    >>> result = sk.adapt(plate, sk.BucklingLoad(), rtol=1e-2)
+    >>> print(f"{result.value:.3f}")
+    7.594
     """
 
     number: int = 0
@@ -70,7 +84,7 @@ class StabilityAnalysis:
 
     def solve(self, system: System, start: Solution | None) -> Answer:
         number = self.quantity.number
-        found = buckling(system, number + 1, backend=self.backend)
+        found = buckling(system, number + 1, backend=self.backend, progress=False)
         if len(found.load_factors) <= number:
             raise InputError(f"number = {number}: {found.message or 'there are fewer positive buckling loads'}")
         require_checks(found.checks)

@@ -33,6 +33,18 @@ def nodal_measure(solution: Solution, components: str | Sequence[str] = "in_plan
     -----
     OutOfDepth
         Without z, where the stress at z = 0 is less than a hundredth of that at a face: it says nothing of the bending.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(f"{sk.nodal_measure(sk.solve_linear(system), z='top').max() / 1e6:.2f} MPa")
+    2.84 MPa
     """
     instance("solution", solution, Solution, STATE)
     names = COMPONENTS.get(components, (components,)) if isinstance(components, str) else components
@@ -74,6 +86,18 @@ def stress_indicator(solution: Solution, components: str | Sequence[str] = "in_p
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation: stress is concentrated where it
     exceeds its mean over the nodes.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(sk.stress_indicator(sk.solve_linear(system), z="top").shape)
+    (36,)
     """
     sigma = nodal_measure(solution, components, z)
     largest = sigma[solution.system.mesh.t].max(axis=0)
@@ -107,6 +131,19 @@ def stress_regions(
     References
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (5) and (6).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> regions = sk.stress_regions(sk.solve_linear(system), z="top")
+    >>> print([tuple(np.round(region.centre, 2).tolist()) for region in regions])
+    [(0.0, 0.5), (0.5, 0.0), (0.5, 0.5), (0.5, 1.0), (1.0, 0.5)]
     """
     instance("solution", solution, Solution, STATE)
     if unknown := sorted(set(search) - set(SEARCH)):

@@ -12,6 +12,8 @@ from skancf.arguments import STATE, instance
 from skancf.conditions.solver import curved
 from skancf.errors import InputError
 from skancf.linear import DirectSolver, check_backend
+from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.statics.conditioned import factored_about, rows_of, solved
 from skancf.statics.corrections import skew_part
@@ -38,12 +40,27 @@ class TheoryError:
         Is it an estimate to count on, not an order of magnitude only?
     note : str
         Why it is not, or cannot be told.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> missing = sk.theory_error(sk.solve_linear(system))
+    >>> print(missing.sound, f"{100 * missing.share:.2f} % of the energy")
+    True 0.27 % of the energy
     """
 
     value: float
     share: float
     sound: bool = True
     note: str = ""
+
+    __repr__ = short
 
 
 NOTHING = TheoryError(0.0, 0.0)
@@ -54,7 +71,9 @@ def unknown(why: str) -> TheoryError:
     return TheoryError(float("nan"), float("nan"), False, why)
 
 
-def theory_error(solution: Solution, quantity: Quantity | None = None, *, backend: str = "auto") -> TheoryError:
+def theory_error(
+    solution: Solution, quantity: Quantity | None = None, *, backend: str = "auto", progress: ShowProgress = True
+) -> TheoryError:
     r"""By how much transverse shear, which theory `kirchhoff` leaves out, would change a number.
 
     With the dual weight z of the number, the answer to :math:`\partial J / \partial q` with the tangent of the state,
@@ -71,6 +90,10 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
         An equilibrium.
     quantity : Quantity, optional
         Default: the strain energy.
+    backend : str
+        Of the linear solver.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each part; see :class:`~skancf.Progress`.
 
     Raises
     ------
@@ -82,10 +105,20 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
 
     Examples
     --------
-    >>> sk.theory_error(sk.solve_linear(system), sk.Displacement(at=(0.5, 0.5))).share
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> missing = sk.theory_error(sk.solve_linear(system), sk.Displacement(at=(0.5, 0.5)))
+    >>> print(f"{100 * missing.share:.2f} % of the deflection")
+    0.19 % of the deflection
     """
     instance("solution", solution, Solution, STATE)
     check_backend(backend)
+    check_progress(progress)
     quantity = StrainEnergy() if quantity is None else quantity
     check_quantity(quantity)
     if solution.system.geometry.theory.shear:
@@ -97,8 +130,11 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
         raise InputError(f"SectionForce({quantity.component!r}, at={quantity.at}): what the theory leaves out of a section "
                          "force at a point cannot be told by its dual weight, which is too singular there; give a mean over "
                          "two elements or more each way, SectionForce(..., within=((x0, x1), (y0, y1)))")  # fmt: skip
-    form, fields = solution.shear_fields()
-    change = form.product(fields, _dual(form, solution, quantity, backend))
+    with Bar("error of the theory", 2, progress) as bar:
+        form, fields = solution.shear_fields()
+        bar.next("shear of the state")
+        change = form.product(fields, _dual(form, solution, quantity, backend))
+        bar.next("dual weight")
     if isinstance(quantity, StrainEnergy):
         change -= 0.5 * form.product(fields, fields)
     notes = (_coarse(quantity, solution), _stretched(solution))
@@ -106,9 +142,9 @@ def theory_error(solution: Solution, quantity: Quantity | None = None, *, backen
 
 
 def theory_error_or_why(solution: Solution, quantity: Quantity, backend: str) -> TheoryError:
-    """:func:`theory_error`, or the reason why there is none."""
+    """:func:`theory_error`, or the reason why it cannot be given."""
     try:
-        return theory_error(solution, quantity, backend=backend)
+        return theory_error(solution, quantity, backend=backend, progress=False)
     except Exception as none:  # a user's quantity may fail in many ways, and the rest of a result is there
         return unknown(str(none))
 

@@ -26,6 +26,20 @@ def transfer(state: Solution, system: System) -> Solution:
     ------
     InputError
         For meshes that do not grow from one coarse mesh, and for another theory.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> coarse = sk.meshes.quadtree(sk.meshes.uniform(plate.surface, 4, 4), plate.surface)
+    >>> state = sk.solve_linear(plate.on(coarse, "kirchhoff"))
+    >>> moved = sk.transfer(state, plate.on(coarse.refined(), "kirchhoff"))
+    >>> print(np.allclose(moved.displacement((0.3, 0.3)), state.displacement((0.3, 0.3))))
+    True
     """
     instance("state", state, Solution, STATE)
     instance("system", system, System, SYSTEM)

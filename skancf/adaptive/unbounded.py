@@ -10,7 +10,7 @@ from skancf.adaptive.singular import touching
 LEVELS = 3
 """Meshes over which an indicator is watched."""
 STAYS = 0.7
-"""An indicator that is no smaller than this part of what it was, so many meshes before, does not fall."""
+"""An indicator that is no smaller than this part of what it was a number of meshes before does not fall."""
 LITTLE = 0.1
 """An error of less than this part of the indicators that make it is what cancels in them, not what they say."""
 MOST = 0.5
@@ -18,7 +18,7 @@ MOST = 0.5
 
 
 def why_without_limit(levels: Sequence[Level], points: np.ndarray) -> str | None:
-    """The point whose elements, smaller on each mesh, hold most of an error that does not fall; None where there is none.
+    """The point whose elements, smaller on each mesh, hold most of an error that does not fall; None without one.
 
     An error that falls as slowly as that of a corner, by a half with each halving of the elements there, has a limit. One
     that grows with the logarithm of the element size stays as it is, and so do the parts of the elements in it.

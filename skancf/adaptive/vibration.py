@@ -22,7 +22,8 @@ from skancf.linear import BlockMatrix, DirectSolver, factor_shifted
 from skancf.solution import Solution
 from skancf.statics.conditioned import rows_of, solved
 from skancf.statics.eigen_checks import require_checks
-from skancf.statics.modes import Modes, modes, moved_along
+from skancf.statics.modes import Modes, modes
+from skancf.statics.shapes import moved_along
 from skancf.statics.tangents import state_tangent
 from skancf.system.system import System
 
@@ -42,6 +43,18 @@ class Eigenfrequency:
     ------
     InputError
         For a number that is no whole number of at least 0.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> result = sk.adapt(plate, sk.Eigenfrequency(), rtol=1e-2)
+    >>> print(f"{result.value:.1f} Hz")
+    89.8 Hz
     """
 
     number: int = 0
@@ -168,12 +181,12 @@ STEP = 1e-4
 
 def _enough_modes(system: System, number: int, state: Any, backend: str) -> Modes:
     """So many that the asked one is among them, behind the motions without stiffness."""
-    found = modes(system, number + 1, state=state, backend=backend)
+    found = modes(system, number + 1, state=state, backend=backend, progress=False)
     if found.n_rigid > RIGID_MOTIONS:
         raise InputError(f"number = {number}: {found.n_rigid} motions without stiffness come first; support the structure, "
                          "it is a mechanism")  # fmt: skip
     if found.n_rigid:
-        found = modes(system, number + 1 + found.n_rigid, state=state, backend=backend)
+        found = modes(system, number + 1 + found.n_rigid, state=state, backend=backend, progress=False)
     require_checks(found.checks)
     return found
 

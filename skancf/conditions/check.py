@@ -44,7 +44,7 @@ def require_derivative(name: str, condition: Condition, layout: Layout) -> None:
 
 
 def require_curvature(name: str, condition: Condition, layout: Layout) -> None:
-    """WrongCondition where the curvature beside the undeformed state is not the derivative of forces: frequencies about a
+    """WrongCondition where the curvature away from the undeformed state is not the derivative of forces: frequencies about a
     loaded state, buckling loads and stability would be wrong, and Newton's method slow."""
     rng, sizes = np.random.default_rng(0), layout.scales.ravel()
     change, way = (sizes * rng.uniform(-1, 1, layout.n_dofs) for _ in range(2))

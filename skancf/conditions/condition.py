@@ -2,9 +2,9 @@ r"""Conditions on the unknowns,
 
 .. math:: g(q) = 0, \qquad M \ddot q + \sum_k f_k(q, \dot q, t) + G(q)^T \lambda = 0, \qquad G = \partial g / \partial q .
 
-The multipliers :math:`\lambda` are the forces that keep them. They are no unknowns of the matrix: solvers carry them beside
-it, see :mod:`skancf.linear.conditioned`. A :class:`Condition` gives g, its gradient and its curvature; whatever solvers and
-checks know of conditions is a sum over them.
+The multipliers :math:`\lambda` are the forces that keep them. They are not unknowns of the matrix: solvers carry them
+outside of it, see :mod:`skancf.linear.conditioned`. A :class:`Condition` gives g, its gradient and its curvature; whatever
+solvers and checks know of conditions is a sum over them.
 """
 
 from typing import Any
@@ -31,6 +31,22 @@ class Condition:
     scales : (n,) array
         The size in which each row counts, greater than zero: a row that is a small part of it is met. Of a row that is a
         difference of positions that is the extent of the body.
+
+    Examples
+    --------
+    >>> from scipy.sparse import csr_matrix
+    >>> class Level(sk.conditions.Condition):
+    ...     name, n, scales = "level", 1, np.ones(1)
+    ...     def __init__(self, layout):
+    ...         row = np.zeros(layout.n_dofs)
+    ...         row[[2, 14]] = 1.0, -1.0  # z of the first two nodes
+    ...         self.row = csr_matrix(row)
+    ...     def couples(self):
+    ...         return np.array([[0, 1]])
+    ...     def value(self, q, case):
+    ...         return self.row @ q
+    ...     def gradient(self, q):
+    ...         return self.row
     """
 
     name: str
@@ -104,6 +120,29 @@ class Joint:
     """What a user gives a problem in ``conditions``: what holds together; knows no mesh.
 
     A kind of joint overrides :meth:`on`.
+
+    Examples
+    --------
+    >>> from scipy.sparse import csr_matrix
+    >>> class Level(sk.conditions.Condition):
+    ...     name, n, scales = "level", 1, np.ones(1)
+    ...     def __init__(self, layout):
+    ...         row = np.zeros(layout.n_dofs)
+    ...         row[[2, 14]] = 1.0, -1.0  # z of the first two nodes
+    ...         self.row = csr_matrix(row)
+    ...     def couples(self):
+    ...         return np.array([[0, 1]])
+    ...     def value(self, q, case):
+    ...         return self.row @ q
+    ...     def gradient(self, q):
+    ...         return self.row
+    >>> class LevelFirst(sk.conditions.Joint):
+    ...     def on(self, shell, layout):
+    ...         return Level(layout)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, conditions=[LevelFirst()])
+    >>> plate.on(sk.meshes.uniform(plate.surface, 2, 2)).conditions.n
+    1
     """
 
     @property

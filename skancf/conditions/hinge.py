@@ -20,18 +20,21 @@ from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.edges import Chain, segments, side_by_side
 from skancf.conditions.rows import cells_of, extent_of, in_space
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, warn
 from skancf.functions import Noted, is_function
 from skancf.history import Case
 from skancf.kernels.constants import AXES
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
+from skancf.showing import short
 from skancf.tolerances import ONE_PLACE, SEVEN_DIGITS
 
 POINTS = 4
 """Gauss points between two knots of either edge."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Hinge(Joint):
     """Two edges of the surface that lie on each other stay together there, and turn freely.
@@ -58,13 +61,19 @@ class Hinge(Joint):
 
     Examples
     --------
-    >>> tube = sk.CylinderSector(radius=1.0, length=0.5, angle=2 * np.pi)
-    >>> problem = sk.Problem(tube, 0.01, steel, supports, loads, conditions=[sk.Hinge("start", "end")])
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> slit = sk.CylinderSector(radius=0.5, length=0.2, angle=2 * np.pi)
+    >>> ring = sk.Problem(slit, 0.005, steel, [sk.Pin([(0.0, np.pi / 2)])], conditions=[sk.Hinge("start", "end")])
+    >>> system = ring.on(sk.meshes.uniform(slit, 2, 12), "kirchhoff")
+    >>> print(system.conditions.n, "multipliers")
+    18 multipliers
     """
 
     first: Any
     second: Any
     name: str = "hinge"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -115,6 +124,8 @@ class Seam:
     weights: sp.csr_matrix
     sizes: np.ndarray
     apart: float
+
+    __repr__ = short
 
     @classmethod
     def of(cls, geometry: Geometry, hinge: Hinge) -> "Seam":
@@ -207,6 +218,7 @@ class Gap(Condition):
         return HingeForce(self.seam.ends, multipliers.reshape(-1, AXES))
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class HingeForce:
     """What the second edge of a hinge exerts on the first.
@@ -217,10 +229,24 @@ class HingeForce:
         Arc length at the ends of the segments (m).
     multipliers : (2 n + 2, 3) array
         Of the averages of degree 0 and 1 on each segment (N/m), and at both ends (N); with no ends where the edge is closed.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> slit = sk.CylinderSector(radius=0.5, length=0.2, angle=2 * np.pi)
+    >>> ring = sk.Problem(
+    ...     slit, 0.005, steel, supports=[sk.Pin([(0.0, np.pi / 2), (0.2, np.pi / 2)]), sk.Pin([(0.0, np.pi)])],
+    ...     loads=[sk.EdgeLoad("end", (0.0, 0.0, 10.0))], conditions=[sk.Hinge("start", "end")],
+    ... )
+    >>> force = sk.solve_linear(ring.on(sk.meshes.uniform(slit, 2, 12), "kirchhoff")).conditions["hinge"]
+    >>> print(f"{force.total[2]:.2f} N")
+    1.68 N
     """
 
     ends: np.ndarray
     multipliers: np.ndarray
+
+    __repr__ = short
 
     def per_length(self, s: Any) -> np.ndarray:
         """Force per length (N/m) at arc lengths s of the first edge, () or (m,): (3,) or (m, 3). They count from its end

@@ -60,7 +60,7 @@ def _condition(joint: Joint, shell: Any, layout: Layout) -> Condition:
 
 
 def check_condition_of(name: str, condition: Condition, layout: Layout) -> None:
-    """InputError where shapes and blocks of a condition do not fit the layout, or its numbers are none."""
+    """InputError where shapes and blocks of a condition do not fit the layout, or its numbers are not finite."""
     text(f"name of {name}", condition.name)
     n, q = whole(f"n of {name}", condition.n, least=0), layout.undeformed.ravel().copy()
     q.flags.writeable = False  # a condition that writes into what it is given is stopped here

@@ -10,15 +10,18 @@ from skancf.arguments import plain, text
 from skancf.conditions import distance
 from skancf.conditions.condition import Condition, Joint
 from skancf.conditions.rows import cells_of, extent_of, in_space
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.history import Case
 from skancf.kernels.constants import AXES, VECTORS
 from skancf.layout.layout import Layout, vectors
 from skancf.layout.singularities import Singularity
+from skancf.showing import short
 from skancf.terms.blocks import Blocks
 from skancf.tolerances import ONE_PLACE
 
 
+@by_value
 @dataclass(frozen=True)
 class RigidLink(Joint):
     r"""A rigid rod, hinged at both ends, between two points of the mid-surface.
@@ -37,19 +40,28 @@ class RigidLink(Joint):
     Raises
     ------
     InputError
-        For points that are none; on a mesh, for one off the surface, and for two that are one place, whose link has no
+        For invalid points; on a mesh, for one off the surface, and for two that are one place, whose link has no
         direction.
 
     Examples
     --------
-    >>> problem = sk.Problem(..., conditions=[sk.RigidLink((1.0, 0.0), (1.0, 2.0), name="rod")])
-    >>> sk.solve(problem.on(mesh)).unwrap().conditions["rod"]
-    -12.3
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> strut = sk.RigidLink((0.0, 0.05), (1.0, 0.05), name="strut")
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.002, steel,
+    ...     supports=[sk.Pin([(0.0, 0.0), (0.0, 0.1)]), sk.Roller([(1.0, 0.0), (1.0, 0.1)])],
+    ...     loads=[sk.EdgeLoad("right", (1000.0, 0.0, 0.0))], conditions=[strut],
+    ... )
+    >>> solution = sk.solve(strip.on(sk.meshes.uniform(strip.surface, 4, 2), "kirchhoff")).unwrap()
+    >>> print(f"{solution.conditions['strut']:.1f} N")
+    76.8 N
     """
 
     a: tuple[float, float]
     b: tuple[float, float]
     name: str = "rigid link"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

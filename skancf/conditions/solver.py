@@ -1,4 +1,4 @@
-"""What solvers need of a system with conditions, and one without: the same solver and matrix where there are none."""
+"""What solvers need of a system with conditions, and one without: the same solver and matrix without conditions."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ def conditions_in(system: Any) -> Any:
 
 
 def solver_at(system: Any, solver: DirectSolver, q: np.ndarray) -> Any:
-    """A solver whose answers meet the conditions of a system to first order about q; the same one where there are none."""
+    """A solver whose answers meet the conditions of a system to first order about q; the same one without conditions."""
     conditions = conditions_in(system)
     return ConditionedSolver(solver, conditions.gradient(q)) if conditions else solver
 

@@ -14,7 +14,7 @@ from skancf.tolerances import CONDITION_MET
 
 
 class Conditions(Sequence[Condition]):
-    """Some conditions one after another; false where there is none.
+    """Some conditions one after another; false without any.
 
     Attributes
     ----------

@@ -62,6 +62,16 @@ class EnergyMomentum(ImplicitMidpoint):
     J. C. Simo and N. Tarnow, The discrete energy-momentum method, ZAMP 43 (1992) 757-792; F. Armero and I. Romero, On the
     formulation of high-frequency dissipative time-stepping algorithms for nonlinear dynamics, Part II, Comput. Methods Appl.
     Mech. Eng. 190 (2001) 6783-6824, for other ways to the same end.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, rule=sk.EnergyMomentum(rho_inf=1.0), rtol=1e-2, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     rho_inf: float = 0.8

@@ -1,4 +1,4 @@
-"""The fingerprint of a run: what it was asked for, as arrays by name, written beside it and compared before it goes on.
+"""The fingerprint of a run: what it was asked for, as arrays by name, written with it and compared before it goes on.
 
 Those of one dimension or none are settings, others are products of large arrays with random vectors.
 """
@@ -13,12 +13,13 @@ import numpy as np
 from skancf.dynamics.named_state import flat
 from skancf.dynamics.run import Run, Settings
 from skancf.history import Case
+from skancf.showing import in_full
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, SAME_VALUE
 from skancf.version import __version__
 
 VECTORS = 4
-"""Products with so many random vectors tell one array from another."""
+"""Products with this number of random vectors tell one array from another."""
 TIMES, MOMENTS = 9, 257
 """Times at which forces, and functions of time, are compared."""
 ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
@@ -27,7 +28,7 @@ Fingerprint = dict[str, np.ndarray]
 
 
 def difference(fingerprint: Fingerprint, other: Fingerprint) -> str | None:
-    """The first difference from what another run was asked for, in words, settings first; None if there is none."""
+    """The first difference from what another run was asked for, in words, settings first; None if they agree."""
     for name in sorted(fingerprint, key=lambda name: fingerprint[name].ndim):
         value, known, title = fingerprint[name], other.get(name), name.replace("_", " ")
         if value.ndim < 2:
@@ -91,7 +92,7 @@ def _or_zero(value: np.ndarray | None, like: np.ndarray) -> np.ndarray:
 
 
 def _at(function: Callable[[Any], Any], moments: list[Any]) -> np.ndarray:
-    """Values at some times; nan where there is none: that is found out when the run gets there."""
+    """Values at some times; nan where it has no value: that is found out when the run gets there."""
     out = [_tried(function, moment) for moment in moments]
     n = max(values.size for values in out)
     return np.array([values if values.size == n else np.full(n, np.nan) for values in out])
@@ -115,7 +116,7 @@ def _said(value: Any) -> Any:
         value = value.item()
     if isinstance(value, (int, float, str)):
         return value
-    text = repr(value)
+    text = in_full(value)
     if ADDRESS.search(text) and hasattr(value, "__dict__") and not callable(value):
         text = f"{type(value).__qualname__}({vars(value)})"  # an object without a repr of its own
     return ADDRESS.sub("", text)

@@ -26,6 +26,16 @@ class GeneralizedAlpha(Newmark):
     References
     ----------
     Chung and Hulbert (1993), Journal of Applied Mechanics 60, 371-375.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, rule=sk.GeneralizedAlpha(rho_inf=0.6), dt=2e-4, progress=False)
+    >>> print(motion.status.value, len(motion.steps))
+    finished 25
     """
 
     rho_inf: float = 0.8

@@ -7,15 +7,18 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, vector
 from skancf.kernels.constants import R
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import EVERY, nodal
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
 from skancf.loads.acting import over_elements, values_at
+from skancf.showing import short
 from skancf.system.system import System
 
 
+@by_value
 @dataclass(frozen=True)
 class RigidVelocity:
     r"""The velocity of a body that moves and turns as a whole, at any configuration.
@@ -37,11 +40,23 @@ class RigidVelocity:
     ------
     InputError
         For entries that are not finite or not three.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> thrown = sk.Problem(sk.Rectangle(0.3, 0.03), 0.001, steel)
+    >>> system = thrown.on(sk.meshes.uniform(thrown.surface, 4, 1), "kirchhoff")
+    >>> spin = sk.RigidVelocity(spin=(0.0, 10.0, 0.0), about=(0.15, 0.015, 0.0))
+    >>> motion = sk.simulate(system, 0.02, velocity=spin, rtol=1e-2, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     spin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     about: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -5,7 +5,7 @@ r"""The ledger of a run: energies, work, dissipation and momenta, and whether th
 with the kinetic, strain and potential energy T, U and V (of weight without a history), the work W of all other loads, of
 supports and conditions that move, of impulses and of temperature, the energy D that damping takes, D_h that the rule takes
 out of what the steps do not resolve (its numerical dissipation), and the change R by changes of the mesh. What is left over
-is the error of the integration: what a rule gains or loses beside that.
+is the error of the integration: what a rule gains or loses on top of that.
 Momenta change by the impulses of loads, supports, conditions, springs and damping.
 """
 
@@ -19,8 +19,10 @@ from skancf.dynamics.forces import net_force
 from skancf.dynamics.log import Log
 from skancf.dynamics.rule import Rule
 from skancf.dynamics.state import State
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.history import Case
+from skancf.showing import counted, in_a_notebook, in_brackets, short, span, summary
 from skancf.system.system import System
 from skancf.tabular import Column, Columns, Tabular, of_objects, spread
 from skancf.tolerances import ABOVE_ZERO
@@ -29,7 +31,19 @@ from skancf.vectors import sum_of_cross
 
 @dataclass(frozen=True)
 class MeshEvent:
-    """A change of the mesh: time (s), elements before and after, what it did to the energies (J) and momenta."""
+    """A change of the mesh: time (s), elements before and after, what it did to the energies (J) and momenta.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> mesh = sk.meshes.quadtree(sk.meshes.uniform(strip.surface, 4, 1), strip.surface)
+    >>> system = strip.on(mesh, "kirchhoff")
+    >>> motion = sk.simulate(system, 0.002, rtol=0.1, follow=sk.Follow(every=2), progress=False)
+    >>> print(all(event.after > 0 for event in motion.ledger.events))
+    True
+    """
 
     time: float
     before: int
@@ -41,7 +55,10 @@ class MeshEvent:
     again: bool = False
     """Whether the run went back to here, because the motion had outrun the fine part of the mesh."""
 
+    __repr__ = short
 
+
+@by_value
 @dataclass(frozen=True)
 class Ledger(Tabular):
     """The ledger at times (n,), a table; energies in J, momenta (n, 3) in N s and, about the origin, N m s.
@@ -54,6 +71,16 @@ class Ledger(Tabular):
     linear_impulse, angular_impulse : (n, 3) arrays
         Of loads, supports, conditions, springs and damping from outside, from the start.
     events : tuple of MeshEvent
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> ledger = sk.simulate(system, 0.01, rtol=1e-2, progress=False).ledger
+    >>> print(abs(ledger.balance).max() < 1e-3 * abs(ledger.work).max())
+    True
     """
 
     times: np.ndarray
@@ -69,6 +96,15 @@ class Ledger(Tabular):
     linear_impulse: np.ndarray
     angular_impulse: np.ndarray
     events: tuple[MeshEvent, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        last = {name: getattr(self, name)[-1] for name in ("kinetic", "strain", "potential", "work")}
+        said = ", ".join(f"{name} {value:.4g}" for name, value in last.items())
+        when = f"{counted(len(self.times), 'row')}, {span(self.times[0], self.times[-1], 's')}"
+        return f"Ledger: {when}, at the end {said}, without a source {self.balance[-1]:.2g} J"
 
     @property
     def energy(self) -> np.ndarray:
@@ -150,6 +186,8 @@ class Forces:
     material: np.ndarray
     conditions: np.ndarray
     multipliers: np.ndarray
+
+    __repr__ = short
 
     def at(self, time: float, before: "Forces") -> "Forces":
         """Linear through those of the step before."""

@@ -18,6 +18,16 @@ class ImplicitMidpoint(Rule):
         \frac{v_{n+1} + v_n}{2} = \frac{u}{\Delta t}, \qquad q_{1/2} = q_n + \tfrac12 u
 
     In large rotations with steps that do not resolve the membrane's frequencies its energy is not bounded.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, rule=sk.ImplicitMidpoint(), dt=2e-4, progress=False)
+    >>> print(motion.status.value, len(motion.steps))
+    finished 25
     """
 
     stage = 0.5

@@ -11,8 +11,12 @@ from skancf.checks import Check
 from skancf.dynamics.interpolation import StateInterpolation
 from skancf.dynamics.ledger import Ledger
 from skancf.dynamics.pulls import Pulls
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
+from skancf.layout.layout import vectors
+from skancf.rows import Rows
+from skancf.showing import counted, in_a_notebook, in_brackets, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.system.probe import probe
@@ -38,9 +42,11 @@ class Step:
     n_dofs: int = 0
 
 
+@by_value
 @dataclass(frozen=True)
 class Segment:
-    """A part of a run on one mesh and without a jump of velocities: states (n, n_dofs) at times (n,).
+    """A part of a run on one mesh and without a jump of velocities: states (n, n_dofs) at times (n,), arrays or, of runs
+    that do not fit into memory, :class:`~skancf.rows.Rows` of a file.
 
     ``outputs`` (n,) says which of them are at output times; the others are its ends. ``pulls`` are the multipliers of
     conditions, at every step.
@@ -48,10 +54,17 @@ class Segment:
 
     system: System
     times: np.ndarray
-    q: np.ndarray
-    v: np.ndarray
+    q: np.ndarray | Rows
+    v: np.ndarray | Rows
     outputs: np.ndarray
     pulls: Pulls | None = None
+
+    __repr__ = in_brackets
+
+    @summary
+    def __str__(self) -> str:
+        n = counted(len(self.times), "state")
+        return f"Segment: {n}, {span(self.times[0], self.times[-1], 's')}, {self.system}"
 
     def at(self, time: float) -> Solution:
         """The state at a time, between the states here by :class:`~skancf.dynamics.interpolation.StateInterpolation`."""
@@ -67,6 +80,7 @@ class Segment:
         return Solution(self.system, q, v, time, multipliers=None if self.pulls is None else self.pulls.at(time))
 
 
+@by_value
 @dataclass(frozen=True)
 class Motion(Tabular):
     """States over time, as far as the run came; as a table its output times, see :class:`~skancf.tabular.Tabular`.
@@ -88,6 +102,17 @@ class Motion(Tabular):
         Estimated error at the output times (m), a mass-weighted root mean square of positions, if ``check`` was asked for.
     seconds : float
         Wall time, of all processes that a restarted run has taken.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.01, rtol=1e-2, outputs=11, progress=False)
+    >>> state = motion.at(0.005)  # a Solution
+    >>> print(motion.ok, len(motion.times), f"{1000 * state.displacement((1.0, 0.05))[2]:.2f} mm")
+    True 11 0.12 mm
     """
 
     segments: tuple[Segment, ...]
@@ -99,6 +124,17 @@ class Motion(Tabular):
     seconds: float = 0.0
     checks: tuple[Check, ...] = ()
     error: np.ndarray | None = None
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        begin, end = self.segments[0].times[0], self.segments[-1].times[-1]
+        n = sum(int(np.count_nonzero(part.outputs)) for part in self.segments)
+        accepted = sum(step.accepted for step in self.steps)
+        on = f"{self.segments[-1].system}" + (f" at the end of {len(self.segments)} parts" if len(self.segments) > 1 else "")
+        steps = f"{counted(n, 'output')}, {counted(accepted, 'step')} computed in {self.seconds:.3g} s"
+        return f"Motion: {self.status.value}, {span(begin, end, 's')}, {on}, {steps}{passed(self.checks)}"
 
     @property
     def ok(self) -> bool:
@@ -190,8 +226,8 @@ class Motion(Tabular):
     def states(self) -> Iterator[Solution]:
         """The states at the output times, each with its own system."""
         for part in self.segments:
-            for t, q, v in zip(part.times[part.outputs], part.q[part.outputs], part.v[part.outputs], strict=True):
-                yield part.solution(float(t), q.copy(), v.copy())
+            for k in np.flatnonzero(part.outputs):
+                yield part.solution(float(part.times[k]), part.q[k].copy(), part.v[k].copy())
 
     def output_ledger(self) -> Ledger:
         """The ledger at the output times."""
@@ -204,8 +240,8 @@ class Motion(Tabular):
         parts = []
         for part in self.segments:
             point = probe(part.system, at)
-            change = (part.q[part.outputs] - part.system.undeformed).reshape(-1, part.system.n_dofs // 3, 3)
-            moved = np.array([point @ nodal for nodal in change]).reshape(-1, point.shape[0], 3)
+            changes = (part.q[k] - part.system.undeformed for k in np.flatnonzero(part.outputs))
+            moved = np.array([point @ vectors(change) for change in changes]).reshape(-1, point.shape[0], 3)
             parts.append(moved[:, 0] if np.ndim(at) == 1 else moved)
         return np.concatenate(parts)
 

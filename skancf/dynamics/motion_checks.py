@@ -23,7 +23,7 @@ def checks_of(
     Energy without a source is compared with the largest energy E of any kind, linear momentum without one with
     :math:`\sqrt{2 m T}`, T being the largest kinetic energy, or with itself where that is more, angular momentum with that
     times the size of the body, or itself, and numerical dissipation with the largest strain energy. What rounding may leave
-    is allowed beside.
+    is allowed on top.
 
     Parameters
     ----------

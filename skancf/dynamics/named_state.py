@@ -13,6 +13,18 @@ class HasState(Protocol):
     A rule, a control of steps, a policy of meshes or a term that has both methods is asked by the run that it takes part in,
     which then goes on, where it was cut off, and goes back, where meshes follow it, with what the object knew there.
     An object that has served a run still knows its end: give every run one of its own.
+
+    Examples
+    --------
+    >>> class Steps:
+    ...     def __init__(self):
+    ...         self.dt = 1e-4
+    ...     def state(self):
+    ...         return {"dt": self.dt}
+    ...     def restore(self, state):
+    ...         self.dt = float(state["dt"])
+    >>> isinstance(Steps(), sk.dynamics.HasState)
+    True
     """
 
     def state(self) -> dict[str, Any]:

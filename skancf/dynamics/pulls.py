@@ -10,7 +10,11 @@ from functools import cached_property
 
 import numpy as np
 
+from skancf.equality import by_value
+from skancf.showing import short
 
+
+@by_value
 @dataclass(frozen=True, eq=False)
 class Pulls:
     """Multipliers along a part of a run, whose first row belongs to the state at its begin.
@@ -27,6 +31,8 @@ class Pulls:
     ends: np.ndarray
     acting: np.ndarray
     values: np.ndarray
+
+    __repr__ = short
 
     def at(self, time: float) -> np.ndarray:
         """Multipliers (n,) at a time, linear between the ends of steps."""

@@ -1,5 +1,6 @@
-"""The loop in time: integrator, step control, meshes and output are objects beside it."""
+"""The loop in time: integrator, step control, meshes and output are separate objects."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -25,10 +26,13 @@ from skancf.dynamics.steps import FADING, Attempt, StepControl
 from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
 from skancf.history import Case, knots_of
-from skancf.progress import Progress
+from skancf.progress import Bar
+from skancf.showing import short
 from skancf.solving import End, Status, run_steps
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, ROUNDED_TIME
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -44,9 +48,11 @@ class NewMesh:
     event: MeshEvent
     raised: float = 0.0
 
+    __repr__ = short
+
 
 class MeshPolicy(Protocol):
-    """Decides on meshes, every so many steps, and carries states over."""
+    """Decides on meshes, at regular intervals of steps, and carries states over."""
 
     @property
     def every(self) -> int:
@@ -82,7 +88,7 @@ class Settings:
 
 
 OWN = ("dt", "shortest", "farthest", "hardest", "origin", "tries")
-"""What a run remembers beside its parts."""
+"""What a run remembers besides its parts."""
 
 
 class Run:
@@ -132,7 +138,7 @@ class Run:
         return {name: part for name, part in parts.items() if isinstance(part, HasState)}
 
     def state(self) -> dict[str, Any]:
-        """All that the steps to come depend on, beside what was asked for, and how long the logs are."""
+        """All that the steps to come depend on, besides what was asked for, and how long the logs are."""
         own = {name: getattr(self, name) for name in OWN} | {"strikes": np.array(self.strikes), "now": self.now.state()}
         own["counts"] = {name: len(log) for name, log in self.logs.items()}
         return own | {name: part.state() for name, part in self.parts.items()}
@@ -173,14 +179,14 @@ class Run:
         return Motion(recorder.segments, tuple(self.steps), ledger, recorder.records, status, message, checks=checks)
 
     def go(
-        self, bar: Progress, after_step: Callable[["Run"], None] = lambda run: None,
+        self, bar: Bar, after_step: Callable[["Run"], None] = lambda run: None,
         at_end: Callable[[], None] = lambda: None,
     ) -> End:  # fmt: skip
         """Run to the end, or until it stops; ``after_step`` follows every accepted step, ``at_end`` the last one."""
         try:
             return run_steps(
-                lambda: self._step(bar, after_step, at_end), lambda: f" at t = {self.now.time:.6g} s", self._failed
-            )
+                lambda: self._step(bar, after_step, at_end), lambda: f" at t = {self.now.time:.6g} s", self._failed, logger,
+            )  # fmt: skip
         finally:
             self.recorder.end(self.now)
 
@@ -188,7 +194,7 @@ class Run:
         said = f"stopped at t = {self.now.time:.6g} s, what was computed is kept: {_words(error)}"
         return said if self.steps else None
 
-    def _step(self, bar: Progress, after_step: Callable[["Run"], None], at_end: Callable[[], None]) -> End | None:
+    def _step(self, bar: Bar, after_step: Callable[["Run"], None], at_end: Callable[[], None]) -> End | None:
         settings = self.settings
         tiny = ROUNDED_TIME * settings.span
         while self.strikes and self.strikes[0] <= self.now.time + tiny:
@@ -202,7 +208,9 @@ class Run:
         left = stop - self.now.time
         step = left if self.dt > left - tiny else self.dt
         outcome, accepted = self._attempt(step)
-        bar.at(self.now.time - settings.begin, self._news(outcome, step))
+        news = self._news(outcome, step)
+        logger.log(logging.INFO if accepted else logging.DEBUG, "%s%s", news, "" if accepted else ": not accepted")
+        bar.at(self.now.time - settings.begin, news)
         if self.dt < self.shortest:
             return Status.STEP_TOO_SMALL, self._too_small(outcome)
         if accepted:
@@ -290,7 +298,7 @@ class Run:
         self.set_rollback()
 
     def _check_mesh(self) -> None:
-        """Ask the policy of meshes, every so many accepted steps."""
+        """Ask the policy of meshes, at regular intervals of accepted steps."""
         follow = self.settings.follow
         if follow is None:
             return
@@ -301,6 +309,8 @@ class Run:
         new = follow.change(self.system, self.rollback, self.now, self.settings.end, most, again)
         tries = 0
         if new is not None:
+            logger.info("t = %.4g s: from %d to %d elements%s", new.event.time, new.event.before, new.event.after,
+                        ", and again from there" * new.event.again)  # fmt: skip
             if new.event.again:
                 tries = self.tries + 1
                 self._roll_back()
@@ -373,7 +383,7 @@ def _unmeasured(attempt: Attempt) -> float:
 FIRST_STEP = 50
 """Part of the run that is tried at first; what is too long is rejected, and costs little."""
 SUDDEN = 4
-"""Where the displacement grows more than so many times in a step, and the acceleration doubles, the motion only begins."""
+"""Where the displacement grows by more than this factor in a step, and the acceleration doubles, the motion only begins."""
 TRIES = 2
 """How often a run goes back to the same check."""
 NOISE = 1e3

@@ -25,7 +25,7 @@ from skancf.dynamics.trapezoidal import Trapezoidal
 from skancf.errors import InputError, finite, positive, shown
 from skancf.history import Case, check_covers
 from skancf.memory import require_much
-from skancf.progress import Progress
+from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.arguments import check_arguments
@@ -54,7 +54,7 @@ def simulate(
     newton_rtol: float | None = None,
     backend: str = "auto",
     check: bool = False,
-    progress: bool = True,
+    progress: ShowProgress = True,
 ) -> Motion:
     """Motion from the undeformed state at rest, or from ``start``.
 
@@ -92,16 +92,16 @@ def simulate(
     checkpoint : Checkpoint or folder, optional
         Write the run to a folder while it goes on: see :class:`Checkpoint`.
     resume : bool
-        Go on with the run in that folder, to the same bytes as without a stop; begin it where there is none. The problem and
-        all settings must be those it was begun with.
+        Go on with the run in that folder, to the same bytes as without a stop; begin it where the folder has none. The
+        problem and all settings must be those it was begun with.
     newton_rtol : float, optional
         Newton's method ends when the energy of its correction is less than this squared times the largest kinetic energy
         so far, or the step's first correction. Default: that of the rule.
     check : bool
         Run again with steps of twice the length (four times ``rtol``), for a third to a half of the time more, and estimate
         the error by the difference: ``motion.error``.
-    progress : bool
-        Show a progress bar.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each step; see :class:`~skancf.Progress`.
 
     Returns
     -------
@@ -113,8 +113,19 @@ def simulate(
     InputError
         For times, tolerances or velocities that cannot be used, a start that does not meet the conditions of the system, and
         with conditions for :class:`Trapezoidal`.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.01, rtol=1e-2, outputs=11, progress=False)
+    >>> print(motion.status.value, motion.displacement((1.0, 0.05)).shape)
+    finished (11, 3)
     """
-    check_arguments(system, backend, start=start, resume=resume, check=check, progress=progress)
+    check_arguments(system, backend, start=start, resume=resume, check=check)
+    check_progress(progress)
     t_end = positive("t_end", t_end, "s")
     _check(system, record, follow, rule)
     newton_rtol = None if newton_rtol is None else positive("newton_rtol", newton_rtol)
@@ -133,7 +144,7 @@ def simulate(
     began, remembered = clock.perf_counter(), flat(system.terms.state())
     # A state that has a time is the one after what happened then.
     struck = start is not None and start.time is not None
-    with Progress("dynamics", t_end, shown=progress) as bar:
+    with Bar("dynamics", t_end, progress) as bar:
         run = Run(system, settings, Recorder(times, record or {}), q, v, struck)
         try:
             status, message, seconds = _go(run, bar, checkpoint, resume)
@@ -142,7 +153,7 @@ def simulate(
     motion = run.motion(status, message)
     if doubled is not None and motion.ok:
         system.terms.restore(nested(remembered, system.terms.state()))
-        with Progress("the same with steps twice as long", t_end, shown=progress) as bar:
+        with Bar("dynamics, steps twice as long", t_end, progress) as bar:
             again = Run(system, replace(settings, control=doubled), Recorder(motion.times, {}), q, v, struck)
             try:
                 again.go(bar)
@@ -179,7 +190,7 @@ def _difference(motion: Motion, again: Run) -> np.ndarray:
     return out
 
 
-def _go(run: Run, bar: Progress, checkpoint: Checkpoint | AnyPath | None, resume: bool) -> tuple[Status, str, float | None]:
+def _go(run: Run, bar: Bar, checkpoint: Checkpoint | AnyPath | None, resume: bool) -> tuple[Status, str, float | None]:
     """The run, written to a folder if it is asked for, with the wall time of all its processes."""
     if checkpoint is None:
         if resume:

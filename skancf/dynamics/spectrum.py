@@ -1,4 +1,4 @@
-"""Histories as frequencies, and the natural frequencies beside them."""
+"""Histories as frequencies, compared with natural frequencies."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -7,8 +7,10 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from skancf.arguments import choice, whole
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, shown
 from skancf.memory import require_much
+from skancf.showing import counted, in_a_notebook, in_brackets, summary
 from skancf.statics import Modes
 from skancf.tabular import Column, Tabular, spread
 from skancf.tolerances import EQUIDISTANT, NO_SERIES, TINY
@@ -17,13 +19,13 @@ from skancf.tolerances import EQUIDISTANT, NO_SERIES, TINY
 LOBES = {"boxcar": 1, "hann": 2, "hamming": 2, "blackman": 3, "blackmanharris": 4, "flattop": 5}
 DEGREES = {None: -1, "constant": 0, "linear": 1}
 FEWEST = 8
-# Other times are resampled to at most so many times as many: steps grow from a tiny first one.
+# Other times are resampled to at most this many times their number: steps grow from a tiny first one.
 OVERSAMPLING = 16
 
 
 @dataclass(frozen=True)
 class Match:
-    """A peak beside the natural frequencies.
+    """A peak and the nearest natural frequency.
 
     Attributes
     ----------
@@ -46,6 +48,8 @@ class Match:
     modes: tuple[int, ...]
     highest: float | None = None
 
+    __repr__ = in_brackets
+
     @property
     def difference(self) -> float:
         """Of the peak from the nearest natural frequency, relative to that."""
@@ -61,6 +65,7 @@ class Match:
         """Whether exactly one does."""
         return len(self.modes) == 1
 
+    @summary
     def __str__(self) -> str:
         text = f"{self.frequency:.6g} Hz: mode {self.nearest}, {self.natural:.6g} Hz, {self.difference:+.2%}"
         if not self.found:
@@ -70,6 +75,7 @@ class Match:
         return text if self.highest is None else f"{text}; none above {self.highest:.6g} Hz is given: ask for more modes"
 
 
+@by_value
 @dataclass(frozen=True)
 class Spectrum(Tabular):
     r"""Outcome of :func:`spectrum`; a table, see :class:`~skancf.tabular.Tabular`.
@@ -85,6 +91,13 @@ class Spectrum(Tabular):
     nyquist : float
         The highest frequency (Hz).
     padding : int
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> print([f"{match.frequency:.1f} Hz" for match in found.compare([49.0, 120.0], count=1)])
+    ['50.0 Hz']
     """
 
     frequencies: np.ndarray
@@ -92,6 +105,16 @@ class Spectrum(Tabular):
     resolution: float
     nyquist: float
     padding: int
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        columns = counted(int(np.prod(self.amplitudes.shape[1:], dtype=int)), "column")
+        return (
+            f"Spectrum: up to {self.nyquist:.4g} Hz, {columns}, tells frequencies {self.resolution:.3g} Hz apart; "
+            f"largest amplitude {self.total.max():.4g} at {self.frequencies[self.total.argmax()]:.4g} Hz"
+        )
 
     def _table(self) -> dict[str, Column]:
         return {"frequency": (self.frequencies, "Hz"), **spread("amplitude", self.amplitudes, "")}
@@ -190,7 +213,7 @@ def spectrum(
         Any quantities, for example those of ``Motion.records`` or ``Motion.displacement``.
     window : str
         ``"hann"`` for most; ``"boxcar"`` resolves twice as much, but its peaks disturb each other; ``"blackman"``, and more
-        so ``"blackmanharris"``, show small peaks beside large ones; ``"flattop"`` is for amplitudes read without
+        so ``"blackmanharris"``, show small peaks next to large ones; ``"flattop"`` is for amplitudes read without
         interpolation, and its frequencies are coarse; or ``"hamming"``.
     detrend : str or None
         What is removed before: the mean, ``"constant"``, or a straight line, ``"linear"``; fitted with the window as weight,
@@ -208,6 +231,13 @@ def spectrum(
     ------
     InputError
         For times that do not ascend, values that are not finite or of another number, and too few samples.
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> print(f"{found.frequencies[np.argmax(found.amplitudes)]:.1f} Hz")
+    50.0 Hz
     """
     if not isinstance(window, str) or window not in LOBES:
         raise InputError(f"window = {shown(window)}: give one of {', '.join(LOBES)}")

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from skancf.showing import short
+
 NONE = np.empty(0)
 """Multipliers where there are no conditions."""
 
@@ -29,6 +31,8 @@ class State:
     multipliers: np.ndarray = field(default_factory=lambda: NONE)
     acting: float = 0.0
     cache: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    __repr__ = short
 
     def state(self) -> dict[str, Any]:
         """All of it but what is computed again."""

@@ -1,5 +1,6 @@
 """One implicit step: Newton's method that keeps its factors as long as they converge."""
 
+import logging
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,8 +14,11 @@ from skancf.dynamics.state import NONE, State
 from skancf.dynamics.step_newton import Effort, Equations, KeptFactors, StepCriterion, StepTangents
 from skancf.history import Case
 from skancf.linear import DirectSolver
+from skancf.showing import short
 from skancf.solving import Status, iterate
 from skancf.system.system import System
+
+logger = logging.getLogger(__name__)
 
 MAX_ITERATIONS = 25
 EASY = 4
@@ -37,6 +41,8 @@ class StepOutcome:
     iterations: int
     factorisations: int
     message: str = ""
+
+    __repr__ = short
 
     def after(self, spent: "StepOutcome") -> "StepOutcome":
         """This outcome with the iterations of an earlier attempt counted in."""
@@ -149,7 +155,7 @@ class StepSolver:
 
     def _newton(self, start: State, dt: float, effort: Effort) -> StepOutcome:
         tangents, criterion, first = self._problem(start, dt, effort)
-        found = iterate(first, tangents, criterion, MAX_ITERATIONS)
+        found = iterate(first, tangents, criterion, MAX_ITERATIONS, logger)
         spent = found.iterations, tangents.factorisations
         if found.ok:
             end, u = self._end(found.x, start, dt)

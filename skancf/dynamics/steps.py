@@ -7,6 +7,7 @@ from typing import Protocol
 from skancf.arguments import plain, whole
 from skancf.dynamics.impulses import Missed
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.tolerances import ABOVE_ZERO
 
 
@@ -51,6 +52,8 @@ class Attempt:
     young: bool = False
     total: float = float("inf")
 
+    __repr__ = short
+
 
 class StepControl(Protocol):
     """A policy that knows no mechanics."""
@@ -89,10 +92,22 @@ class FixedStep:
         Step (s).
     smallest : float
         A run stops when its step falls below this part of ``dt``.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, steps=sk.FixedStep(dt=2e-4), progress=False)
+    >>> print(len(motion.steps))
+    25
     """
 
     dt: float
     smallest: float = 1e-6
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -196,6 +211,16 @@ class LocalError(_Limited):
     ----------
     O. C. Zienkiewicz and Y. M. Xie, A simple error estimator and adaptive time stepping procedure for dynamic analysis,
     Earthquake Eng. Struct. Dyn. 20 (1991) 871-887.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, steps=sk.LocalError(atol=1e-5), rtol=1e-2, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     atol: float = 0.0
@@ -232,6 +257,17 @@ class EnergyBalance(_Limited):
         Asked part of the energy, gained or lost by the integration until the end of the run.
     largest, smallest : float
         As for :class:`LocalError`.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> rule = sk.GeneralizedAlpha()
+    >>> motion = sk.simulate(system, 0.002, steps=sk.EnergyBalance(), rule=rule, rtol=1e-2, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     def over(self, attempt: Attempt) -> float:
@@ -259,12 +295,24 @@ class NewtonCount:
         Longest step (s).
     smallest : float
         A run stops when its step falls below this part of ``dt``.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.005, steps=sk.NewtonCount(dt=1e-4), progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     dt: float
     iterations: int = 5
     largest: float = float("inf")
     smallest: float = 1e-6
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -24,7 +24,13 @@ class ElementQuadANCF(QuadWithSlopes):
 
     Examples
     --------
-    >>> basis = skfem.Basis(mesh, skfem.ElementVector(ElementQuadANCF(), 3), **through_thickness(mesh, 0.05))
+    >>> import skfem
+    >>> mesh = skfem.MeshQuad().refined(1)
+    >>> basis = skfem.Basis(
+    ...     mesh, skfem.ElementVector(sk.ElementQuadANCF(), 3), **sk.through_thickness(mesh, 0.05)
+    ... )
+    >>> print(basis.N)
+    108
     """
 
     maxdeg = 4
@@ -91,6 +97,12 @@ def through_thickness(mesh: skfem.MeshQuad, thickness: float, n: int = 4, n_z: i
     ------
     InputError
         For what is no mesh, a thickness that is not positive, and numbers of points that are no whole ones.
+
+    Examples
+    --------
+    >>> mesh = sk.meshes.uniform(sk.Rectangle(1.0, 1.0), 2, 2)
+    >>> print(sorted(sk.through_thickness(mesh, 0.01)))
+    ['mapping', 'quadrature']
     """
     instance("mesh", mesh, skfem.MeshQuad, MESH)
     thickness, n, n_z = positive("thickness", thickness), whole("n", n, most=64), whole("n_z", n_z, most=64)

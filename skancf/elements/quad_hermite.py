@@ -20,6 +20,13 @@ class ElementQuadHermite(QuadWithSlopes):
     ------
     InputError
         For a mesh with an element that is no aligned rectangle; the message names it.
+
+    Examples
+    --------
+    >>> import skfem
+    >>> mesh = skfem.MeshQuad().refined(1)
+    >>> print(skfem.Basis(mesh, sk.ElementQuadHermite()).N)
+    36
     """
 
     maxdeg = 6

@@ -38,7 +38,7 @@ class PrescribedMotion:
         return sorted({hint for history in self.histories() if (hint := getattr(history, "without_time", None))})
 
     def values(self, case: Case) -> np.ndarray:
-        """(n_dofs,); in statics at full amplitude, and at rest where there is none: see ``without_time``."""
+        """(n_dofs,); in statics at full amplitude, and at rest without a time: see ``without_time``."""
         if not isinstance(case, Case):
             raise no_case(case)
         total = np.zeros(self.n_dofs)
@@ -183,7 +183,7 @@ def _frame(span: np.ndarray, scales: np.ndarray) -> np.ndarray:
     """An orthonormal frame (12, 12) of coordinates as they are, of which the first rows are those held.
 
     Of all of them the one that mixes no more coordinates than a condition does, and is orthogonal in multiples of the scales
-    too, so that a direction has one scale: the bending stiffness of a thin plate would be lost beside the rounding of a
+    too, so that a direction has one scale: the bending stiffness of a thin plate would be lost in the rounding of a
     membrane stiffness that a frame mixes with it.
     """
     projector = span.T @ span

@@ -101,7 +101,7 @@ class Geometry(Places):
         return nodal
 
     def _normal_at_pole(self, node: int, tangents: np.ndarray) -> np.ndarray:
-        """The normal there, on the side of those beside it."""
+        """The normal there, on the side of those next to it."""
         element, _ = self.corner_of(node)
         beside = normal(self.surface, *self.parameters(np.array([[0.5], [0.5]]), np.array([element]))[:, 0])[:, 0]
         n = np.cross(*tangents)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.showing import short
 from skancf.theories import Theory
 
 
@@ -25,6 +26,8 @@ class Hanging:
     nodes: np.ndarray
     ends: np.ndarray
     weights: np.ndarray
+
+    __repr__ = short
 
     @classmethod
     def of(cls, mesh: Any, theory: Theory) -> "Hanging":

@@ -12,6 +12,7 @@ import numpy as np
 
 from skancf.errors import InputError, finite
 from skancf.kernels.constants import AXES, BLOCK, VECTORS, R
+from skancf.showing import short
 
 EVERY = slice(None)
 """Index of all blocks."""
@@ -38,6 +39,19 @@ class Part:
     nodal : bool
         Whether there is one block for each node of the plate, whose field is interpolated as that of the plate is when the
         mesh changes. Blocks of other parts are the same on all meshes.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> part = system.layout.parts[0]
+    >>> print(part.name)
+    plate
     """
 
     name: str
@@ -47,6 +61,8 @@ class Part:
     held: np.ndarray | None = None
     moves: bool = True
     nodal: bool = False
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
@@ -89,6 +105,19 @@ class Layout:
     moves : (n_blocks,) bool array
         Blocks whose first vector is a place in space, which a translation of everything moves; ``moving`` is the same as an
         index.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> layout = system.layout
+    >>> print(layout.n_blocks, layout.n_dofs, [part.name for part in layout.parts])
+    49 588 ['plate']
     """
 
     moving: Any

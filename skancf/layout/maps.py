@@ -16,6 +16,7 @@ from skancf.kernels.constants import FOURTH, R_X, VECTORS, R
 from skancf.kernels.gather import Maps
 from skancf.layout.hanging import Hanging
 from skancf.layout.ties import Ties
+from skancf.showing import short
 from skancf.theories import Theory
 from skancf.tolerances import ROUNDED_SUM
 
@@ -37,6 +38,8 @@ class Map:
     sources: np.ndarray
     weights: np.ndarray
     n_blocks: int
+
+    __repr__ = short
 
     @classmethod
     def of_mesh(cls, ties: Ties, hanging: Hanging) -> "Map":

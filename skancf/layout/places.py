@@ -81,7 +81,7 @@ class Places:
         Raises
         ------
         InputError
-            For a place that is none of these, an unknown name, and a place without a node.
+            For a place of another kind, an unknown name, and a place without a node.
         """
         try:
             return self._meant(where)

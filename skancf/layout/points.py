@@ -33,7 +33,7 @@ class IntegrationPoints:
     Raises
     ------
     InputError
-        For an element that is none, and for points or weights that are not 16, outside of the element or negative.
+        For an element that does not exist, and for points or weights that are not 16, outside of the element or negative.
     """
 
     def __init__(self, n_elements: int, gauss: tuple[np.ndarray, np.ndarray], own: Own | None = None):

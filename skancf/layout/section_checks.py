@@ -12,7 +12,7 @@ from skancf.tolerances import ONE_PLACE
 MIDDLES = np.array([[0.5, 1.0, 0.5, 0.0], [0.0, 0.5, 1.0, 0.5]])
 """Points (2, 4) in the middles of an element's sides, as ``mesh.t2f`` has them."""
 JUMP = 0.01
-"""Of the larger membrane stiffness, or of the thickness: a smaller difference is none."""
+"""Of the larger membrane stiffness, or of the thickness: a smaller difference does not count."""
 INCLINED, TAPERED, LARGEST = 1.5, 0.2, 0.02
 r"""What plate theory leaves out where a plate is inclined to its surface or its faces are, in squares of slopes, and the
 part of stiffness or stress of which a user hears. Of an inclined plate heights along the normal of the surface are larger

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function
 from skancf.layout.geometry import Geometry
 from skancf.layout.places import NONE
+from skancf.showing import short
 from skancf.tolerances import SAME_POINT
 
 KINDS = ("force", "moment", "position", "part", "normal", "tilt", "mirror")
@@ -18,6 +20,7 @@ HOLDING = ("position", "part", "normal", "mirror")
 """Those of supports."""
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Singularity:
     r"""What a load or support does that is not smooth: where, and by what.
@@ -50,11 +53,13 @@ class Singularity:
     Raises
     ------
     InputError
-        For an unknown kind, points that are none, and a force or moment at a single point without its vector.
+        For an unknown kind, invalid points, and a force or moment at a single point without its vector.
 
     Examples
     --------
-    >>> Singularity("force", (0.5, 0.5), "a Screw", vector=(0.0, 0.0, -20.0))
+    >>> sk.supports.Singularity("force", (0.5, 0.5), "a Screw", vector=(0.0, 0.0, -20.0)).points
+    array([[0.5],
+           [0.5]])
     """
 
     kinds: Any
@@ -66,6 +71,8 @@ class Singularity:
     line: np.ndarray | None = None
     at_rest: bool = True
     moves: bool = False
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         kinds = (self.kinds,) if isinstance(self.kinds, str) else tuple(self.kinds)
@@ -104,7 +111,7 @@ def at_place(
 ) -> list[Singularity]:
     """What acts at a place: at the ends of its boundary edges, and at its nodes that are on none, single points.
 
-    Nodes that are beside each other where a function is true are a line, or a part of the surface, and no single points.
+    Adjacent nodes at which a function is true are a line, or a part of the surface, and no single points.
     Nothing where ``where`` is no place of this mesh, as one of a user's own class may mean something else by that name.
     """
     try:

@@ -15,6 +15,7 @@ import numpy as np
 import skfem
 
 from skancf.errors import InputError
+from skancf.showing import short
 from skancf.surfaces import Surface, check_regular, closed_directions
 from skancf.theories import Theory
 from skancf.tolerances import MOVED_OF_EDGE, ONE_DIRECTION, ONE_PLACE, SINGLE_PRECISION
@@ -39,6 +40,8 @@ class Ties:
     representative: np.ndarray
     mix: np.ndarray
     poles: dict[int, np.ndarray]
+
+    __repr__ = short
 
 
 def find_ties(mesh: skfem.MeshQuad, surface: Surface, theory: Theory) -> Ties:
@@ -77,7 +80,7 @@ def _close(mesh: skfem.MeshQuad, surface: Surface, axis: int, first: np.ndarray,
     slack, other = ONE_PLACE * (high - low), mesh.p[1 - axis]
     ends = [np.flatnonzero((np.abs(mesh.p[axis] - end) <= slack) & ~hanging) for end in (low, high)]
     start, end = (nodes[np.argsort(other[nodes])] for nodes in ends)
-    # Single precision may have left them beside each other, by less than would exchange neighbours.
+    # Single precision may have left them apart, by less than would exchange neighbours.
     steps = [np.diff(other[nodes]).min(initial=np.inf) for nodes in (start, end)]
     reach = max(ONE_PLACE * np.ptp(other), min(SINGLE_PRECISION * np.abs(other).max(), MOVED_OF_EDGE * min(steps)))
     if len(start) != len(end) or (np.abs(other[start] - other[end]) > reach).any():

@@ -170,7 +170,7 @@ def _gap(zones: tuple[Zone, ...], places: np.ndarray) -> InputError:
     """Places (2, n) in no zone; the zones that are nearest to the first are named."""
     place = places[:, 0]
     nearest = [repr(zone.name) for zone in sorted(zones, key=lambda zone: _distance(zone, place))[:2]]
-    return InputError(f"zones: none holds (x, y) = ({place[0]:.6g}, {place[1]:.6g}), beside {' and '.join(nearest)}, and "
+    return InputError(f"zones: none holds (x, y) = ({place[0]:.6g}, {place[1]:.6g}), next to {' and '.join(nearest)}, and "
                       "the problem has no section of its own; close the gap, or give the problem a thickness and a material "
                       "for the rest")  # fmt: skip
 

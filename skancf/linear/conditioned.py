@@ -28,13 +28,14 @@ from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.skew import SkewSolver
 from skancf.linear.solver import DirectSolver
+from skancf.showing import short
 from skancf.tolerances import CONDITION_HELD, CONTRADICTION, PASSED, ROUNDED_LEAST_SQUARES, SOFTEST_OF_BLOCK
 
 STIFFNESS = 1e3
 """Of P, over the stiffness that the matrix has against a row: so much a pass gains. With more, its rounding is more than the
 bending stiffness of very thin shells."""
 SOFTER = 1e-2
-"""Of a P that is stiffer than that: what is tried next where a motion beside it looks like rounding."""
+"""Of a P that is stiffer than that: what is tried next where a motion next to it looks like rounding."""
 VECTOR = 3
 MOST = 12
 """Passes of a linear solve; five to eight are the rule."""
@@ -68,6 +69,24 @@ class ConditionedSolver:
         Of the last solve.
     lost : float
         What is left of its answer, relatively, where passes came to an end without it; zero elsewhere.
+
+    Examples
+    --------
+    >>> from scipy.sparse import csr_matrix
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> row = np.zeros(system.n_dofs)
+    >>> row[12 * 24 + 2] = 1.0  # z of the node in the middle
+    >>> with sk.linear.DirectSolver(system.pattern, system.constraints) as direct:
+    ...     solver = sk.linear.ConditionedSolver(direct, csr_matrix(row)).factor(system.tangent(system.undeformed))
+    ...     change = solver.solve(system.external_force(system.undeformed, sk.Case()))
+    >>> print(abs(row @ change) < 1e-12)
+    True
     """
 
     matrix: BlockMatrix
@@ -82,7 +101,7 @@ class ConditionedSolver:
         self.passes, self.lost = 0, 0.0
 
     def factor(self, matrix: BlockMatrix, skew: Any = None, sizes: BlockMatrix | None = None) -> "ConditionedSolver":
-        """Factors of A for K and, where there is one, a skew part (n_dofs, n_dofs) beside it; P is judged by ``sizes``, by
+        """Factors of A for K and, where there is one, a skew part (n_dofs, n_dofs) besides it; P is judged by ``sizes``, by
         default K, which may have lost its stiffness somewhere.
 
         Raises
@@ -122,7 +141,7 @@ class ConditionedSolver:
     @property
     def negative_pivots(self) -> int:
         """Negative eigenvalues of K among motions that meet the conditions: those of A, which are no fewer, and no more but
-        in a band beside a critical point, as wide as one over P."""
+        in a band next to a critical point, as wide as one over P."""
         return self.direct.negative_pivots
 
     def multiply(self, x: np.ndarray) -> np.ndarray:
@@ -233,6 +252,8 @@ class _OfRows:
 
     rows: sp.csr_matrix
     stiffness: np.ndarray
+
+    __repr__ = short
 
     def product(self, vector: np.ndarray) -> np.ndarray:
         return np.asarray(self.rows.T @ (self.stiffness * (self.rows @ vector)))

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError
+from skancf.showing import short
 from skancf.tolerances import ORTHONORMAL
 
 
@@ -27,11 +28,25 @@ class Constraints:
     ------
     InputError
         For shapes that do not fit, a node named twice, or a frame that is not orthogonal.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(system.constraints.n_free < system.n_dofs)
+    True
     """
 
     fixed: np.ndarray
     frame_nodes: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     frames: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         fixed = np.asarray(self.fixed)

@@ -19,7 +19,7 @@ from skancf.linear.constraints import Constraints
 from skancf.tolerances import CONTRADICTION
 
 MOST = 100
-"""Tries of a step; a dozen are the rule, and several dozen beside a place where a row loses its gradient."""
+"""Tries of a step; a dozen are the rule, and several dozen near a place where a row loses its gradient."""
 DAMPING, LEAST = 1e-3, 1e-10
 """The first one and the least one, of the size of a row."""
 FAINT = 1e-3

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from skancf.errors import InputError
 from skancf.linear import kernels
 from skancf.linear.pattern import BlockPattern
+from skancf.showing import short
 
 
 class Form(Protocol):
@@ -32,11 +33,26 @@ class BlockMatrix:
         Blocks in the order of the pattern, diagonal blocks full.
     form : Form, optional
         How products are made; by default of the entries. Factors are always those of the entries.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> stiffness = system.tangent(system.undeformed)
+    >>> print(stiffness.values.shape[1:], abs(stiffness @ np.zeros(system.n_dofs)).max())
+    (12, 12) 0.0
     """
 
     pattern: BlockPattern
     values: np.ndarray
     form: Form | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         expected = (self.pattern.n_blocks, self.pattern.block, self.pattern.block)
@@ -105,6 +121,8 @@ class BlockMatrix:
 class _Sum:
     one: BlockMatrix
     other: BlockMatrix
+
+    __repr__ = short
 
     def product(self, vector: np.ndarray) -> np.ndarray:
         return self.one @ vector + self.other @ vector

@@ -17,7 +17,7 @@ OPENMP = "libiomp5md.dll" if WINDOWS else "libiomp5.so"
 
 @cache
 def load() -> ctypes.CDLL | None:
-    """The single dynamic library of MKL with 32-bit integers, or None where there is none that works."""
+    """The single dynamic library of MKL with 32-bit integers, or None where no one works."""
     for path in _candidates():
         try:
             if WINDOWS:
@@ -29,7 +29,7 @@ def load() -> ctypes.CDLL | None:
         if library.MKL_Set_Interface_Layer(LP64) & 1:
             continue
         # MKL ends the process when its threading library is missing, so look first. Intel's OpenMP is a private copy
-        # beside the OpenMP or TBB pool of numba; the two pools take turns because we call one after the other.
+        # next to the OpenMP or TBB pool of numba; the two pools take turns because we call one after the other.
         library.MKL_Set_Threading_Layer(INTEL_THREADS if _loads(path.with_name(OPENMP)) else SEQUENTIAL)
         # Plain addresses, which take a tenth of the time of casts and references.
         library.pardiso.argtypes, library.pardiso.restype = [ctypes.c_void_p] * 16, None

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError
+from skancf.showing import short
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +24,18 @@ class BlockPattern:
         Column of each block, ascending in each row, so that the first block of a row is the diagonal one.
     coordinates : (d, n_nodes) array
         Where the nodes are. Used for the order of elimination and nothing else.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(system.pattern.n_nodes, system.pattern.block)
+    49 12
     """
 
     n_nodes: int
@@ -30,6 +43,8 @@ class BlockPattern:
     indptr: np.ndarray
     indices: np.ndarray
     coordinates: np.ndarray
+
+    __repr__ = short
 
     @classmethod
     def from_cells(

@@ -1,7 +1,7 @@
 r"""Tangents with a skew-symmetric part, as loads that follow the surface have them.
 
 Only the symmetric part K is factored. (K + S) x = b is solved by GMRES on :math:`(1 + K^{-1} S)\,x = K^{-1} b`; where S is
-small beside K, a few products are enough.
+small against K, a few products are enough.
 """
 
 from typing import Any
@@ -34,6 +34,22 @@ class SkewSolver:
         S; without it this is the direct solver.
     solver : DirectSolver
         Holds the factors of K.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> stiffness = system.tangent(system.undeformed)
+    >>> with sk.linear.DirectSolver(system.pattern, system.constraints) as solver:
+    ...     solver.factor(stiffness)
+    ...     x = sk.linear.SkewSolver(stiffness, None, solver).solve(np.ones(system.n_dofs))
+    >>> print(x.shape)
+    (588,)
     """
 
     def __init__(self, matrix: BlockMatrix, skew: Any, solver: DirectSolver) -> None:

@@ -26,7 +26,13 @@ MOST = 12
 
 
 def available_backends() -> tuple[str, ...]:
-    """Names of the solvers that run on this machine, fastest first."""
+    """Names of the solvers that run on this machine, fastest first.
+
+    Examples
+    --------
+    >>> print("superlu" in sk.linear.available_backends())
+    True
+    """
     return tuple(backend.name for backend in BACKENDS if backend.available())
 
 
@@ -56,6 +62,21 @@ class DirectSolver:
     Notes
     -----
     Order and layout of the factors are found once, here; :meth:`factor` only computes numbers.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> with sk.linear.DirectSolver(system.pattern, system.constraints) as solver:
+    ...     solver.factor(system.tangent(system.undeformed))
+    ...     change = solver.solve(system.external_force(system.undeformed, sk.Case()))
+    >>> print(f"{1000 * change.reshape(-1, 12)[:, 2].min():.4f} mm")
+    -0.0658 mm
     """
 
     def __init__(self, pattern: BlockPattern, constraints: Constraints, backend: str = "auto") -> None:
@@ -101,7 +122,7 @@ class DirectSolver:
         Raises
         ------
         SingularMatrix
-            When there are none. The message names the node and the coordinate that move freely.
+            When it is singular. The message names the node and the coordinate that move freely.
         """
         if self._closed:
             raise SkancfError("the solver is closed: make a new one")

@@ -10,12 +10,26 @@ from skancf.errors import vector
 from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, places_of
+from skancf.showing import short
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
 
 class Acting:
-    """A load on a given mesh; a kind of load overrides what it has. ``q`` has the shape (n_nodes, 4, 3)."""
+    """A load on a given mesh; a kind of load overrides what it has. ``q`` has the shape (n_nodes, 4, 3).
+
+    Examples
+    --------
+    >>> from skancf.loads.acting import Acting
+    >>> class Lift(Acting):
+    ...     follows = False
+    ...     def __init__(self, nodal):
+    ...         self.nodal = nodal
+    ...     def force(self, q, case):
+    ...         return case.amplitude(self.history) * self.nodal
+    >>> Lift(np.zeros((4, 4, 3))).force(np.zeros((4, 4, 3)), sk.Case()).shape
+    (4, 4, 3)
+    """
 
     history: History | None = None
     follows: bool = True
@@ -33,7 +47,7 @@ class Acting:
         """Add minus the derivative of the force, by ``blocks.add(elements, matrices)``. Default: zero, the force is dead."""
 
     def initial_stresses(self, case: Case) -> np.ndarray | None:
-        """Stresses (n_elements, n_strains, n_points) that hold back a free strain; None if there are none."""
+        """Stresses (n_elements, n_strains, n_points) that suppress a free strain; None without any."""
         return None
 
     def temperature(self, points: np.ndarray, case: Case) -> np.ndarray | None:
@@ -93,7 +107,19 @@ class DeadLoad(Acting):
 
 
 class Load(Protocol):
-    """What a problem knows of a load."""
+    """What a problem knows of a load.
+
+    Examples
+    --------
+    >>> class Pair:
+    ...     def on(self, assembly):
+    ...         return sk.EdgeLoad(["left", "right"], (0.0, 0.0, -10.0)).on(assembly)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, supports=[sk.Pin("corners")], loads=[Pair()])
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 4), "kirchhoff"))
+    >>> print(f"{solution.reactions()[2]:.2f} N")
+    20.00 N
+    """
 
     def on(self, assembly: Assembly) -> Any:
         """The load on a given mesh, an :class:`Acting`."""
@@ -105,6 +131,9 @@ class Spread(NamedTuple):
     elements: np.ndarray
     points: np.ndarray
     forces: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
     def nodal(self, geometry: Geometry) -> np.ndarray:
         """Nodal forces (n_nodes, 4, 3) that do the same work."""
@@ -139,7 +168,7 @@ def over_elements(geometry: Geometry, forces: np.ndarray) -> np.ndarray:
     return geometry.nodal(geometry.integration.gathered(local), np.arange(geometry.n_elements))
 
 
-def point_forces(geometry: Geometry, elements: Any, local: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Nodal forces of forces (m, 3) at local points (m, 2) of elements (m,)."""
+def at_points(elements: Any, local: np.ndarray, forces: np.ndarray) -> Spread:
+    """Forces (m, 3) at local points (m, 2) of elements (m,)."""
     on_both = np.stack([forces, np.zeros_like(forces)], axis=1)[..., None]
-    return Spread(np.asarray(elements), local[:, :, None], on_both).nodal(geometry)
+    return Spread(np.asarray(elements), local[:, :, None], on_both)

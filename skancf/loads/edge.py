@@ -10,22 +10,37 @@ import skfem
 
 from skancf.arguments import plain
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.history import History
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import DeadLoad, Spread, check_distributed, values_at
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 from skancf.tolerances import ONE_PLACE, PARALLEL_LINES
 
 
+@by_value
 @dataclass(frozen=True)
 class EdgeLoad:
-    """A dead force per undeformed length (N/m) along boundary edges; lengths are those of the surface itself."""
+    """A dead force per undeformed length (N/m) along boundary edges; lengths are those of the surface itself.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (1e5, 0.0, 0.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> end = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")).displacement((1.0, 0.05))
+    >>> print(f"{1e6 * end[0]:.2f} micrometres")  # N L / E h
+    47.62 micrometres
+    """
 
     where: Any
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -34,7 +49,11 @@ class EdgeLoad:
     def on(self, assembly: Assembly) -> DeadLoad:
         geometry = assembly.geometry
         ends = partial(at_place, geometry, self.where, "force", "an EdgeLoad", single=False)
-        return DeadLoad(on_edges(geometry, self.where, self.force).nodal(geometry), self.history, singular=ends)
+        return DeadLoad(self.spread(assembly).nodal(geometry), self.history, singular=ends)
+
+    def spread(self, assembly: Assembly) -> Spread:
+        """The forces at points of the edges."""
+        return on_edges(assembly.geometry, self.where, self.force)
 
 
 def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") -> Spread:
@@ -45,6 +64,7 @@ def on_edges(geometry: Geometry, where: Any, force: Any, name: str = "force") ->
     return Spread(elements, points, forces)
 
 
+@by_value
 @dataclass(frozen=True)
 class LineLoad:
     """A dead force per undeformed length (N/m) along a straight line of the parameter plane.
@@ -60,12 +80,23 @@ class LineLoad:
     ------
     InputError
         For a line without length, or one that leaves the surface.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> wall = sk.LineLoad(start=(0.0, 0.5), end=(1.0, 0.5), force=(0.0, 0.0, -200.0))
+    >>> slab = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, supports=[sk.Clamp("boundary")], loads=[wall])
+    >>> solution = sk.solve_linear(slab.on(sk.meshes.uniform(slab.surface, 4, 4), "kirchhoff"))
+    >>> print(f"{solution.reactions()[2]:.4f} N")
+    200.0000 N
     """
 
     start: tuple[float, float]
     end: tuple[float, float]
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -74,10 +105,17 @@ class LineLoad:
             raise InputError(f"start = end = {self.start}: a line needs two different ends")
 
     def on(self, assembly: Assembly) -> DeadLoad:
-        ends = np.asarray(self.start, float), np.asarray(self.end, float)
-        at, spread = on_line(assembly.geometry, *ends, self.force)
-        singular = [along_line(assembly.geometry, *ends, "a LineLoad")]
+        at, spread = on_line(assembly.geometry, *self._ends, self.force)
+        singular = [along_line(assembly.geometry, *self._ends, "a LineLoad")]
         return DeadLoad(spread.nodal(assembly.geometry), self.history, at.reshape(2, -1), singular)
+
+    def spread(self, assembly: Assembly) -> Spread:
+        """The forces at points of the line."""
+        return on_line(assembly.geometry, *self._ends, self.force)[1]
+
+    @property
+    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.asarray(self.start, float), np.asarray(self.end, float)
 
 
 def on_line(

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, vector
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
@@ -13,6 +14,7 @@ from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
 from skancf.loads.acting import Acting
+from skancf.showing import short
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 from skancf.theories.kirchhoff.point import R1, R2, dual, unit_normal
@@ -20,6 +22,7 @@ from skancf.tolerances import PARALLEL, ROUNDED_PRODUCT
 from skancf.vectors import cross
 
 
+@by_value
 @dataclass(frozen=True)
 class EdgeMoment:
     r"""A moment per undeformed length (N) on edges, about axes that do not turn.
@@ -39,11 +42,22 @@ class EdgeMoment:
     ------
     InputError
         For entries that are not finite or of another number; on a mesh, for a place without an edge.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> bend = sk.EdgeMoment("right", (0.0, -100.0, 0.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[bend])
+    >>> tip = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")).displacement((1.0, 0.05))
+    >>> print(f"{1000 * tip[2]:.3f} mm")  # M L^2 / 2 E I
+    2.857 mm
     """
 
     where: Any
     moment: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -53,14 +67,22 @@ class EdgeMoment:
 
     def on(self, assembly: Assembly) -> Acting:
         geometry = assembly.geometry
-        elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
-        moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
+        elements, points, moments = self.spread(assembly)
+        moments = moments.swapaxes(0, 1)
         ends = at_place(geometry, self.where, "moment", "an EdgeMoment", single=False)
         if geometry.theory.directors:
             return MomentOnDirectors(assembly, *_on_nodes(geometry, elements, points, moments), self.history, ends)
         return EdgeMomentOnNormals(assembly, elements, points, moments, self, ends)
 
+    def spread(self, assembly: Assembly) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Elements (m,), local points (m, 2, n) along the edges, and moments there (m, 3, n) (N m)."""
+        geometry = assembly.geometry
+        elements, points, lengths = geometry.edge_quadrature(geometry.facets_on(self.where))
+        moments = values_at("moment", self.moment, geometry.parameters(points, elements), 3) * lengths
+        return elements, points, moments.swapaxes(0, 1)
 
+
+@by_value
 @dataclass(frozen=True)
 class PointMoment:
     r"""A moment (N m) at a point of the parameter plane, about an axis that does not turn.
@@ -86,12 +108,19 @@ class PointMoment:
 
     Examples
     --------
-    >>> twist = sk.PointMoment(at=(0.5, 0.5), moment=(0.0, 20.0, 0.0))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> twist = sk.PointMoment((1.0, 0.05), (0.0, -10.0, 0.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[twist])
+    >>> tip = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 8, 2), "kirchhoff")).displacement((1.0, 0.05))
+    >>> print(f"{1000 * tip[2]:.2f} mm")
+    2.86 mm
     """
 
     at: tuple[float, float]
     moment: tuple[float, float, float]
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -101,9 +130,8 @@ class PointMoment:
 
     def on(self, assembly: Assembly) -> Acting:
         geometry = assembly.geometry
-        element, local_point = geometry.locate(self.at)
-        elements, moment = np.array([element]), np.asarray(self.moment, float)
-        points = local_point[None, :, None]
+        elements, points, _ = self.spread(assembly)
+        moment = np.asarray(self.moment, float)
         n = geometry.theory.normals(geometry.undeformed_local[elements], points[0], geometry.side[elements])[0, :, 0]
         size = np.linalg.norm(moment)
         if size and np.linalg.norm(np.cross(moment, n)) < PARALLEL * size * np.linalg.norm(n):
@@ -115,6 +143,11 @@ class PointMoment:
             tables = geometry.theory.position_table(points[0])[1].T
             return MomentOnDirectors(assembly, elements, tables, moment[None], self.history, singular)
         return MomentOnNormals(assembly, elements, points, moment[:, None, None], self.history, singular)
+
+    def spread(self, assembly: Assembly) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The element (1,), its local point (1, 2, 1), and the moment (1, 3, 1) (N m)."""
+        element, local = assembly.geometry.locate(self.at)
+        return np.array([element]), local[None, :, None], np.asarray(self.moment, float)[None, :, None]
 
 
 def _on_nodes(
@@ -218,7 +251,7 @@ class MomentOnNormals(Acting):
             self._add_skew(q, case, blocks)
             return
         n, duals, _, c = self._surface(q, case)
-        # Sums over points as products of matrices; a sum of so many factors takes longer to plan than to do.
+        # Sums over points as products of matrices; a sum of this number of factors takes longer to plan than to do.
         left = np.einsum("mgan,gjmn->majn", self.slopes, duals).reshape(len(self.slopes), LOCAL, -1)
         right = np.einsum("mlbn,lmn,imn->mibn", self.slopes, c, n).reshape(len(self.slopes), LOCAL, -1)
         half = (left @ right.swapaxes(1, 2)).reshape(-1, FUNCTIONS, AXES, AXES, FUNCTIONS)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, vector
 from skancf.functions import called, is_function
 from skancf.history import Case, History, check_history
@@ -14,6 +15,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity
 from skancf.loads.acting import Acting, Spread, check_distributed
 from skancf.loads.edge import along_line, on_line
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 Place = Callable[[float], Any]
@@ -22,6 +24,7 @@ Found = tuple[np.ndarray, Spread]
 """Parameters (2, n) where a load acts, and its forces."""
 
 
+@by_value
 @dataclass(frozen=True)
 class MovingForce:
     """A dead force (N) at a point that moves over the surface: a wheel, a drop that runs down.
@@ -51,12 +54,20 @@ class MovingForce:
 
     Examples
     --------
-    >>> wheel = sk.MovingForce(sk.Path([0.0, 2.0], [(-0.1, 0.5), (1.1, 0.5)]), force=(0.0, 0.0, -50.0))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> wheel = sk.MovingForce(sk.Path((0.0, 0.1), [(0.0, 0.05), (1.0, 0.05)]), (0.0, 0.0, -10.0))
+    >>> bridge = sk.Problem(sk.Rectangle(1.0, 0.1), 0.005, steel, [sk.Pin("left"), sk.Pin("right")], [wheel])
+    >>> system = bridge.on(sk.meshes.uniform(bridge.surface, 4, 1), "kirchhoff")
+    >>> motion = sk.simulate(system, 0.1, rtol=0.05, progress=False)
+    >>> print(motion.status.value)
+    finished
     """
 
     path: Place
     force: tuple[float, float, float]
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -82,6 +93,7 @@ class MovingForce:
         return Moving(geometry, find, singular, self.history, [self.path])
 
 
+@by_value
 @dataclass(frozen=True)
 class MovingLine:
     """A dead force per undeformed length (N/m) along a straight line of the parameter plane, whose ends move.
@@ -103,12 +115,21 @@ class MovingLine:
     ------
     InputError
         For ends that are neither functions nor points, and what :class:`LineLoad` refuses.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> start, end = (sk.Path((0.0, 0.1), [(0.0, y), (1.0, y)]) for y in (0.0, 0.1))
+    >>> axle = sk.MovingLine(start, end, (0.0, 0.0, -100.0))
+    >>> bridge = sk.Problem(sk.Rectangle(1.0, 0.1), 0.005, steel, [sk.Pin("left"), sk.Pin("right")], [axle])
     """
 
     start: Any
     end: Any
     force: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

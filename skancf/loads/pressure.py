@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.arguments import plain
 from skancf.elements.quad_ancf import square_quadrature
+from skancf.equality import by_value
 from skancf.errors import number
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
@@ -14,12 +15,14 @@ from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
 from skancf.loads.acting import Acting
 from skancf.loads.pressure_kernel import pressure_stiffness
+from skancf.showing import short
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
 EXACT = 5
 
 
+@by_value
 @dataclass(frozen=True)
 class FollowerPressure:
     r"""A pressure (Pa) on the deformed area, along the deformed normal.
@@ -49,10 +52,21 @@ class FollowerPressure:
     References
     ----------
     Schweizerhof and Ramm (1984), Computers & Structures 18, 1099-1114.
+
+    Examples
+    --------
+    >>> rubber = sk.Isotropic(young=1e6, poisson=0.45, density=1100.0)
+    >>> tube = sk.CylinderSector(radius=0.5, length=1.5, angle=2 * np.pi, closed=True)
+    >>> hose = sk.Problem(tube, 0.01, rubber, [sk.Clamp("left"), sk.Clamp("right")], [sk.FollowerPressure(1000.0)])
+    >>> solution = sk.solve(hose.on(sk.meshes.uniform(tube, 8, 12), "kirchhoff")).unwrap()
+    >>> print(f"{1000 * solution.displacement((0.75, np.pi / 2))[2]:.1f} mm outwards")
+    19.7 mm outwards
     """
 
     pressure: Any
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

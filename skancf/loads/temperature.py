@@ -6,13 +6,16 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.functions import is_function, values_at
 from skancf.history import Case, History, check_history
 from skancf.loads.acting import Acting
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 
 
+@by_value
 @dataclass(frozen=True)
 class Temperature:
     r"""A temperature change :math:`T(x, y, z) = T_0 + z T_1`, which strains the material by its ``expansion``.
@@ -26,11 +29,21 @@ class Temperature:
         :math:`T_0`, at the reference surface (K): constant, or a function of the parameters (x, y).
     gradient : float or callable
         :math:`T_1`, through the thickness (K/m).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0, expansion=12e-6)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, [sk.Clamp("left")], [sk.Temperature(gradient=1000.0)])
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 4), "kirchhoff"))
+    >>> print(f"{1000 * solution.displacement((1.0, 0.5))[2]:.2f} mm")  # 10 K between its faces
+    -6.60 mm
     """
 
     change: Any = 0.0
     gradient: Any = 0.0
     history: History | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

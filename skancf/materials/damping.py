@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number
 
 
+@by_value
 @dataclass(frozen=True)
 class Damping:
     r"""Viscous damping in proportion to mass and stiffness, in dynamics; a state of rest does not see it.
@@ -35,7 +37,8 @@ class Damping:
 
     Examples
     --------
-    >>> problem = sk.Problem(surface, 0.01, material, supports, damping=sk.Damping(mass=0.5, stiffness=1e-4))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> damped = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, damping=sk.Damping(mass=0.5, stiffness=1e-4))
     """
 
     mass: float = 0.0

@@ -17,6 +17,7 @@ from skancf.materials.point_law import PointLaw, is_point_law
 from skancf.materials.section import Section
 from skancf.materials.zone_laws import LawsOfZones, LinearAtPoints
 from skancf.materials.zones import Zone
+from skancf.showing import short
 
 
 @dataclass(frozen=True)
@@ -131,6 +132,14 @@ class SectionField:
     ------
     InputError
         For what is missing, with the name of the zone.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(210e9, 0.3, 7850.0)
+    >>> blade = sk.Problem(sk.Rectangle(1.0, 0.1), lambda x, y: 0.02 - 0.01 * x, steel)
+    >>> places = np.array([[0.0, 0.5, 1.0], [0.05, 0.05, 0.05]])
+    >>> print(blade.section.at(places, np.full(3, -1)).thickness)
+    [0.02  0.015 0.01 ]
     """
 
     def __init__(self, material: Any, thickness: Any, offset: Any, zones: Sequence[Zone] = ()):
@@ -184,12 +193,15 @@ class Layers(NamedTuple):
     expansion: np.ndarray
     thinning: np.ndarray
 
+    def __repr__(self) -> str:
+        return short(self)
+
     @classmethod
     def of(cls, section: Section) -> "Layers":
         return cls(*(getattr(section, name) for name in cls._fields))
 
     def with_layers(self, n: int) -> "Layers":
-        """With so many layers, by layers of no thickness on top."""
+        """With a given number of layers, by layers of no thickness on top."""
         more = n - self.density.shape[-1]
         if not more:
             return self
@@ -214,7 +226,7 @@ def laws_of(parts: Sequence[Given]) -> tuple[PointLaw, ...]:
     Raises
     ------
     InputError
-        For a laminate, and for a material that is a function of place, beside a law at points.
+        For a laminate, and for a material that is a function of place, together with a law at points.
     """
     known: dict[Any, PointLaw] = {}
     first = next((part for part in parts if part.law is not None), None)
@@ -224,7 +236,7 @@ def laws_of(parts: Sequence[Given]) -> tuple[PointLaw, ...]:
         if brings_thickness(part.material) or is_function(part.material):
             name = f"zone {part.name!r}" if part.name else "the rest of the plate"
             what = "a laminate" if brings_thickness(part.material) else "a material that is a function of place"
-            raise InputError(f"material: {name} has {what}, and {type(first.material).__name__} is a law at points, beside "
+            raise InputError(f"material: {name} has {what}, and {type(first.material).__name__} is a law at points, next to "
                              "which each zone has one law; give it one that is linear or a law at points")  # fmt: skip
         known.setdefault(_key(part.material), part.law or LinearAtPoints(part.material))
     return tuple(known[_key(part.material)] for part in parts)

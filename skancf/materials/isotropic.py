@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
 from skancf.materials.law import SHEAR_CORRECTION, build
+from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Isotropic:
     r"""Isotropic elasticity.
@@ -34,6 +37,12 @@ class Isotropic:
     ------
     InputError
         For a modulus or density that is not positive or a Poisson's ratio outside (-1, 0.5).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0, expansion=12e-6)
+    >>> print(f"{steel.stiffness()[0, 0] / 1e9:.1f} GPa")  # E / (1 - nu^2), plane stress
+    230.8 GPa
     """
 
     young: float
@@ -43,6 +52,8 @@ class Isotropic:
     shear_correction: float = SHEAR_CORRECTION
     expansion: float = 0.0
     angle = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -6,14 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive, shown
 from skancf.materials.law import Law, require_law, stiffness_of, thinning_of, turned, turned_strain, turned_thinning
 from skancf.materials.made import stack
 from skancf.materials.point_law import is_point_law
 from skancf.materials.section import Section
 from skancf.materials.shear import with_shear_of_equilibrium
+from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Layer:
     """A layer of a laminate.
@@ -31,11 +34,20 @@ class Layer:
     ------
     InputError
         For a thickness that is not positive, an angle that is not finite, and a material that is no law.
+
+    Examples
+    --------
+    >>> ply = sk.Orthotropic(young=(138e9, 9e9, 9e9), poisson=(0.3, 0.3, 0.4), shear=(7e9, 7e9, 3.2e9), density=1600.0)
+    >>> cross = sk.Laminate([sk.Layer(ply, 0.125e-3, angle) for angle in (0, np.pi / 2, np.pi / 2, 0)])
+    >>> print(f"{1000 * cross.section().thickness} mm")
+    0.5 mm
     """
 
     material: Law
     thickness: float
     angle: float = 0.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -55,6 +67,7 @@ class Layer:
         return turned_strain(self.material.thermal_strain(), self.angle)
 
 
+@by_value
 @dataclass(frozen=True)
 class Laminate:
     """Perfectly bonded layers; in a problem it stands for the material and the thickness.
@@ -69,7 +82,7 @@ class Laminate:
     Raises
     ------
     InputError
-        For no layers, a layer that is none, and an offset that is not finite.
+        For no layers, an invalid layer, and an offset that is not finite.
 
     Notes
     -----
@@ -95,6 +108,8 @@ class Laminate:
     layers: Sequence[Layer]
     offset: float = 0.0
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         if not isinstance(self.layers, Sequence) or isinstance(self.layers, str | bytes) or not len(self.layers):
@@ -102,7 +117,7 @@ class Laminate:
         object.__setattr__(self, "layers", tuple(self.layers))
         for layer in self.layers:
             if not isinstance(layer, Layer):
-                raise InputError(f"layers: {shown(layer)} is none; give Layer(material, thickness, angle)")
+                raise InputError(f"layers: {shown(layer)} is not a layer; give Layer(material, thickness, angle)")
         number("offset", self.offset)
 
     def section(self) -> Section:

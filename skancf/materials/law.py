@@ -11,8 +11,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from skancf.arguments import choice, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import Noted, is_ours
+from skancf.showing import short
 from skancf.tolerances import ROUNDED_SUM, SYMMETRIC
 
 SHEAR_CORRECTION = 5 / 6
@@ -22,7 +24,18 @@ THICKNESS = 2
 
 
 class Law(Protocol):
-    """What the rest of the library knows of a material."""
+    """What the rest of the library knows of a material.
+
+    Examples
+    --------
+    >>> class Glass:
+    ...     density = 2500.0
+    ...     def stiffness(self):
+    ...         return sk.Isotropic(70e9, 0.23, 2500.0).stiffness()
+    ...     def thermal_strain(self):
+    ...         return np.zeros(6)
+    >>> pane = sk.Problem(sk.Rectangle(1.0, 1.0), 0.006, Glass())
+    """
 
     @property
     def density(self) -> float:
@@ -44,7 +57,7 @@ def require_law(material: Any) -> None:
 
 
 def stiffness_of(law: Any) -> np.ndarray:
-    """The stiffness of a law, checked where the law is none of this library's."""
+    """The stiffness of a law, checked where the law does not come from this library."""
     if is_ours(law):
         return np.asarray(law.stiffness())
     with Noted("material"):
@@ -136,6 +149,7 @@ def turned_strain(strain: np.ndarray, angle: float) -> np.ndarray:
     return strain_turn(-angle) @ strain
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Anisotropic:
     r"""Any symmetric positive definite 6 x 6 law.
@@ -160,6 +174,13 @@ class Anisotropic:
     ------
     InputError
         For a matrix that is not symmetric positive definite, or values that are not finite or not positive.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0, kind="3d")
+    >>> ribbed = sk.Anisotropic(steel.stiffness() + np.diag([20e9, 0, 0, 0, 0, 0]), density=7850.0)
+    >>> print(f"{(ribbed.stiffness()[0, 0] - ribbed.stiffness()[1, 1]) / 1e9:.1f} GPa")
+    20.0 GPa
     """
 
     matrix: Any
@@ -169,6 +190,8 @@ class Anisotropic:
     shear_correction: float = SHEAR_CORRECTION
     expansion: Any = (0.0,) * 6
     _stiffness: np.ndarray = field(init=False, repr=False, compare=False)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import positive, vector
 from skancf.materials.law import SHEAR_CORRECTION, build, check_definite, thinning, turned_strain, turned_thinning
+from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Orthotropic:
     r"""Orthotropic elasticity from engineering constants.
@@ -34,6 +37,13 @@ class Orthotropic:
     ------
     InputError
         For moduli that are not positive, or Poisson's ratios for which the law is not positive definite.
+
+    Examples
+    --------
+    >>> ply = sk.Orthotropic(young=(138e9, 9e9, 9e9), poisson=(0.3, 0.3, 0.4), shear=(7e9, 7e9, 3.2e9), density=1600.0)
+    >>> along, across = ply.stiffness()[[0, 1], [0, 1]] / 1e9
+    >>> print(f"{along:.1f} GPa along the fibres, {across:.1f} GPa across")
+    138.8 GPa along the fibres, 9.1 GPa across
     """
 
     young: tuple[float, float, float]
@@ -44,6 +54,8 @@ class Orthotropic:
     kind: str = "plane_stress"
     shear_correction: float = SHEAR_CORRECTION
     expansion: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

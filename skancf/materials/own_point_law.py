@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, positive, shown, vector
 from skancf.functions import Noted, is_ours
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, SHEAR_CORRECTION, check_definite, corrected
@@ -20,7 +21,7 @@ TOLERANCE = 1e-5
 
 
 def point_law_of(material: Any) -> PointLaw:
-    """A law at points as sections know it; one that is none of this library's is checked at a few states.
+    """A law at points as sections know it; one from outside this library is checked at a few states.
 
     Raises
     ------
@@ -94,12 +95,15 @@ def check_law(law: Any, C: Any = None, *, tolerance: float = 1e-6) -> dict[str, 
     Examples
     --------
     >>> errors = sk.testing.check_law(sk.NeoHooke(shear=0.4e6, density=1000.0))
+    >>> print(max(errors.values()) < 1e-6)
+    True
     """
     positive("tolerance", tolerance)
     respond = law.respond if is_ours(law) else OwnPointLaw(law).respond
     return differences(respond, STATES if C is None else deformation(C), tolerance, type(law).__name__)
 
 
+@by_value
 @dataclass(frozen=True)
 class OwnPointLaw:
     """A material with ``density`` and ``plane_stress(C, guess)``; what else of a law it has not, follows from these.

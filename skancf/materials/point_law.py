@@ -17,7 +17,9 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
+from skancf.showing import short
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """Rows and columns of the six numbers of a stiffness D: 11, 22, 12, each with itself, then 11, 22; 11, 12; 22, 12."""
@@ -34,13 +36,24 @@ REASONS = {
 
 
 class BeyondLaw(InputError):
-    """A deformation that a law has no stress for; ``point`` is the index of the first such point."""
+    """A deformation that a law has no stress for; ``point`` is the index of the first such point.
+
+    Examples
+    --------
+    >>> tissue = sk.materials.Gent(shear=0.4e6, most=1.0, density=1000.0)
+    >>> try:
+    ...     tissue.plane_stress(np.array([[1.1, 4.0], [1.1, 4.0], [0.0, 0.0]]))
+    ... except sk.materials.BeyondLaw as reason:
+    ...     print(reason.point)
+    1
+    """
 
     def __init__(self, message: str, point: int):
         self.point = point
         super().__init__(message)
 
 
+@by_value
 @dataclass(frozen=True)
 class PointResponse:
     """What a law says of n points.
@@ -59,6 +72,12 @@ class PointResponse:
         0, or why there is no stress, a key of :data:`REASONS`. There all else is not a number. Default: 0 everywhere.
     history : (n_history, n) array, optional
         What the law remembers; no rows for elastic ones.
+
+    Examples
+    --------
+    >>> response = sk.NeoHooke(shear=0.4e6, density=1000.0).plane_stress(np.array([[1.0], [1.0], [0.0]]))
+    >>> response.energy, response.stretch33
+    (array([0.]), array([1.]))
     """
 
     energy: np.ndarray
@@ -67,6 +86,8 @@ class PointResponse:
     stretch33: np.ndarray
     code: Any = None
     history: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         n = np.shape(self.energy)[-1:]
@@ -81,7 +102,7 @@ class PointResponse:
         return int(np.argmax(self.code != FINE)) if self.code.any() else None
 
     def checked(self, law: Any, C: np.ndarray) -> "PointResponse":
-        """Itself; :class:`BeyondLaw` if it is none somewhere."""
+        """Itself; :class:`BeyondLaw` if it is not finite somewhere."""
         k = self.first_failure
         if k is not None:
             at = ", ".join(f"{value:.6g}" for value in C[:, k])

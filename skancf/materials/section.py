@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from skancf.elements.quad_ancf import gauss
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, thinning
 from skancf.materials.point_law import PointLaw
+from skancf.showing import short
 from skancf.tolerances import ROUNDED_PLACE
 
 LEAST, MOST = 1e-80, 1e80
@@ -23,6 +25,7 @@ SHEAR = [4, 3]
 """Voigt rows of 13 and 23, in this order."""
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Section:
     r"""Layers through the thickness, from bottom to top.
@@ -57,6 +60,12 @@ class Section:
     ------
     InputError
         For heights that do not increase, and for arrays that do not fit to them.
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(70e9, 0.3, 2700.0))
+    >>> plate.section.z, plate.section.thickness
+    (array([-0.005,  0.005]), 0.01)
     """
 
     z: np.ndarray
@@ -66,6 +75,8 @@ class Section:
     thinning: Any = None
     points_law: PointLaw | None = None
     places: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         if self.places is not None:

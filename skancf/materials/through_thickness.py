@@ -34,6 +34,7 @@ from skancf.materials.free_stretch import FreeStretch, free_stretch
 from skancf.materials.point_law import PointLaw
 from skancf.materials.section import Section
 from skancf.materials.thickness_kernels import deformations, resultants
+from skancf.showing import short
 
 POINTS = 3
 """Gauss points through the thickness: in bending of rubber to a radius of five thicknesses they are 0.004 % off, and normals
@@ -57,6 +58,15 @@ class SectionResponse:
     code : (n_heights, n) int array
         As of :class:`~skancf.materials.PointResponse`; where it is not 0, all else of that place is not a number.
     history : (n_history, n_heights, n) array
+
+    Examples
+    --------
+    >>> from skancf.materials.through_thickness import heights, through_thickness
+    >>> rubber = sk.NeoHooke(shear=0.4e6, density=1000.0)
+    >>> sheet = sk.Problem(sk.Rectangle(1.0, 1.0), 0.002, rubber)
+    >>> response = through_thickness(rubber, *heights(sheet.section), *np.zeros((3, 3, 1)))
+    >>> print(response.energy, response.forces.shape)
+    [0.] (6, 1)
     """
 
     energy: np.ndarray
@@ -65,6 +75,8 @@ class SectionResponse:
     stretch33: np.ndarray
     code: np.ndarray
     history: np.ndarray
+
+    __repr__ = short
 
     @property
     def first_failure(self) -> tuple[int, int, int] | None:
@@ -111,6 +123,17 @@ def through_thickness(
     Returns
     -------
     SectionResponse
+
+    Examples
+    --------
+    >>> from skancf.materials.through_thickness import heights, through_thickness
+    >>> rubber = sk.NeoHooke(shear=0.4e6, density=1000.0)
+    >>> sheet = sk.Problem(sk.Rectangle(1.0, 1.0), 0.002, rubber)
+    >>> stretched = np.array([[0.5 * (1.1**2 - 1)], [0.0], [0.0]])
+    >>> flat = np.zeros((3, 1))
+    >>> response = through_thickness(rubber, *heights(sheet.section), stretched, flat, flat)
+    >>> print(f"{response.forces[0, 0]:.1f} N/m")
+    253.6 N/m
     """
     n = eps.shape[1]
     eps, kappa, curvature = (np.ascontiguousarray(each) for each in (eps, kappa, curvature))

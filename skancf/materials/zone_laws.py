@@ -9,11 +9,12 @@ import numpy as np
 from skancf.errors import InputError
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, SHEAR_CORRECTION, corrected, stiffness_of, thinning_of
 from skancf.materials.point_law import PAIRS, PAIRS_3D, PointLaw, PointResponse
+from skancf.showing import short
 
 
 @dataclass(frozen=True, eq=False)
 class LinearAtPoints:
-    """A linear law, asked at points, as those beside it are: stress is linear in Green's strain.
+    """A linear law, asked at points, as those next to it are: stress is linear in Green's strain.
 
     Attributes
     ----------
@@ -86,6 +87,8 @@ class LawsOfZones:
     laws: tuple[PointLaw, ...]
     which: np.ndarray
     n_history = 0
+
+    __repr__ = short
 
     @property
     def shear_correction(self) -> float:

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain, sequence, text
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown
 from skancf.functions import is_function, true_at
+from skancf.showing import short
 from skancf.surfaces import Interval
 from skancf.tolerances import ONE_PLACE
 
@@ -18,6 +20,7 @@ NONE_CLOSED: Mapping[int, Interval] = {}
 ZONES = "zones, as in [Zone('doubler', ((0.2, 0.4), (0.1, 0.3)), thickness=0.02)]"
 
 
+@by_value
 @dataclass(frozen=True)
 class Zone:
     """A part of the parameter plane where the section is another one.
@@ -33,20 +36,24 @@ class Zone:
     thickness : float or callable, optional
         In the zone, as that of the problem (m). Default: that of the problem.
     material : Law, Laminate or callable, optional
-        Default: that of the problem. A laminate brings its thickness. A law at points, such as rubber, may stand beside
-        other laws, linear ones too, and not beside laminates.
+        Default: that of the problem. A laminate brings its thickness. A law at points, such as rubber, may stand next to
+        other laws, linear ones too, and not next to laminates.
     offset : float or callable, optional
         Height of the mid-plane above the reference surface (m). Default: that of the problem.
 
     Raises
     ------
     InputError
-        For a rectangle that is none, and for a zone that changes nothing.
+        For an invalid rectangle, and for a zone that changes nothing.
 
     Examples
     --------
+    >>> sheet, steel = sk.Rectangle(1.0, 0.2), sk.Isotropic(210e9, 0.3, 7850.0)
     >>> doubler = sk.Zone("doubler", ((0.4, 0.6), (0.0, 0.2)), thickness=4e-3)
-    >>> plate = sk.Problem(sk.Rectangle(1.0, 0.2), 2e-3, steel, [sk.Clamp("left")], zones=[doubler])
+    >>> plate = sk.Problem(sheet, 2e-3, steel, [sk.Clamp("left")], zones=[doubler])
+    >>> system = plate.on(sk.meshes.with_lines(sheet, 5, 1, plate.zones), "kirchhoff")
+    >>> print(np.unique(system.mesh.p[0]))
+    [0.  0.2 0.4 0.6 0.8 1. ]
     """
 
     name: str
@@ -54,6 +61,8 @@ class Zone:
     thickness: Any = None
     material: Any = None
     offset: Any = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -25,6 +25,10 @@ def check_mesh(mesh: Any) -> None:
         not convex or has no area (its number and corners are named), nodes without an element, nodes in the middle of
         another element's edge, where the surface would be torn, two nodes at one place, elements that overlap or are
         there twice, and pieces that no edge joins.
+
+    Examples
+    --------
+    >>> sk.meshes.check_mesh(sk.meshes.uniform(sk.Rectangle(1.0, 1.0), 4, 4))
     """
     check_mesh_on(mesh, None)
 
@@ -35,7 +39,7 @@ def check_mesh_on(mesh: Any, bounds: Any) -> None:
     if not isinstance(mesh, skfem.MeshQuad) or isinstance(mesh, skfem.MeshQuad2):
         raise InputError(
             f"mesh is a {type(mesh).__name__}: give a skfem.MeshQuad (straight edges; "
-            "a curved shape belongs into the surface, not into the mesh)"
+            "the surface describes a curved shape, not the mesh)"
         )
     points, quads = mesh.p, mesh.t
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=0))

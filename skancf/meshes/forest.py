@@ -9,6 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from skancf.showing import short
+
 DEEPEST = 20
 """Largest level; one corner of a square metre is refined down to a micrometre."""
 POINT = DEEPEST + 1
@@ -26,6 +28,9 @@ class Cells(NamedTuple):
     level: np.ndarray
     x: np.ndarray
     y: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
     def take(self, index: np.ndarray) -> "Cells":
         return Cells(*(part[index] for part in self))
@@ -79,6 +84,8 @@ class Forest:
     facets: np.ndarray
     neighbours: np.ndarray
     closed: tuple[bool, bool] = (False, False)
+
+    __repr__ = short
 
     @property
     def n_roots(self) -> int:

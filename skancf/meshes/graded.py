@@ -92,6 +92,14 @@ def graded(
     References
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation, eqs. (7) and (8).
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> corner = sk.meshes.Region(centre=(0.0, 0.0), half_size=(0.1, 0.1), ratio=4.0)
+    >>> mesh = sk.meshes.graded(plate, [corner], shape=(8, 8))
+    >>> print(np.unique(mesh.p[0]).round(3))
+    [0.    0.073 0.153 0.269 0.415 0.561 0.708 0.854 1.   ]
     """
     regions = sequence("regions", regions, Region, REGION) if not isinstance(regions, Regions) else regions
     if nodes is None and shape is None and coarse is None and isinstance(regions, Regions):

@@ -48,7 +48,10 @@ def with_lines(
 
     Examples
     --------
-    >>> mesh = sk.meshes.with_lines(plate.surface, 16, 8, plate.zones)
+    >>> strip = sk.Rectangle(1.0, 0.1)
+    >>> mesh = sk.meshes.with_lines(strip, 4, 1, x=[0.3])
+    >>> print(np.unique(mesh.p[0]))
+    [0.         0.3        0.53333333 0.76666667 1.        ]
     """
     zones, counts = check_zones(zones), (whole("nx", nx), whole("ny", ny))
     width = None if beside is None else positive("beside", beside)

@@ -6,6 +6,7 @@ import numpy as np
 import skfem
 
 from skancf.meshes.forest import STEPS, Cells, Leaves
+from skancf.showing import short
 
 
 @dataclass(frozen=True)
@@ -14,6 +15,8 @@ class Names:
 
     sides: dict[str, np.ndarray]
     elements: dict[str, np.ndarray]
+
+    __repr__ = short
 
     @classmethod
     def of(cls, mesh: skfem.MeshQuad) -> "Names":

@@ -40,6 +40,11 @@ def progression(l_0: float, l_n: float, length: float) -> np.ndarray:
     References
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation, eq. (7), and (8) for angles.
+
+    Examples
+    --------
+    >>> print(sk.meshes.progression(0.1, 0.4, 1.0))
+    [0.1        0.16608024 0.27582647 0.45809328]
     """
     l_0, l_n, length = positive("l_0", l_0), positive("l_n", l_n), positive("length", length)
     n = _steps(l_0, l_n, length)

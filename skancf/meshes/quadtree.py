@@ -8,20 +8,18 @@ import numpy as np
 import skfem
 
 from skancf.arguments import MESH, instance, whole
-from skancf.elements.nodal import require_aligned
+from skancf.equality import same_mesh
 from skancf.errors import InputError, shown
 from skancf.functions import is_function
 from skancf.memory import require_mesh
-from skancf.meshes.check import check_mesh
-from skancf.meshes.forest import BOTTOM, CORNER_NUMBER, DEEPEST, LEFT, RIGHT, TOP, Forest, Leaves
+from skancf.meshes.coarse import forest_of
+from skancf.meshes.forest import DEEPEST, Leaves
 from skancf.meshes.names import Names
 from skancf.meshes.snap import onto_bounds, onto_lines
+from skancf.showing import short
 from skancf.surfaces import Surface, closed_directions
 from skancf.surfaces.checks import require_surface
 from skancf.tolerances import ONE_PLACE
-
-MOST_ROOTS = 2**18
-"""So many have numbers among the keys of cells."""
 
 
 @dataclass(repr=False)
@@ -40,6 +38,13 @@ class MeshQuadTree(skfem.MeshQuad):
     ----------
     leaves : Leaves
         The elements as cells of a forest of quadtrees.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> tree = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate).refined([0, 3])
+    >>> print(tree.nelements, tree.levels.max(), len(tree.hanging))
+    10 1 4
     """
 
     leaves: Any = None
@@ -51,6 +56,12 @@ class MeshQuadTree(skfem.MeshQuad):
         if forest is None or self.t.shape[1] != len(self.leaves) or not np.array_equal(self.p[:, :n], forest.points):
             raise InputError("a quadtree mesh grows from a coarse one by quadtree(mesh), and what moves or cuts it leaves "
                              "the tree: change the coarse mesh, or take the plain() copy")  # fmt: skip
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, skfem.Mesh) and same_mesh(self, other)
+
+    def __reduce__(self) -> Any:
+        return grown, (self.leaves, Names.of(self))
 
     @property
     def levels(self) -> np.ndarray:
@@ -248,7 +259,7 @@ class MeshQuadTree(skfem.MeshQuad):
 
 @dataclass(frozen=True)
 class _Meeting:
-    """Where smaller elements lie beside a larger one.
+    """Where smaller elements lie next to a larger one.
 
     ``small``, ``sides``, ``large`` are (k,), two for each hanging node of one side; ``seam`` tells where the larger one is
     across a closed seam. ``nodes`` (m,) are the hanging nodes and ``ends`` (2, m) the ends of the larger edge.
@@ -260,6 +271,8 @@ class _Meeting:
     seam: np.ndarray
     nodes: np.ndarray
     ends: np.ndarray
+
+    __repr__ = short
 
     @classmethod
     def of(cls, mesh: MeshQuadTree) -> "_Meeting":
@@ -296,6 +309,13 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     ------
     InputError
         For an element that is no aligned rectangle, and for ends of a closed direction that do not match.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> tree = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate)
+    >>> tree.refined([0]).nelements
+    7
     """
     instance("mesh", mesh, skfem.MeshQuad, MESH)
     if surface is not None:
@@ -316,19 +336,6 @@ def quadtree(mesh: skfem.MeshQuad, surface: Surface | None = None) -> MeshQuadTr
     return grown(Leaves(forest, forest.roots), names)
 
 
-def forest_of(mesh: skfem.MeshQuad, closed: tuple[bool, bool]) -> Forest:
-    """The forest of a coarse mesh whose directions are closed or not."""
-    if mesh.nelements >= MOST_ROOTS:
-        raise InputError(f"a coarse mesh of {mesh.nelements} elements: give fewer than {MOST_ROOTS}, and refine them")
-    check_mesh(mesh)
-    require_aligned(mesh, "a quadtree, which is what is refined element by element,",
-                    "or solve on this mesh as it is, with theory 'full' and without adapting")  # fmt: skip
-    points = _on_lines(mesh.p)
-    corners = _counter_clockwise(points, mesh.t)
-    coarse = skfem.MeshQuad(points, corners)
-    return Forest(points, corners.astype(np.int64), coarse.t2f.astype(np.int64), _neighbours(coarse, closed), closed)
-
-
 def grown(leaves: Leaves, names: Names | None = None) -> MeshQuadTree:
     """The mesh of some leaves, with names by their sides and numbers."""
     forest = leaves.forest
@@ -339,48 +346,6 @@ def grown(leaves: Leaves, names: Names | None = None) -> MeshQuadTree:
     mesh: Any = MeshQuadTree(points, np.ascontiguousarray(inverse.reshape(4, -1), dtype=np.int32), leaves=leaves)
     boundaries, subdomains = names.on(mesh) if names else ({}, {})
     return replace(mesh, _boundaries=boundaries, _subdomains=subdomains) if boundaries or subdomains else mesh
-
-
-def _on_lines(points: np.ndarray) -> np.ndarray:
-    """Coordinates that are equal to rounding made equal."""
-    out = points.copy()
-    for row in out:
-        order = np.argsort(row)
-        new = np.diff(row[order], prepend=-np.inf) > ONE_PLACE * np.ptp(row)
-        row[order] = row[order][new][np.cumsum(new) - 1]
-    return out
-
-
-def _counter_clockwise(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Corners of each rectangle from the lower left one on."""
-    place = points[:, quads]
-    above = (place > place.mean(axis=1, keepdims=True)).astype(int)
-    return np.take_along_axis(quads, np.argsort(CORNER_NUMBER[above[0], above[1]], axis=0), axis=0)
-
-
-def _neighbours(coarse: skfem.MeshQuad, closed: tuple[bool, bool]) -> np.ndarray:
-    """Root across each side, (4, n_roots + 1)."""
-    elements = np.arange(coarse.nelements)
-    out = np.full((4, len(elements) + 1), -1)
-    both = coarse.f2t[:, coarse.t2f]
-    out[:, :-1] = np.where(both[0] == elements, both[1], both[0])
-    out[:, :-1][out[:, :-1] == elements] = -1
-    for axis, (one, other) in enumerate([(LEFT, RIGHT), (BOTTOM, TOP)]):
-        if closed[axis]:
-            _across_seam(coarse, axis, one, other, out)
-    return out
-
-
-def _across_seam(coarse: skfem.MeshQuad, axis: int, one: int, other: int, out: np.ndarray) -> None:
-    at, along = coarse.p[axis], coarse.p[1 - axis]
-    starts = np.flatnonzero(at[coarse.t[0]] == at.min())
-    ends = np.flatnonzero(at[coarse.t[2]] == at.max())
-    starts, ends = (roots[np.argsort(along[coarse.t[0, roots]])] for roots in (starts, ends))
-    intervals = [along[coarse.t[[0, 2]][:, roots]] for roots in (starts, ends)]
-    if intervals[0].shape != intervals[1].shape or (intervals[0] != intervals[1]).any():
-        raise InputError(f"the surface is closed in {'xy'[axis]}, but the mesh has other edges at {at.min():.6g} than at "
-                         f"{at.max():.6g}; give both ends the same nodes")  # fmt: skip
-    out[one, starts], out[other, ends] = ends, starts
 
 
 def _facets_by_ends(mesh: skfem.MeshQuad, coarse: skfem.MeshQuad) -> Mapping[str, np.ndarray] | None:

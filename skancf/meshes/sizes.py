@@ -15,6 +15,8 @@ from math import log
 
 import numpy as np
 
+from skancf.showing import short
+
 # Constant lengths and ramps are followed exactly. A bend in between is known to this fraction of the domain: sampling
 # moves it a little, but makes nothing steeper.
 SAMPLES = 1024
@@ -43,6 +45,8 @@ class Sizes:
     fractions: np.ndarray
     growth: float
     transition: float = 0.0
+
+    __repr__ = short
 
     def slopes(self, coarse: float) -> np.ndarray:
         """g_i = ln q, smaller where the ramp from fine to coarse has to be longer: (m,)."""
@@ -76,6 +80,8 @@ class CellLine:
     x: np.ndarray
     h: np.ndarray
     s: np.ndarray
+
+    __repr__ = short
 
     @classmethod
     def of(cls, x: np.ndarray, h: np.ndarray) -> "CellLine":

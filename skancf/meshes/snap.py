@@ -1,4 +1,4 @@
-"""Nodes that single precision or another program left beside the bounds of the surface, or beside their mesh line."""
+"""Nodes that single precision or another program left slightly off the bounds of the surface, or off their mesh line."""
 
 from dataclasses import replace
 from typing import Any

@@ -45,6 +45,12 @@ def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] 
         are not on mesh lines or out of bounds, and for openings that leave nothing, or parts that meet at a node only.
     NotEnoughMemory
         For more elements than a system would fit for, before any memory is taken.
+
+    Examples
+    --------
+    >>> mesh = sk.meshes.tensor(sk.Rectangle(1.0, 1.0), x=[0.0, 0.1, 0.4, 1.0], y=[0.0, 0.5, 1.0])
+    >>> mesh.nelements
+    6
     """
     x_bounds, y_bounds = bounds_of(surface)
     x, y = node_row("x", x, x_bounds), node_row("y", y, y_bounds)

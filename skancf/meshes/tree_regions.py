@@ -66,6 +66,14 @@ def refined_in(
     ----------
     Research on local mesh refine method based on absolute nodal coordinate formulation: where to refine. Its meshes have no
     hanging nodes; the length is that of :func:`graded`.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> corner = sk.meshes.Region(centre=(0.0, 0.0), half_size=(0.1, 0.1))
+    >>> mesh = sk.meshes.refined_in(sk.meshes.uniform(plate, 2, 2), [corner], levels=3)
+    >>> mesh.nelements, len(mesh.hanging)
+    (13, 6)
     """
     instance("mesh", mesh, skfem.MeshQuad, MESH)
     regions = sequence("regions", regions, Region, REGION) if not isinstance(regions, Regions) else regions

@@ -34,10 +34,10 @@ def uniform(surface: BoundedSurface, nx: int, ny: int, openings: Sequence[Openin
 
     Examples
     --------
-    An L-shaped plate, whose re-entrant edges are the boundary ``"opening"``:
-
-    >>> plate = sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))
-    >>> mesh = sk.meshes.uniform(plate, 8, 8, openings=[((0.0, 1.0), (0.0, 1.0))])
+    >>> plate = sk.Rectangle(2.0, 1.0)
+    >>> mesh = sk.meshes.uniform(plate, 4, 2)
+    >>> mesh.nelements, sorted(mesh.boundaries)
+    (8, ['bottom', 'left', 'right', 'top'])
     """
     nx, ny = whole("nx", nx), whole("ny", ny)
     x_bounds, y_bounds = bounds_of(surface)

@@ -1,7 +1,6 @@
 """Charts of adaptivity: meshes from level to level, errors against cost, estimates against errors."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import skfem
 from skancf.arguments import row, sequence, texts
 from skancf.atomic import AnyPath
 from skancf.errors import InputError, finite, number, vector
-from skancf.output.canvas import BAND, INK, draw_curves, new_figure, plane_axes, save
+from skancf.output.canvas import BAND, INK, done, draw_curves, figure_for, legend, panel, plane_axes
 from skancf.output.colours import colour_map, marked_style
 from skancf.output.curves import Curves, curves_of
 from skancf.output.plane import cell_outlines, drawable, edge_curves, to_plane
@@ -26,13 +25,14 @@ DECADES = 6
 
 def mesh_levels(
     meshes: Sequence[skfem.MeshQuad],
-    path: AnyPath,
+    path: AnyPath | None = None,
     *,
     surface: Surface | None = None,
     titles: Sequence[str] | None = None,
     values: Sequence[Any] | None = None,
     label: str = "indicator",
-) -> Path:
+    ax: Any = None,
+) -> Any:
     """Meshes side by side, with elements coloured by their level, or by values of their own on a logarithmic scale.
 
     The colours mean the same in all panels. On meshes of few elements the hanging nodes are marked.
@@ -41,8 +41,8 @@ def mesh_levels(
     ----------
     meshes : sequence of skfem.MeshQuad
         In the parameter plane. Elements of meshes without levels have level 0.
-    path : str or Path
-        ``*.png``, ``*.pdf`` or ``*.svg``.
+    path : str or Path, optional
+        ``*.png``, ``*.pdf`` or ``*.svg``. Default: no file, and the axes are returned to draw on.
     surface : Surface, optional
         Where the points of the parameter plane lie in space; x and y are drawn. Default: the parameter plane itself.
     titles : sequence of str, optional
@@ -52,15 +52,23 @@ def mesh_levels(
         decades at most.
     label : str
         What the values mean, with their unit.
+    ax : sequence of matplotlib axes, optional
+        Draw on these, one for each mesh. Default: on those of a new figure.
 
     Returns
     -------
-    Path
+    Path, or without a path an array of matplotlib axes
 
     Raises
     ------
     InputError
         Without meshes, for another number of titles or values, and for values that are negative or all zero.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> tree = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate)
+    >>> panels = sk.output.mesh_levels([tree, tree.refined([0])])
     """
     from matplotlib.cm import ScalarMappable
 
@@ -69,7 +77,7 @@ def mesh_levels(
     for mesh in meshes:
         drawable(mesh, surface)
     if not meshes:
-        raise InputError("meshes: there are none to draw; give at least one")
+        raise InputError("meshes: the sequence is empty; give at least one")
     if titles is None:
         titles = [f"{mesh.t.shape[1]} elements, {mesh.p.shape[1]} nodes" for mesh in meshes]
     titles = sequence("titles", titles, str, "texts")
@@ -84,65 +92,97 @@ def mesh_levels(
         shown, colours = _logarithmic(meshes, values)
         bar = {"label": label}
     edges = [edge_curves(mesh, surface) for mesh in meshes]
-    rows = -(-len(meshes) // PER_ROW)
-    columns = -(-len(meshes) // rows)
+    grid = _level_panels(edges, path) if ax is None else _given_panels(ax, meshes)
+    for axes, mesh, curves, title, colouring in zip(grid, meshes, edges, titles, shown, strict=True):
+        _draw_cells(axes, cell_outlines(mesh, surface), colouring, colours)
+        draw_curves(axes, curves, float(np.clip(8 / np.sqrt(mesh.t.shape[1]), 0.15, 0.7)), INK)
+        _mark_hanging(axes, mesh, surface)
+        axes.set_title(title, fontsize=10)
+        plane_axes(axes)
+        axes.locator_params(nbins=5)
+    figure = grid[0].figure
+    figure.colorbar(ScalarMappable(**colours), ax=list(grid), shrink=0.85, **bar)
+    marked = [axes for axes in grid if axes.get_legend_handles_labels()[0]]
+    if ax is None:
+        _outer_labels(grid)
+        if marked:
+            figure.legend(handles=marked[0].get_legend_handles_labels()[0], loc="outside lower center", frameon=False)
+    elif marked:
+        marked[0].legend(frameon=True)
+    return done(grid, path)
+
+
+def _level_panels(edges: Sequence[np.ndarray], path: AnyPath | None) -> np.ndarray:
+    """Axes of a new figure, one for each mesh, that have the shape of the meshes."""
+    rows = -(-len(edges) // PER_ROW)
+    columns = -(-len(edges) // rows)
     across, up = np.ptp(np.concatenate(edges).reshape(-1, 2), axis=0)
-    figure = new_figure(PANEL * columns + 1.5, max(rows * (PANEL * up / across + 0.5) + 0.7, 2.5))
+    figure = figure_for(path, PANEL * columns + 1.5, max(rows * (PANEL * up / across + 0.5) + 0.7, 2.5))
     # Panels to scale do not fill their places.
     figure.set_layout_engine("compressed")
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    for unused in grid[len(edges) :]:
+        unused.remove()
+    return np.asarray(grid[: len(edges)])
+
+
+def _given_panels(ax: Any, meshes: Sequence[skfem.MeshQuad]) -> np.ndarray:
+    grid = np.array(ax if isinstance(ax, Sequence | np.ndarray) else [ax], dtype=object).ravel()
+    if len(grid) != len(meshes):
+        raise InputError(f"ax: {len(grid)} for {len(meshes)} meshes; give one for each")
+    for axes in grid:
+        panel(axes, None, 0, 0)
+    return grid
+
+
+def _outer_labels(grid: np.ndarray) -> None:
+    """Labels at the left of each row and below the last mesh of each column."""
+    columns = len({axes.get_subplotspec().colspan.start for axes in grid})
     for k, axes in enumerate(grid):
-        if k >= len(meshes):
-            axes.remove()
-            continue
-        _draw_cells(axes, cell_outlines(meshes[k], surface), shown[k], colours)
-        draw_curves(axes, edges[k], float(np.clip(8 / np.sqrt(meshes[k].t.shape[1]), 0.15, 0.7)), INK)
-        _mark_hanging(axes, meshes[k], surface)
-        axes.set_title(titles[k], fontsize=10)
-        plane_axes(axes)
-        axes.locator_params(nbins=5)
         axes.label_outer()
-        if k + columns >= len(meshes):
+        if k + columns >= len(grid):
             axes.set_xlabel("x (m)")
             axes.tick_params(labelbottom=True)
-    figure.colorbar(ScalarMappable(**colours), ax=list(grid[: len(meshes)]), shrink=0.85, **bar)
-    marks = [mark for axes in figure.axes for mark in axes.get_legend_handles_labels()[0]]
-    if marks:
-        figure.legend(handles=marks[:1], loc="outside lower center", frameon=False)
-    return save(figure, path)
 
 
 def convergence(
     curves: Mapping[str, tuple[Any, Any]],
-    path: AnyPath,
+    path: AnyPath | None = None,
     *,
     xlabel: str = "degrees of freedom",
     ylabel: str = "relative error",
     slopes: Sequence[float] | None = None,
     title: str = "",
-) -> Path:
+    ax: Any = None,
+) -> Any:
     """Errors against degrees of freedom, or seconds, on logarithmic axes.
 
     Parameters
     ----------
     curves : mapping from label to (x, error)
         Errors that are not positive cannot be drawn and are left out.
-    path : str or Path
-        ``*.png``, ``*.pdf`` or ``*.svg``.
+    path : str or Path, optional
+        ``*.png``, ``*.pdf`` or ``*.svg``. Default: no file, and the axes are returned to draw on.
     xlabel, ylabel : str
     slopes : sequence of float, optional
         Triangles of these slopes are drawn to compare with, as in ``(-1, -2)``: the steeper ones below the curves, the
         others above.
     title : str
+    ax : matplotlib axes, optional
+        Draw on these. Default: on those of a new figure.
 
     Returns
     -------
-    Path
+    Path, or without a path the matplotlib axes
 
     Raises
     ------
     InputError
         For curves of two lengths, for curves without a positive value, and for a slope of zero.
+
+    Examples
+    --------
+    >>> axes = sk.output.convergence({"uniform": ([100, 400, 1600], [1e-2, 2.5e-3, 6e-4])}, slopes=[1.0])
     """
     texts(xlabel=xlabel, ylabel=ylabel, title=title)
     triangles: list[float] = [] if slopes is None else row("slopes", slopes).tolist()
@@ -151,23 +191,23 @@ def convergence(
     drawn = {text: (x[keep[text]], error[keep[text]]) for text, (x, error) in given.items() if keep[text].any()}
     if not drawn:
         raise InputError("curves: no positive values to draw on logarithmic axes; give at least one error above zero")
-    figure = new_figure(7.0, 5.0)
-    axes = figure.subplots()
+    axes = panel(ax, path, 7.0, 5.0)
     axes.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel, title=title)
     _draw_triangles(axes, list(drawn.values()), triangles)
     _draw_marked(axes, drawn)
-    _legend_below(figure, axes)
-    return save(figure, path)
+    _legend_below(axes, ax)
+    return done(axes, path)
 
 
 def effectivity(
     curves: Mapping[str, tuple[Any, Any]],
-    path: AnyPath,
+    path: AnyPath | None = None,
     *,
     band: tuple[float, float] = (0.9, 1.1),
     xlabel: str = "degrees of freedom",
     title: str = "",
-) -> Path:
+    ax: Any = None,
+) -> Any:
     """How right an estimate is: estimated over true errors, which shall come to lie in a band about 1.
 
     The scale of the ratio is logarithmic where the ratios and the band span more than a factor of 10 and none is negative.
@@ -176,20 +216,26 @@ def effectivity(
     ----------
     curves : mapping from label to (x, ratio)
         Degrees of freedom and the estimate over the true error.
-    path : str or Path
-        ``*.png``, ``*.pdf`` or ``*.svg``.
+    path : str or Path, optional
+        ``*.png``, ``*.pdf`` or ``*.svg``. Default: no file, and the axes are returned to draw on.
     band : (2,) tuple
         Ratios between which an estimate is good; shaded.
     xlabel, title : str
+    ax : matplotlib axes, optional
+        Draw on these. Default: on those of a new figure.
 
     Returns
     -------
-    Path
+    Path, or without a path the matplotlib axes
 
     Raises
     ------
     InputError
         For curves of two lengths, x that is not positive, no curves at all, and a band that does not hold 1.
+
+    Examples
+    --------
+    >>> axes = sk.output.effectivity({"goal": ([100, 400, 1600], [0.93, 0.98, 1.01])})
     """
     texts(xlabel=xlabel, title=title)
     low, high = vector("band", band, 2).tolist()
@@ -197,13 +243,12 @@ def effectivity(
         raise InputError(f"band = {band}: give a smaller and a larger ratio about 1, both greater than zero")
     drawn = curves_of(curves)
     if not drawn:
-        raise InputError("curves: there are none to draw; give at least one")
+        raise InputError("curves: the sequence is empty; give at least one")
     for text, (x, _) in drawn.items():
         if not (x > 0).all():
             raise InputError(f"{text!r}: x = {x.min()} cannot be drawn on a logarithmic axis; give numbers above zero")
     ratios = np.concatenate([ratio for _, ratio in drawn.values()])
-    figure = new_figure(7.0, 4.5)
-    axes = figure.subplots()
+    axes = panel(ax, path, 7.0, 4.5)
     axes.axhline(1.0, color=INK, linewidth=1.0)
     axes.set(xscale="log", xlabel=xlabel, ylabel="estimated error / true error", title=title)
     if ratios.min() > 0 and max(ratios.max(), high) > 10 * min(ratios.min(), low):
@@ -211,8 +256,8 @@ def effectivity(
         axes.yaxis.set_major_formatter("{x:g}")
     _draw_marked(axes, drawn)
     axes.axhspan(low, high, color="#b0b0b0", alpha=0.35, linewidth=0, label=f"{low:g} to {high:g}")
-    _legend_below(figure, axes)
-    return save(figure, path)
+    _legend_below(axes, ax)
+    return done(axes, path)
 
 
 def _check_number(name: str, given: Sequence[Any], meshes: Sequence[skfem.MeshQuad]) -> None:
@@ -276,15 +321,15 @@ def _draw_marked(axes: Any, curves: Curves) -> None:
     axes.grid(True, which="major", color="#d0d0d0", linewidth=0.7)
 
 
-def _legend_below(figure: Any, axes: Any) -> None:
+def _legend_below(axes: Any, given: Any) -> None:
     entries = len(axes.get_legend_handles_labels()[0])
     # Long enough for every pattern of a line.
     columns = 2 if entries == 4 else min(3, entries)
-    figure.legend(loc="outside lower center", ncols=columns, frameon=False, handlelength=3.2)
+    legend(axes, given, ncols=columns, handlelength=3.2)
 
 
 def _draw_triangles(axes: Any, drawn: Sequence[tuple[np.ndarray, np.ndarray]], slopes: Sequence[float]) -> None:
-    """Right triangles beside the curves, the steeper half of the slopes below them."""
+    """Right triangles next to the curves, the steeper half of the slopes below them."""
     steep_first = sorted(number("slopes", slope) for slope in slopes)
     if 0 in steep_first:
         raise InputError("slopes: a slope of 0 makes no triangle; leave it out")

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import whole
+from skancf.arguments import having, whole
 from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, vector
 from skancf.output.colours import colour_limits, colour_map
@@ -20,6 +20,43 @@ def new_figure(width: float, height: float) -> Any:
     return Figure(figsize=(width, height), dpi=150, layout="constrained")
 
 
+AXES = "axes of matplotlib, as in figure, axes = plt.subplots()"
+
+
+def panel(ax: Any, path: AnyPath | None, width: float, height: float) -> Any:
+    """Axes to draw on: the given ones, or those of a new figure (inches)."""
+    if ax is None:
+        return figure_for(path, width, height).subplots()
+    having("ax", ax, ("add_collection", "annotate", "set_title"), AXES)
+    return ax
+
+
+def figure_for(path: AnyPath | None, width: float, height: float) -> Any:
+    """A new figure: one of pyplot, which shows it, where it goes to no file."""
+    if path is not None:
+        return new_figure(width, height)
+    from matplotlib import pyplot
+
+    return pyplot.figure(figsize=(width, height), layout="constrained")
+
+
+def legend(axes: Any, given: Any, **options: Any) -> None:
+    """Below the axes of a figure of our own; within given axes, whose figure is the user's."""
+    if given is None:
+        axes.figure.legend(loc="outside lower center", frameon=False, **options)
+    else:
+        axes.legend(frameon=True)
+
+
+def done(axes: Any, path: AnyPath | None) -> Any:
+    """The file in which the figure of axes, or of an array of axes, is now; without a path the axes."""
+    if path is None:
+        return axes
+    first = axes.flat[0] if isinstance(axes, np.ndarray) else axes
+    # The whole figure, also of axes in a part of it.
+    return save(first.figure.canvas.figure, path)
+
+
 def save(figure: Any, path: AnyPath) -> Path:
     """Write a figure, whole or not at all."""
     file = check_file(path, ".png", ".pdf", ".svg")
@@ -29,7 +66,7 @@ def save(figure: Any, path: AnyPath) -> Path:
 
 
 def contour_colours(values: np.ndarray, limits: tuple[float, float] | None, levels: int) -> dict[str, Any]:
-    """About so many levels between limits, and their colours."""
+    """About the asked number of levels between limits, and their colours."""
     from matplotlib.ticker import MaxNLocator
 
     levels = whole("levels", levels, most=1000)

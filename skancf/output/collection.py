@@ -27,7 +27,7 @@ def write_collection(path: Path, states: Iterable[Solution], write_one: Callable
             names.append(f"{path.stem}_{len(names):05d}.vtu")
             write_one(state, new / names[-1])
         if not names:
-            raise InputError(f"states: there are none to write to '{path}'; give at least one")
+            raise InputError(f"states: there is nothing to write to '{path}'; give at least one")
         for name in names:
             os.replace(new / name, folder / name)
     finally:
@@ -52,7 +52,7 @@ def read_collection(path: Path) -> list[tuple[float, Path]]:
         if not math.isfinite(time):
             raise InputError(f"file '{path}': time {time} of '{file.name}' is not finite; write it again")
         if not file.is_file():
-            raise InputError(f"file '{path}': lists '{file}', which is not there; keep the folder beside the .pvd file")
+            raise InputError(f"file '{path}': lists '{file}', which is not there; keep the folder next to the .pvd file")
     return rows
 
 

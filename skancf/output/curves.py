@@ -33,7 +33,7 @@ def panels_of(times: Any, histories: Mapping[str, Any]) -> list[tuple[str, Curve
     """Names and curves of panels; one without a name for a mapping that is not nested."""
     mapping("histories", histories, "labels and values, as in {'tip': values}")
     if not histories:
-        raise InputError("histories: there are none to draw; give at least one")
+        raise InputError("histories: the sequence is empty; give at least one")
     nested = [isinstance(part, Mapping) for part in histories.values()]
     if any(nested) and not all(nested):
         raise InputError("histories: give curves, or panels of curves, not both")

@@ -6,30 +6,38 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import mapping, text, whole
+from skancf.arguments import choice, mapping, text, whole
 from skancf.atomic import AnyPath, as_path, check_file, replacing
 from skancf.errors import InputError, number
 from skancf.materials import Section
 from skancf.output.collection import read_collection, write_collection
 from skancf.output.fields import values
 from skancf.output.sampling import grid, sample_strain, sample_surface
+from skancf.progress import Bar, ShowProgress, check_progress, number_of
 from skancf.solution import Solution
 from skancf.tensors import von_mises
 
 FILE_ORDER = (0, 1, 2, 5, 3, 4)
 """Where the components 11, 22, 33, 12, 23, 13 of a file stand in the order 11, 22, 33, 23, 13, 12 of the library."""
 
+CURVED = "VTK_LAGRANGE_QUADRILATERAL"
+LAGRANGE_ORDER = np.array([0, 3, 15, 12, 1, 2, 7, 11, 13, 14, 4, 8, 5, 6, 9, 10])
+"""VTK's order of the 4 x 4 points of a cell, which are numbered in rows along xi: corners, edges in the direction of growing
+coordinates, inner points."""
+
 
 def write(
     states: Solution | Iterable[Solution],
     path: AnyPath,
     *,
-    subdivisions: int = 4,
+    subdivisions: int | None = None,
     depths: Mapping[str, float] | None = None,
+    progress: ShowProgress = True,
+    cells: str = "flat",
 ) -> Path:
     """Write one state as a ``.vtu`` file, or many as a ``.pvd`` collection that ParaView plays as a film.
 
-    A collection ``run.pvd`` lists the files of the folder ``run`` beside it. Every file appears under its name when it
+    A collection ``run.pvd`` lists the files of the folder ``run`` next to it. Every file appears under its name when it
     is whole, and those of a collection only when all are: after a failure, older results are as they were.
 
     Parameters
@@ -38,11 +46,16 @@ def write(
         A generator is read one state at a time.
     path : str or Path
         ``*.vtu`` for one state, ``*.pvd`` for many.
-    subdivisions : int
-        Linear cells along an element's edge.
+    subdivisions : int, optional
+        Flat cells along an element's edge. Default: 4.
     depths : mapping from name to z (m), optional
         Where stress and strain are written. Default: the faces ``top`` and ``bottom`` and ``mid``, halfway between
         them. ``{}``: displacements and velocities only, a tenth of the size.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each state; see :class:`~skancf.Progress`.
+    cells : {"flat", "curved"}
+        Each element cut into small flat quadrilaterals, which every program reads; or one curved cell for each element, the
+        Lagrange quadrilateral of order 3 of VTK, which is the element's own polynomial.
 
     Returns
     -------
@@ -56,6 +69,11 @@ def write(
 
     Notes
     -----
+    Curved cells have the exact mid-surface in two thirds of the size: positions and displacements are right everywhere in
+    an element, and fields interpolate their values at its 4 x 4 points. VTK, and so ParaView and pyvista, draws one through
+    3 x 3 facets, and through twice as many in each direction for each further "Nonlinear Subdivision Level" of ParaView.
+    Few other programs know such cells, and some filters do not: that is why flat ones are the default.
+
     Points lie on the deformed mid-surface. Point data are ``displacement`` (m), ``velocity`` (m/s, if there is one),
     and for each depth, say ``top``,
 
@@ -70,27 +88,56 @@ def write(
     of the library has the shear in the order 23, 13, 12. Cell data ``element`` is the number of the element.
 
     The time of a state without one is its load factor if these increase, else its number.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> file = sk.output.write(sk.solve_linear(system), "plate.vtu")
+    >>> print(file.name)
+    plate.vtu
     """
-    whole("subdivisions", subdivisions)
+    choice("cells", cells, ("flat", "curved"))
+    check_progress(progress)
+    if subdivisions is not None:
+        whole("subdivisions", subdivisions)
+        if cells == "curved":
+            raise InputError(
+                f"subdivisions = {subdivisions}: curved cells are not subdivided; leave it out, or take cells='flat'"
+            )
     if depths is not None:
         for name, z in mapping("depths", depths, "names and depths, as in depths={'top': 0.005}").items():
             number(f"depths[{text('depths', name)!r}]", z)
     if isinstance(states, Solution):
         file = check_file(path, ".vtu")
-        write_state(states, file, subdivisions, depths)
+        write_state(states, file, subdivisions or 4, depths, cells)
         return file
     if not isinstance(states, Iterable) or isinstance(states, str | bytes) or getattr(states, "ndim", 1) == 0:
         what = type(states).__name__
         raise InputError(f"states: give a Solution or a sequence of them, as motion.states or result.path, not {what}")
-    return write_collection(
-        check_file(path, ".pvd"), states, lambda state, file: write_state(state, file, subdivisions, depths)
-    )
+    file = check_file(path, ".pvd")
+    with Bar("write", number_of(states), progress) as bar:
+
+        def write_one(state: Solution, part: Path) -> None:
+            write_state(state, part, subdivisions or 4, depths, cells)
+            bar.next(part.name)
+
+        return write_collection(file, states, write_one)
 
 
-def write_state(solution: Solution, path: Path, subdivisions: int = 4, depths: Mapping[str, float] | None = None) -> None:
+def write_state(
+    solution: Solution, path: Path, subdivisions: int = 4, depths: Mapping[str, float] | None = None, cells: str = "flat"
+) -> None:
     """One state as a ``.vtu`` file, binary and compressed."""
     import meshio
 
+    curved = cells == "curved"
+    subdivisions = 3 if curved else subdivisions
     surface = sample_surface(solution, subdivisions)
     data = {"displacement": surface.displacement}
     if surface.velocity is not None:
@@ -106,7 +153,11 @@ def write_state(solution: Solution, path: Path, subdivisions: int = 4, depths: M
     if depths is None or depths:
         forces = solution.recovered_section_forces(grid(subdivisions).points).swapaxes(1, 2).reshape(-1, 6)
         data["membrane_force"], data["moment"] = forces[:, :3], forces[:, 3:]
-    mesh = meshio.Mesh(surface.points, [("quad", surface.cells)], point_data=data, cell_data={"element": [surface.elements]})
+    n = solution.system.geometry.n_elements
+    kind, corners, elements = "quad", surface.cells, surface.elements
+    if curved:
+        kind, corners, elements = CURVED, 16 * np.arange(n)[:, None] + LAGRANGE_ORDER, np.arange(n)
+    mesh = meshio.Mesh(surface.points, [(kind, corners)], point_data=data, cell_data={"element": [elements]})
     with replacing(path) as part:
         meshio.vtu.write(part, mesh, binary=True, compression="zlib")
 
@@ -128,6 +179,19 @@ def read(path: AnyPath) -> Any:
     ------
     InputError
         For a file that is not there, or is no such file.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> mesh = sk.output.read(sk.output.write(sk.solve_linear(system), "plate.vtu"))
+    >>> print(mesh.point_data["displacement"].shape[1])
+    3
     """
     file = as_path("file", path)
     if not file.is_file():

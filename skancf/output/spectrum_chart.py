@@ -1,7 +1,6 @@
 """Amplitudes against frequency, with the natural frequencies."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from skancf.arguments import instance, mapping, texts
 from skancf.atomic import AnyPath
 from skancf.dynamics.spectrum import Spectrum, natural_frequencies
 from skancf.errors import InputError, positive
-from skancf.output.canvas import INK, new_figure, save
+from skancf.output.canvas import INK, done, legend, panel
 from skancf.output.colours import line_style
 from skancf.tolerances import TINY
 
@@ -22,21 +21,22 @@ BESIDE_PEAK, BESIDE_MODE = 0.025, 0.035
 
 def spectrum_chart(
     spectra: Spectrum | Mapping[str, Spectrum],
-    path: AnyPath,
+    path: AnyPath | None = None,
     modes: Any = None,
     limit: float | None = None,
     *,
     title: str = "",
     ylabel: str = "amplitude",
-) -> Path:
+    ax: Any = None,
+) -> Any:
     """Amplitudes on a logarithmic scale against frequency, the peaks with their frequencies.
 
     Parameters
     ----------
     spectra : Spectrum or mapping from label to Spectrum
         Of histories of several columns the totals are drawn.
-    path : str or Path
-        ``*.png``, ``*.pdf`` or ``*.svg``.
+    path : str or Path, optional
+        ``*.png``, ``*.pdf`` or ``*.svg``. Default: no file, and the axes are returned to draw on.
     modes : Modes or (n,) array, optional
         Natural frequencies (Hz), drawn as vertical lines with the numbers of the modes, from 0 on, above.
     limit : float, optional
@@ -44,15 +44,23 @@ def spectrum_chart(
     title : str
     ylabel : str
         With the unit, as in ``"amplitude of u3 (m)"``.
+    ax : matplotlib axes, optional
+        Draw on these. Default: on those of a new figure.
 
     Returns
     -------
-    Path
+    Path, or without a path the matplotlib axes
 
     Raises
     ------
     InputError
         Without spectra, and for spectra that are zero everywhere.
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> axes = sk.output.spectrum_chart(found, limit=100.0)
     """
     texts(title=title, ylabel=ylabel)
     example = "a Spectrum, or labels and spectra, as in {'tip': sk.spectrum(times, values)}"
@@ -60,7 +68,7 @@ def spectrum_chart(
     for label, each in drawn.items():
         instance(f"spectra[{label!r}]", each, Spectrum, "a Spectrum")
     if not drawn:
-        raise InputError("spectra: there are none to draw; give at least one")
+        raise InputError("spectra: the sequence is empty; give at least one")
     largest = max(float(each.total.max()) for each in drawn.values())
     if not largest > 0:
         raise InputError("spectra: all amplitudes are zero, and have no place on a logarithmic scale; nothing moved")
@@ -69,8 +77,7 @@ def spectrum_chart(
     if limit is None:
         limit = min(highest, 4 / 3 * float(np.concatenate([at for at, _ in peaks]).max(initial=0))) or highest
     limit = positive("limit", limit, "Hz")
-    figure = new_figure(7.5, 4.5)
-    axes = figure.subplots()
+    axes = panel(ax, path, 7.5, 4.5)
     axes.set(yscale="log", xlim=(0, limit), ylim=(largest * 10.0**-DECADES, largest * 20), xlabel="frequency (Hz)",
              ylabel=ylabel, title=title)  # fmt: skip
     axes.grid(True, color="#e4e4e4", linewidth=0.7)
@@ -82,8 +89,8 @@ def spectrum_chart(
         axes.plot(at, amplitudes, "o", color=style["color"], markersize=4, markeredgecolor="white", markeredgewidth=0.6)
     _label_peaks(axes, np.concatenate(peaks, axis=1).T, limit)
     if len(drawn) > 1 or "" not in drawn:
-        figure.legend(loc="outside lower center", ncols=min(len(drawn), 4), frameon=False)
-    return save(figure, path)
+        legend(axes, ax, ncols=min(len(drawn), 4))
+    return done(axes, path)
 
 
 def _outline(spectrum: Spectrum, peaks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

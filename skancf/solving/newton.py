@@ -1,13 +1,17 @@
-"""Newton's method, once: what its tangents are, and when it ends, are objects beside it."""
+"""Newton's method, once: what its tangents are, and when it ends, are separate objects."""
 
+import logging
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from skancf.errors import SingularMatrix
+from skancf.showing import short
 from skancf.solving.loop import End
 from skancf.solving.status import Status
+
+logger = logging.getLogger(__name__)
 
 FOUND = (Status.CONVERGED, Status.ROUNDING)
 """Ends whose last correction is part of the answer: rounding may leave some of it open."""
@@ -52,15 +56,23 @@ class Iteration:
     residual: np.ndarray
     iterations: int
 
+    __repr__ = short
+
     @property
     def ok(self) -> bool:
         """Whether the last correction was small enough."""
         return self.status.ok
 
 
-def iterate(x: np.ndarray, tangents: Tangents, criterion: StopCriterion, most: int) -> Iteration:
-    """Corrections of a first guess until one is the last, no more than ``most``; a failure is an end like others."""
+def iterate(
+    x: np.ndarray, tangents: Tangents, criterion: StopCriterion, most: int, log: logging.Logger = logger
+) -> Iteration:
+    """Corrections of a first guess until one is the last, no more than ``most``; a failure is an end like others.
+
+    On level DEBUG the logger is told of each.
+    """
     energies: list[float] = []
+    told = log.isEnabledFor(logging.DEBUG)
     for step in range(1, most + 1):
         residual = tangents.residual(x)
         if not np.isfinite(residual).all():
@@ -70,6 +82,10 @@ def iterate(x: np.ndarray, tangents: Tangents, criterion: StopCriterion, most: i
         except SingularMatrix as singular:
             return Iteration(x, Status.SINGULAR, str(singular), energies, residual, step)
         energies.append(energy)
+        if told:
+            log.debug(
+                "iteration %d: energy of the correction %.3e, largest residual %.3e", step, energy, np.abs(residual).max()
+            )
         if end := criterion.assess(x, change, energies):
             return Iteration(x + change if end[0] in FOUND else x, *end, energies, residual, step)
         x = tangents.step(x, residual, change)

@@ -8,6 +8,11 @@ class Status(Enum):
 
     Of the many ways to end, three are what was asked for: ``CONVERGED`` of a solve or a path, ``FINISHED`` of a motion, and
     ``REACHED`` of an adaptive run.
+
+    Examples
+    --------
+    >>> sk.Status.CONVERGED.value, sk.Status.CONVERGED.ok
+    ('converged', True)
     """
 
     CONVERGED = "converged"

@@ -1,5 +1,6 @@
 """Linear buckling: the load factors at which an undeformed structure loses its stiffness."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,8 +11,11 @@ from scipy.sparse.linalg import LinearOperator
 
 from skancf.arguments import choice
 from skancf.checks import Check
+from skancf.equality import by_value
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
+from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import in_a_notebook, in_brackets, passed, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.conditioned import curved, is_loaded
@@ -34,6 +38,7 @@ from skancf.statics.modes import (
     lanczos,
     moved_along,
     nth,
+    swung_along,
 )
 from skancf.statics.motions import Motions, motions_of
 from skancf.statics.tangents import warn_if_skew
@@ -44,12 +49,15 @@ from skancf.system.unstressed import unstressed
 from skancf.tabular import Column, Tabular
 from skancf.tolerances import AT_REST, ZERO_EIGENVALUE
 
-# A load factor that is so many times the smallest one of either sign counts as infinite.
+logger = logging.getLogger(__name__)
+
+# A load factor that is this many times the smallest one of either sign counts as infinite.
 NEVER = 1e4
 # Membrane strains as they are may ask for this much more of the load before a mesh is called too coarse.
 COARSE = 0.15
 
 
+@by_value
 @dataclass(frozen=True)
 class BucklingResult(Tabular):
     r"""Outcome of :func:`buckling`; as a table the load factors, see :class:`~skancf.tabular.Tabular`.
@@ -72,6 +80,20 @@ class BucklingResult(Tabular):
         A bound on the relative error of each load factor from its residual, the worst of them; products of the shapes; and
         whether any of the lowest is missing, by the signs of the pivots of :math:`K_0 + s K_\sigma`, s in the gap behind
         the last.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> found = sk.buckling(system, 1)
+    >>> print(found.load_factors.shape, found.shape(0, size=1.0).note)
+    (1,) mode of arbitrary size
     """
 
     load_factors: np.ndarray
@@ -80,6 +102,13 @@ class BucklingResult(Tabular):
     message: str = ""
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        factors = f"load factors {some(self.load_factors)}" if len(self.load_factors) else self.message
+        return f"BucklingResult: {factors}; {self.linear.system}{passed(self.checks)}"
 
     @property
     def ok(self) -> bool:
@@ -103,12 +132,26 @@ class BucklingResult(Tabular):
 
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""
-        start = Solution(self.linear.system, self.linear.system.undeformed.copy(), load_factor=0.0)
-        return moved_along(start, nth(self.shapes, i), size)
+        return moved_along(self.start, nth(self.shapes, i), size)
+
+    def swing(self, i: int, size: float | None = None, *, frames: int = 24) -> tuple[Solution, ...]:
+        """Mode ``i`` to and fro, for films that repeat: see :meth:`Modes.swing`."""
+        return swung_along(self.start, nth(self.shapes, i), size, frames)
+
+    @property
+    def start(self) -> Solution:
+        """The undeformed structure, from which the modes lead away."""
+        return Solution(self.linear.system, self.linear.system.undeformed.copy(), load_factor=0.0)
 
 
 def buckling(
-    system: System, n: int = 4, *, signs: str = "positive", tolerance: float = 1e-10, backend: str = "auto"
+    system: System,
+    n: int = 4,
+    *,
+    signs: str = "positive",
+    tolerance: float = 1e-10,
+    backend: str = "auto",
+    progress: ShowProgress = True,
 ) -> BucklingResult:
     r"""Load factors :math:`\lambda` with :math:`(K_0 + \lambda K_\sigma)\,\phi = 0`.
 
@@ -125,6 +168,10 @@ def buckling(
         With "both" the loads may also act the other way; then the smallest in size come first.
     tolerance : float
         Relative accuracy.
+    backend : str
+        Of the linear solver.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each solve; see :class:`~skancf.Progress`.
 
     Raises
     ------
@@ -138,8 +185,24 @@ def buckling(
     OutOfDepth
         Where loads follow a free edge: only the symmetric part of their stiffness is taken, and flutter is not found. Where
         a check fails, for example as load factors are missing that further searches did not find.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> critical = 4 * np.pi**2 * steel.young * 0.01**3 / 12 / (1 - steel.poisson**2)  # for sides of 1 m
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[
+    ...         sk.Roller("boundary", kind="hard"), sk.Roller("left", (1, 0, 0)), sk.Roller((0.0, 0.0), (0, 1, 0)),
+    ...     ],
+    ...     loads=[sk.EdgeLoad("right", (-critical, 0.0, 0.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(f"{sk.buckling(system, 1).load_factors[0]:.3f}")
+    1.000
     """
     check_arguments(system, backend)
+    check_progress(progress)
     tolerance = check_tolerance(tolerance)
     choice("signs", signs, ("positive", "both"))
     n = checked_count(n, system.constraints)
@@ -150,7 +213,7 @@ def buckling(
         raise InputError("no buckling: nothing loads the structure; give a load or a prescribed displacement")
     stiffness = system.stiffness()
     warn_if_skew(system, stiffness, start, 1.0)
-    with DirectSolver(system.pattern, constraints, backend) as solver:
+    with Bar("buckling", None, progress) as bar, DirectSolver(system.pattern, constraints, backend) as solver:
         answer, multipliers = answer_by(system, solver)
         if not answer.any():
             raise InputError("no buckling: the supports take the whole load, nothing is strained; free the edges it acts on")
@@ -160,9 +223,10 @@ def buckling(
             motions.factor(stiffness)
         _require_rest(system, motions, answer)
         geometric = curved(system, geometric_stiffness(system, answer), start, multipliers)
-        pencil = _Pencil(motions, stiffness, geometric, tolerance)
+        pencil = _Pencil(motions, stiffness, geometric, tolerance, bar)
         inverse, shapes, cut, count = pencil.lowest(n, signs)
         checks = (*pencil.checked(inverse[:n], shapes[:n]), count)
+    logger.info("%d load factors; %d solves", len(inverse[:n]), bar.done)
     message = "no positive load factor buckles this structure; the load only stiffens it"
     if inverse.size:
         message = _coarse(system, stiffness, shapes[:n])
@@ -204,16 +268,17 @@ def _coarse(system: System, stiffness: BlockMatrix, shapes: np.ndarray) -> str:
 class _Pencil:
     """Inverse load factors and their shapes: eigenpairs of minus the geometric stiffness against the elastic one."""
 
-    def __init__(self, motions: Motions, stiffness: BlockMatrix, geometric: BlockMatrix, tolerance: float) -> None:
+    def __init__(self, motions: Motions, stiffness: BlockMatrix, geometric: BlockMatrix, tolerance: float, bar: Bar) -> None:
         self.motions, self.stiffness, self.geometric, self.tolerance = motions, stiffness, geometric, tolerance
+        self.bar = bar
         self.constraints = motions.constraints
 
     def lowest(self, n: int, signs: str) -> tuple[np.ndarray, np.ndarray, int, Check]:
         """Inverse load factors (m,) and shapes (m, n_dofs) of the lowest load factors, up to the first gap behind n of them;
-        the number of those before the gap; and whether so many are there.
+        the number of those before the gap; and whether that number exists.
 
         Sylvester: each load factor between 0 and s makes one eigenvalue of K_0 + s K_sigma negative. So many are looked for
-        beside what was found until the numbers agree.
+        in addition to what was found until the numbers agree.
         """
         which = "LA" if signs == "positive" else "LM"
         limit = NEVER / np.abs(self._more(1, "LM", (np.zeros(0), self._none))[0]).max()
@@ -230,6 +295,7 @@ class _Pencil:
                 order = order[values[order] > 0] if which == "LA" else order
                 values, shapes = values[order], shapes[order]
             tries += 1
+            logger.debug("search %d: %d load factors", tries, len(values))
             factors, at, cut = 1.0 / np.abs(values), limit, len(values)
             if cut < exist:
                 gap = gap_or_group(factors, n, tries)
@@ -275,14 +341,14 @@ class _Pencil:
     def _more(
         self, n: int, which: str, known: tuple[np.ndarray, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """The known ones and the n largest beside them, in size or as they are; of few coordinates all."""
+        """The known ones and the n largest besides them, in size or as they are; of few coordinates all."""
         if 2 * (n + len(known[0])) >= self.motions.room:
             return _dense(self.stiffness, self.geometric, self.motions)
         new = self._lanczos(n, which, known[1])
         return np.append(known[0], new[0]), np.vstack([known[1], new[1]])
 
     def _lanczos(self, n: int, which: str, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The n largest, in size or as they are, beside the known ones."""
+        """The n largest, in size or as they are, besides the known ones."""
         shape = self.stiffness.shape
         elastic, load = (self._projected(matrix) for matrix in (self.stiffness, self.geometric))
         weights = np.array([elastic(v) for v in known]).reshape(known.shape)
@@ -294,11 +360,12 @@ class _Pencil:
             force = -load(apart(v))
             return force - weights.T @ (known @ force)
 
-        start = apart(self.motions.solve(np.random.default_rng(len(known)).standard_normal(shape[0])))
+        solve = self.bar.counting(self.motions.solve, f"solves for {n} load factors")
+        start = apart(solve(np.random.default_rng(len(known)).standard_normal(shape[0])))
         values, vectors = lanczos(
             LinearOperator(shape, matvec=driving, dtype=np.float64), k=n, which=which, v0=start, tol=self.tolerance,
             M=LinearOperator(shape, matvec=elastic, dtype=np.float64),
-            Minv=LinearOperator(shape, matvec=self.motions.solve, dtype=np.float64),
+            Minv=LinearOperator(shape, matvec=solve, dtype=np.float64),
             ncv=min(self.motions.room, max(2 * n + 1, 30)),
         )  # fmt: skip
         return values, np.array([self.constraints.free_part(v) for v in vectors])

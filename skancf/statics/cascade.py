@@ -1,5 +1,6 @@
 """The order in which statics tries: load steps, relaxation where they end, a push where their answer is not stable."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,7 +12,7 @@ from skancf.checks import Check, failures
 from skancf.errors import SingularMatrix
 from skancf.history import Case
 from skancf.linear import DirectSolver
-from skancf.progress import Progress
+from skancf.progress import Bar
 from skancf.solution import Solution
 from skancf.solving import FOUND, End, Status, run_steps
 from skancf.statics.diagnosis import diagnose
@@ -40,6 +41,8 @@ SLACK = (
     "relaxed at the full load from load factor {:.4g}, to a stable state downhill, because {}. A sheet so thin for its load "
     "may have several ways to wrinkle"
 )
+
+logger = logging.getLogger(__name__)
 BUCKLED = (
     "buckled: the state to which load steps led had {} negative eigenvalue(s), so it was pushed along its softest motion "
     "and relaxed at the full load, to a stable state downhill; there may be others, such as a mirror image"
@@ -69,7 +72,7 @@ class Cascade:
     """One run; everything it keeps is usable whenever it stops."""
 
     def __init__(
-        self, system: System, solver: DirectSolver, start: Solution, load_factor: float, settings: Settings, bar: Progress
+        self, system: System, solver: DirectSolver, start: Solution, load_factor: float, settings: Settings, bar: Bar
     ) -> None:
         self.system, self.solver, self.load_factor, self.settings, self.bar = system, solver, load_factor, settings, bar
         self.begin, self.span = start.load_factor, load_factor - start.load_factor
@@ -84,7 +87,7 @@ class Cascade:
     def go(self, control: HalveAndGrow) -> StaticResult:
         """Long load steps, relaxation, short load steps, relaxation; then why it stopped."""
         status, message = run_steps(
-            lambda: self._go(control), lambda: f" at load factor {self.path[-1].load_factor:.6g}", lambda error: None
+            lambda: self._go(control), lambda: f" at load factor {self.path[-1].load_factor:.6g}", lambda error: None, logger
         )
         return StaticResult(self.path[-1], status, tuple(self.path), tuple(self.attempts), message, self.checks)
 
@@ -147,6 +150,9 @@ class Cascade:
         multipliers = result.multipliers if result.multipliers.size else None
         self.path.append(Solution(self.system, result.q, load_factor=load_factor, multipliers=multipliers))
         self.pivots.append(result.negative_pivots)
+        logger.info(
+            "load factor %.6g: %d iterations, %d negative pivots", load_factor, result.iterations, result.negative_pivots
+        )
         self.bar.at(self.done, f"load factor {load_factor:.4g}, {result.iterations} iterations")
 
     def _verified(self, result: NewtonResult) -> NewtonResult:

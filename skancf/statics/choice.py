@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skancf.errors import InputError, SingularMatrix, warn
 from skancf.problem import CHOICES
+from skancf.showing import short
 from skancf.statics.conditioned import is_loaded
 from skancf.statics.linear import small_change
 from skancf.system.linearised import Linearised
@@ -24,11 +25,25 @@ class Choice:
         By how much leaving shear out changes the strain energy of the small-deflection answer, as a part of it; without
         loads by how much it changes the square of the first frequency. NaN where neither is there.
     reason : str
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> chosen = plate.on(sk.meshes.uniform(plate.surface, 6, 6), theory="auto").choice
+    >>> print(chosen.theory)
+    kirchhoff
     """
 
     theory: str
     share: float
     reason: str
+
+    __repr__ = short
 
 
 def choose(on: Callable[[Theory], System], tolerance: float) -> System:
@@ -85,7 +100,7 @@ def assessed(system: System, tolerance: float) -> Choice:
     try:
         change = small_change(system)
     except SingularMatrix as free:
-        raise InputError(f"theory = 'auto' judges by a static answer, and there is none ({free}); {way_out}") from free
+        raise InputError(f"theory = 'auto' judges by a static answer, which does not exist ({free}); {way_out}") from free
     model = Linearised(system)
     energy, heat = model.strain_energy(change), system.shell.thermal_energy()
     if not (energy > 0 or heat > 0):

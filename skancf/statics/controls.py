@@ -7,8 +7,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from skancf.arguments import instance, plain, whole
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive, unit_vector, vector
 from skancf.linear import BlockMatrix
+from skancf.showing import short
 from skancf.statics.stopping import Constraint
 from skancf.system.probe import probe
 from skancf.tolerances import ONE_PLACE
@@ -40,6 +42,20 @@ class StepLength:
     growth : float
     cut : float
         Divides a failed step.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> path = sk.trace(system, sk.ArcLength(steps=sk.StepLength(growth=2.0)), until=0.3, progress=False)
+    >>> print(path.load_factors[-1])
+    0.3
     """
 
     smallest: float = 1e-4
@@ -47,6 +63,8 @@ class StepLength:
     easy: int = 5
     growth: float = 1.5
     cut: float = 2.0
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -68,6 +86,7 @@ class StepLength:
         return float(min(self.largest, step * factor))
 
 
+@by_value
 @dataclass(frozen=True)
 class ArcLength:
     r"""Steps of given length in the displacements; the load factor follows.
@@ -88,10 +107,26 @@ class ArcLength:
     References
     ----------
     E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Struct. 15 (1979).
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> path = sk.trace(system, sk.ArcLength(first=0.1), until=0.3, progress=False)
+    >>> print(path.load_factors[-1])
+    0.3
     """
 
     first: float = 0.05
     steps: StepLength = StepLength()
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -107,6 +142,7 @@ class ArcLength:
         return abs(self.first / measure.unit(along, None))
 
 
+@by_value
 @dataclass(frozen=True)
 class DisplacementControl:
     """Steps of the displacement of a point; the load factor follows.
@@ -124,6 +160,21 @@ class DisplacementControl:
     first : float
         First step, as a part of the whole way.
     steps : StepLength
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> press = sk.DisplacementControl(crown, direction=(0.0, 0.0, -1.0), to=15.0)
+    >>> path = sk.trace(system, press, progress=False)
+    >>> print(f"{-path.displacement(crown)[-1, 2]:.2f} mm at {path.load_factors[-1]:.2f} of the load")
+    15.00 mm at 0.51 of the load
     """
 
     at: Sequence[float]
@@ -131,6 +182,8 @@ class DisplacementControl:
     to: float
     first: float = 0.05
     steps: StepLength = StepLength()
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -152,6 +205,7 @@ class DisplacementControl:
         return self.first * measure.left(q)
 
 
+@by_value
 @dataclass(frozen=True)
 class DisplacementReached:
     """A path ends where the displacement of a point in a direction reaches a value (m).
@@ -161,11 +215,28 @@ class DisplacementReached:
     at : (2,)
     direction : (3,)
     value : float
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> end = sk.DisplacementReached(crown, direction=(0.0, 0.0, -1.0), value=15.0)
+    >>> path = sk.trace(system, until=end, progress=False)
+    >>> print(f"{-path.displacement(crown)[-1, 2]:.2f} mm")
+    15.00 mm
     """
 
     at: Sequence[float]
     direction: Sequence[float]
     value: float
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -23,7 +23,7 @@ class StaticSystem(Protocol):
     """All that statics knows of a model.
 
     A model may also have ``strain_energy(q, case)``, by which the end of a solve is judged; ``skew(q, case)``, the
-    skew-symmetric part of its tangent as a sparse matrix or None; ``others``, sums over terms beside a shell; a ``layout``,
+    skew-symmetric part of its tangent as a sparse matrix or None; ``others``, sums over terms besides a shell; a ``layout``,
     by which it knows rigid motions; a ``shell``, which knows how far slopes turn and which elements folded; and
     ``conditions``.
     """
@@ -42,7 +42,7 @@ class StaticSystem(Protocol):
 
 
 def skew_part(system: Any, q: np.ndarray, load_factor: float) -> sp.csr_matrix | None:
-    """Skew-symmetric part of the tangent at (q, load factor); None if there is none."""
+    """Skew-symmetric part of the tangent at (q, load factor); None without one."""
     hook: Any = getattr(system, "skew", None)
     return hook(q, Case(load_factor)) if hook and (load_factor or getattr(system, "others", None)) else None
 

@@ -35,7 +35,7 @@ def require_support(system: StaticSystem) -> None:
 
 
 def _require_resistance(system: Any) -> None:
-    """InputError where nothing resists an unknown of a part beside the plate in the undeformed state."""
+    """InputError where nothing resists an unknown of a part besides the plate in the undeformed state."""
     layout = system.layout
     loose = ~system.constraints.fixed & (layout.blocks(system.stiffness().diagonal()) == 0)
     for part in layout.parts[1:]:

@@ -1,12 +1,11 @@
 """Which eigenvalues a search has found: gaps in which all below can be counted, and what is checked of the pairs."""
 
-import warnings
 from collections.abc import Sequence
 
 import numpy as np
 
 from skancf.checks import Check, failures
-from skancf.errors import DidNotConverge, OutOfDepth
+from skancf.errors import DidNotConverge, warn
 from skancf.tolerances import ORTHOGONAL_SHAPES, SEPARATION
 
 # Neighbours that differ less than this, relatively, belong to one group: equal ones of a symmetric structure differ by the
@@ -87,7 +86,7 @@ def warn_of_failures(checks: Sequence[Check]) -> None:
     """A warning of the checks that fail, where the caller's caller sees it."""
     said = failures(checks)
     if said:
-        warnings.warn(said, OutOfDepth, stacklevel=3)
+        warn(said)
 
 
 def require_checks(checks: Sequence[Check]) -> None:

@@ -3,7 +3,7 @@
 from skancf.arguments import instance
 from skancf.errors import number, positive
 from skancf.linear import DirectSolver
-from skancf.progress import Progress
+from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.cascade import Cascade, Settings
@@ -28,7 +28,7 @@ def solve(
     follow: bool = False,
     relax: bool = True,
     backend: str = "auto",
-    progress: bool = False,
+    progress: ShowProgress = True,
 ) -> StaticResult:
     """Stable equilibrium under the loads, from the undeformed state or from ``start``.
 
@@ -54,6 +54,8 @@ def solve(
         False to stop where load steps end, and to return what they find though it is not stable.
     backend : str
         Linear solver: "auto", "mkl", "rslab" or "superlu".
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each load step and Newton solve; see :class:`~skancf.Progress`.
 
     Returns
     -------
@@ -64,9 +66,22 @@ def solve(
     ------
     InputError
         When a rigid motion is free.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> result = sk.solve(system)
+    >>> print(result.status.value, result.iterations)
+    converged 4
+    >>> print(f"{1000 * result.unwrap().displacement((1.0, 0.05))[2]:.3f} mm")
+    1.905 mm
     """
     check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
-                follow=follow, relax=relax, progress=progress)  # fmt: skip
+                follow=follow, relax=relax)  # fmt: skip
+    check_progress(progress)
     load_factor, rtol = number("load_factor", load_factor), positive("rtol", rtol)
     if control is not None:
         instance("control", control, HalveAndGrow, "a HalveAndGrow, or call trace for paths by another control")
@@ -84,19 +99,21 @@ def solve(
 def equilibrium(
     system: System, load_factor: float = 1.0, *, control: HalveAndGrow | None = None, start: Solution | None = None,
     rtol: float = 1e-7, max_iterations: int = 30, mixed: bool = True, follow: bool = False, relax: bool = True,
-    backend: str = "auto", progress: bool = False,
+    backend: str = "auto", progress: ShowProgress = False,
 ) -> StaticResult:  # fmt: skip
     """:func:`solve` for a system that is known to be supported, without a judgement of its theory."""
     begin = start or at_rest(system)
     if follow and begin.load_factor != load_factor:
         return _followed(begin, load_factor, rtol, mixed, backend, progress)
     solver = DirectSolver(system.pattern, system.constraints, backend)
-    with Progress("statics", 1.0, shown=progress) as bar, solver:
+    with Bar("statics", 1.0, progress) as bar, solver:
         settings = Settings(rtol, int(max_iterations), mixed, relax)
         return Cascade(system, solver, begin, load_factor, settings, bar).go(control or HalveAndGrow())
 
 
-def _followed(start: Solution, load_factor: float, rtol: float, mixed: bool, backend: str, progress: bool) -> StaticResult:
+def _followed(
+    start: Solution, load_factor: float, rtol: float, mixed: bool, backend: str, progress: ShowProgress
+) -> StaticResult:
     """The whole way by arc length."""
     first = ArcLength().first * (load_factor - start.load_factor)
     found = traced(

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skancf.equality import by_value
+from skancf.showing import in_brackets, summary
 from skancf.solution import Solution
 from skancf.statics.critical import critical_mode
 from skancf.statics.points import Follower, Point, interpolate
@@ -16,6 +18,7 @@ REFINEMENTS = 8
 CLOSE = 1e-3
 
 
+@by_value
 @dataclass(frozen=True)
 class Event:
     """A point of the path where its tangent stiffness is singular; its symmetric part, for a bifurcation.
@@ -31,6 +34,20 @@ class Event:
         The motion without stiffness, of unit modal mass.
     refined : bool
         Whether the search found it, to a millionth of the step in which it lies.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> event = sk.trace(system, until=1.0, progress=False).events[0]
+    >>> print(event.kind, f"{event.load_factor:.2f}", event.refined)
+    limit point 0.74 True
     """
 
     kind: str
@@ -38,6 +55,12 @@ class Event:
     solution: Solution
     mode: np.ndarray
     refined: bool
+
+    __repr__ = in_brackets
+
+    @summary
+    def __str__(self) -> str:
+        return f"{self.kind} at load factor {self.load_factor:.5g}"
 
 
 def events_between(follower: Follower, a: Point, b: Point, length: float) -> list[Event]:

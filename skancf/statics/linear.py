@@ -1,11 +1,9 @@
 """Small deflections: one solve with the tangent of the undeformed state."""
 
-import warnings
-
 import numpy as np
 
 from skancf.conditions.solver import conditions_in, solver_at
-from skancf.errors import DidNotConverge, OutOfDepth
+from skancf.errors import DidNotConverge, warn
 from skancf.history import Case
 from skancf.linear import DirectSolver, SkewSolver
 from skancf.solution import Solution
@@ -38,6 +36,16 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     OutOfDepth
         Where they are out of balance by more than a millionth, and where the answer is out of the depth of its theory or
         of its mesh.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> solution = sk.solve_linear(system)
+    >>> print(f"{1000 * solution.displacement((1.0, 0.05))[2]:.3f} mm")  # F L^3 / 3 E I
+    1.905 mm
     """
     check_arguments(system, backend)
     require_support(system)
@@ -59,7 +67,7 @@ def small_deflection(system: System, load_factor: float = 1.0, *, backend: str =
         message = OPEN_LINEAR.format(worst.name, worst.value, worst.limit)
         if worst.value > OPEN:
             raise DidNotConverge(message)
-        warnings.warn(message, OutOfDepth, stacklevel=3)
+        warn(message)
     return Solution.of(Linearised(system), change, load_factor, multipliers)
 
 

@@ -1,5 +1,6 @@
 """Small free vibrations about an equilibrium."""
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -10,9 +11,12 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 
 from skancf.arguments import whole
 from skancf.checks import Check
-from skancf.errors import DidNotConverge, InputError, number, positive
+from skancf.equality import by_value
+from skancf.errors import DidNotConverge, InputError, number
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
+from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import counted, in_a_notebook, in_brackets, passed, short, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.conditioned import conditions_in
@@ -30,6 +34,7 @@ from skancf.statics.eigen_checks import (
 )
 from skancf.statics.left_out import frequency_changes, warn_of_changes
 from skancf.statics.motions import Motions, motions_of
+from skancf.statics.shapes import moved_along, nth, swung_along
 from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.statics.validity import warn_without_time
 from skancf.system.rigid import free_rigid_motions
@@ -38,7 +43,10 @@ from skancf.tabular import Column, Tabular
 from skancf.thinness import warn_if_mass_is_off
 from skancf.tolerances import TINY, ZERO_EIGENVALUE
 
+logger = logging.getLogger(__name__)
 
+
+@by_value
 @dataclass(frozen=True)
 class Modes(Tabular):
     r"""Outcome of :func:`modes`, in ascending order; as a table the frequencies, see :class:`~skancf.tabular.Tabular`.
@@ -62,6 +70,20 @@ class Modes(Tabular):
         A bound on the relative error of each eigenvalue from its residual, the worst of them; products of the shapes; and
         whether any of the lowest is missing, by the signs of the pivots of :math:`K - s M`, s in the gap behind the last;
         with conditions, at rest, also whether all free rigid motions are there.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.modes(system, 1)
+    >>> first = found.shape(0, size=0.05)  # a Solution, its largest displacement 0.05 m
+    >>> print(found.n_rigid, f"{found.frequencies[0]:.1f} Hz", f"{abs(first.displacement((0.5, 0.5))[2]):.3f} m")
+    0 89.7 Hz 0.050 m
     """
 
     eigenvalues: np.ndarray
@@ -71,6 +93,14 @@ class Modes(Tabular):
     state: Solution
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        said = f"{counted(len(self.eigenvalues), 'mode')}, frequencies {some(self.frequencies, 'Hz')}"
+        still = [f"{n} {what}" for n, what in ((self.n_rigid, "without stiffness"), (self.n_unstable, "unstable")) if n]
+        return f"Modes: {', '.join([said, *still])}; {self.state.system}{passed(self.checks)}"
 
     @property
     def ok(self) -> bool:
@@ -111,9 +141,29 @@ class Modes(Tabular):
         """The equilibrium moved along mode ``i``, for pictures; ``size`` is the largest displacement of a node (m)."""
         return moved_along(self.state, nth(self.shapes, i), size)
 
+    def swing(self, i: int, size: float | None = None, *, frames: int = 24) -> tuple[Solution, ...]:
+        r"""One period of mode ``i`` about the equilibrium, for films that repeat: the shape times :math:`\sin 2 \pi k / n`
+        in the k-th of n ``frames``; ``size`` is the largest displacement of a node (m).
+
+        Examples
+        --------
+        >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3, 1e3), [sk.Clamp("left")])
+        >>> modes = sk.modes(strip.on(sk.meshes.uniform(strip.surface, 4, 1)), 1)
+        >>> swing = modes.swing(0, size=0.1, frames=4)
+        >>> [round(float(abs(state.displacement((1.0, 0.0))[2])), 3) for state in swing]
+        [0.0, 0.1, 0.0, 0.1]
+        """
+        return swung_along(self.state, nth(self.shapes, i), size, frames)
+
 
 def modes(
-    system: System, n: int = 6, *, state: Solution | None = None, tolerance: float = 1e-10, backend: str = "auto"
+    system: System,
+    n: int = 6,
+    *,
+    state: Solution | None = None,
+    tolerance: float = 1e-10,
+    backend: str = "auto",
+    progress: ShowProgress = True,
 ) -> Modes:
     r"""Lowest frequencies, :math:`K \phi = \omega^2 M \phi`, K being the tangent of the undeformed state or ``state``.
 
@@ -129,6 +179,10 @@ def modes(
         K is that of :func:`buckling`, of the undeformed place with the first-order stresses.
     tolerance : float
         Relative accuracy of the eigenvalues.
+    backend : str
+        Of the linear solver.
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each solve; see :class:`~skancf.Progress`.
 
     Raises
     ------
@@ -140,8 +194,22 @@ def modes(
     OutOfDepth
         Where loads follow a free edge: only the symmetric part of K is taken, and flutter is not found. Where a check
         fails, for example as modes are missing that further searches did not find.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.modes(system, 2)
+    >>> print(*(f"{f:.1f} Hz" for f in found.frequencies))
+    89.7 Hz 183.2 Hz
     """
     check_arguments(system, backend)
+    check_progress(progress)
     if state is not None:
         require_same_mesh(system, state, "state")
     tolerance = check_tolerance(tolerance)
@@ -152,10 +220,10 @@ def modes(
     stiffness, at_rest = state_tangent(system, state), state is None
     state = state or Solution(system, system.undeformed.copy(), load_factor=0.0)
     warn_if_skew(system, stiffness, state.about, state.load_factor)
-    with DirectSolver(system.pattern, system.constraints, backend) as solver:
+    with Bar("modes", None, progress) as bar, DirectSolver(system.pattern, system.constraints, backend) as solver:
         motions = motions_of(system, solver, state.about, stiffness)
         motions.require(n)
-        spectrum = _Spectrum(motions, stiffness, system.mass, tolerance)
+        spectrum = _Spectrum(motions, stiffness, system.mass, tolerance, bar)
         pairs, cut, count = spectrum.lowest(n)
     first, values = pairs.of(slice(n)), pairs.values
     products = first.shapes @ np.array([spectrum.with_mass(v) for v in first.shapes]).T
@@ -165,6 +233,7 @@ def modes(
         checks = (*checks, rigid_check(n_rigid, len(free_rigid_motions(system))))
     warn_of_failures(checks)
     note = group_note("mode", values, n, gap_after(values, n) or cut)
+    logger.info("%d modes, eigenvalues from %.6g to %.6g; %d solves", n, first.values[0], first.values[-1], bar.done)
     found = Modes(first.values, first.shapes, n_rigid, n_unstable, state, note, checks)
     warn_of_changes("frequency", found.theory_errors)
     return found
@@ -179,6 +248,9 @@ class Pairs(NamedTuple):
     errors: np.ndarray
     allowed: np.ndarray
 
+    def __repr__(self) -> str:
+        return short(self)
+
     def of(self, order: Any) -> "Pairs":
         return Pairs(*(part[order] for part in self))
 
@@ -186,17 +258,17 @@ class Pairs(NamedTuple):
 class _Spectrum:
     """Eigenpairs of K against M."""
 
-    def __init__(self, motions: Motions, stiffness: BlockMatrix, mass: BlockMatrix, tolerance: float) -> None:
-        self.motions, self.stiffness, self.mass, self.tolerance = motions, stiffness, mass, tolerance
+    def __init__(self, motions: Motions, stiffness: BlockMatrix, mass: BlockMatrix, tolerance: float, bar: Bar) -> None:
+        self.motions, self.stiffness, self.mass, self.tolerance, self.bar = motions, stiffness, mass, tolerance, bar
         self.constraints = motions.constraints
 
     def lowest(self, n: int) -> tuple[Pairs, int, Check]:
         """All pairs up to the first gap behind the n lowest, all unstable ones and all without stiffness; the number of
-        pairs before that gap; and whether so many are there.
+        pairs before that gap; and whether that number exists.
 
         Lanczos' method may pass over one of several equal eigenvalues, or a negative one far from the shift. By Sylvester's
-        law the pivots of K - s M count those below s, with s in the gap, and what is missing is looked for beside what was
-        found.
+        law the pivots of K - s M count those below s, with s in the gap, and what is missing is looked for in addition to
+        what was found.
         """
         room = self.motions.room
         shift, ask, lost, stuck, tries, searched_again = None, n + 1, room, 0, 0, False
@@ -208,6 +280,7 @@ class _Spectrum:
             pairs = Pairs(*map(np.concatenate, zip(pairs, new, strict=True)))
             pairs = pairs.of(np.argsort(pairs.values, kind="stable"))
             tries += 1
+            logger.debug("search %d: %d eigenvalues, shift %.4g", tries, len(pairs.values), shift)
             cut = gap_or_group(pairs.values, max(n, int((pairs.values <= 0).sum())), tries)
             if cut is None:
                 ask = max(2, len(pairs.values) // 2)
@@ -266,22 +339,23 @@ class _Spectrum:
         return float(np.sqrt(v @ self.with_mass(v)))
 
     def _lanczos(self, n: int, shift: float, known: np.ndarray) -> np.ndarray:
-        """Shapes (n, n_dofs) of the eigenvalues nearest to the shift, beside the known ones."""
+        """Shapes (n, n_dofs) of the eigenvalues nearest to the shift, besides the known ones."""
 
         def apart(v: np.ndarray) -> np.ndarray:
             return v - known.T @ (known @ self.with_mass(v))
 
+        solve = self.bar.counting(self.motions.solve, f"solves for {n} modes")
         start = self.with_mass(np.random.default_rng(len(known)).standard_normal(self.mass.shape[0]))
         weight = LinearOperator(self.mass.shape, matvec=self.with_mass, dtype=np.float64)
         # In shift-and-invert mode the first operator is not used.
         return lanczos(
-            weight, k=n, M=weight, sigma=shift, v0=apart(self.motions.solve(start)), tol=self.tolerance,
-            OPinv=LinearOperator(self.mass.shape, matvec=lambda v: apart(self.motions.solve(v)), dtype=np.float64),
+            weight, k=n, M=weight, sigma=shift, v0=apart(solve(start)), tol=self.tolerance,
+            OPinv=LinearOperator(self.mass.shape, matvec=lambda v: apart(solve(v)), dtype=np.float64),
             ncv=min(self.motions.room, max(2 * n + 1, 20)),
         )[1]  # fmt: skip
 
     def _dense(self) -> tuple[Pairs, int]:
-        """All, and how many there are, for so many modes of so few coordinates that Lanczos' method has no room."""
+        """All, and how many there are, for nearly as many modes as coordinates, where Lanczos' method has no room."""
         free = self.motions.directions()
         stiffness, mass = (free @ matrix.to_scipy() @ free.T for matrix in (self.stiffness, self.mass))
         values, shapes, noise = self._clean(eigh(stiffness, mass)[1].T @ free)
@@ -329,13 +403,6 @@ def lanczos(matrix: LinearOperator, **options: Any) -> tuple[np.ndarray, np.ndar
     return values, vectors.T
 
 
-def nth(shapes: np.ndarray, i: int) -> np.ndarray:
-    """One of some shapes; from the last one on where i is negative."""
-    if not -len(shapes) <= whole("i", i, least=-len(shapes)) < len(shapes):
-        raise InputError(f"i = {i}: there are {len(shapes)} modes, numbered from 0; ask for more by n")
-    return np.asarray(shapes[int(i)])
-
-
 def checked_count(n: int, constraints: Constraints) -> int:
     """n as a whole number from one to the number of free coordinates, or InputError."""
     n = whole("n", n, floats=True)
@@ -353,25 +420,3 @@ def check_tolerance(tolerance: float) -> float:
     if not 0 <= checked < 1:
         raise InputError(f"tolerance = {tolerance}: give the relative accuracy of the eigenvalues, less than one")
     return checked
-
-
-def _largest_inside(system: Any, mode: np.ndarray) -> float:
-    """Largest movement at the integration points: of single elements only slopes and twists of nodes may move."""
-    geometry = system.geometry
-    local = geometry.local(system.shell.nodal(mode))
-    inside = geometry.integration.gathered(
-        lambda points, e: np.einsum("ap,eai->epi", geometry.theory.position_table(points)[0], local[e])
-    )
-    return float(np.linalg.norm(inside, axis=2).max()) or 1.0
-
-
-MODE = "mode of arbitrary size"
-
-
-def moved_along(state: Solution, mode: np.ndarray, size: float | None) -> Solution:
-    """A state moved along a mode until its nodes moved by ``size`` at most; by default a tenth of the structure's extent."""
-    layout = state.system.layout
-    r = layout.positions(state.system.undeformed)
-    size = 0.1 * float(np.linalg.norm(np.ptp(r, axis=0))) if size is None else positive("size", size, "m")
-    largest = float(np.linalg.norm(layout.positions(mode), axis=1).max()) or _largest_inside(state.system, mode)
-    return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor, note=MODE)

@@ -14,8 +14,8 @@ from skancf.tolerances import DEPENDENT
 
 STIFFNESS, PASSES = 2e7, 3
 """P of :mod:`skancf.linear.conditioned`, and passes for each step of Lanczos' method: they leave 1e-8 of an eigenvalue of
-thin shells on fine meshes, and 1e-10 of others. A number of eigenvalues is one too large in a band beside each of them whose
-width, relatively, is one over P."""
+thin shells on fine meshes, and 1e-10 of others. A number of eigenvalues is one too large in a band next to each of them
+whose width, relatively, is one over P."""
 
 
 class Motions:

@@ -5,20 +5,26 @@ The tangent is taken with the stresses extrapolated linearly along the last step
 exact one (Magisano, Leonetti and Garcea, 2017). With a :class:`Constraint` the load factor is an unknown too.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge
 from skancf.linear import DirectSolver
+from skancf.showing import short
 from skancf.solving import End, Status, iterate
 from skancf.statics.conditioned import tangents_of
 from skancf.statics.corrections import StaticSystem, Tangents, none
 from skancf.statics.stopping import Constraint, ConvergenceTest, Pull, moves
 
+logger = logging.getLogger(__name__)
 
+
+@by_value
 @dataclass(frozen=True)
 class NewtonResult:
     """Outcome of one solve.
@@ -27,6 +33,16 @@ class NewtonResult:
     constraint they belong to the correction that meets both equations. ``along`` is then the derivative of q with respect
     to the load factor. ``bound`` is the part of the energy norm that rounding leaves open, where that ended the solve.
     ``multipliers`` are those of the conditions, (n,), and ``pulled`` their derivative with respect to the load factor.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> load_factor, attempt = sk.solve(system).attempts[0]
+    >>> print(load_factor, attempt.status.value, attempt.iterations)
+    1.0 converged 4
     """
 
     q: np.ndarray
@@ -39,6 +55,8 @@ class NewtonResult:
     bound: float = 0.0
     multipliers: np.ndarray = field(default_factory=none)
     pulled: np.ndarray = field(default_factory=none)
+
+    __repr__ = short
 
     @property
     def ok(self) -> bool:
@@ -110,11 +128,23 @@ def newton(
         Give up after a first correction that turns a slope by more than this, relative to its length.
     multipliers : (n,) array, optional
         First guess of those of the conditions. Default: zero.
+
+    Examples
+    --------
+    >>> from skancf.linear import DirectSolver
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> solver = DirectSolver(system.pattern, system.constraints)
+    >>> found = sk.statics.newton(system, system.undeformed, solver)
+    >>> print(found.status.value, found.iterations)
+    converged 4
     """
     tangents = tangents_of(system, solver, mixed, stresses, pull, constraint)
     begin = constraint.origin if constraint else q if origin is None else origin
     criterion = _StopCriterion(tangents, ConvergenceTest(system, begin, rtol, pull, constraint), farthest, watch)
-    found = iterate(tangents.unknowns(q, multipliers, load_factor), tangents, criterion, max_steps)
+    found = iterate(tangents.unknowns(q, multipliers, load_factor), tangents, criterion, max_steps, logger)
     energies = [energy for energy in found.energies if np.isfinite(energy)]
     largest = max(energies, default=1.0) or 1.0
     norms = tuple(float(np.sqrt(energy / largest)) for energy in energies)

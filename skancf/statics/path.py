@@ -1,14 +1,17 @@
 """The equilibrium path, with the load factor as an unknown: through limit points, snap-through and snap-back."""
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
 
 from skancf.checks import Check, failures
+from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfError, shown
 from skancf.history import Case
 from skancf.linear import DirectSolver
-from skancf.progress import Progress
+from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import FEW, counted, in_a_notebook, in_brackets, of_state, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
@@ -41,7 +44,10 @@ CROSSED = (
     "found; allow a smaller step (StepLength) or more iterations"
 )
 
+logger = logging.getLogger(__name__)
 
+
+@by_value
 @dataclass(frozen=True)
 class PathResult(Tabular):
     """Outcome of :func:`trace`; as a table its equilibria, see :class:`~skancf.tabular.Tabular`.
@@ -64,6 +70,20 @@ class PathResult(Tabular):
         Why it stopped.
     checks : tuple of Check
         Of the last equilibrium; converged is only a path whose end passed them.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> path = sk.trace(system, until=0.5, progress=False)
+    >>> print(path.status.value, path.load_factors[-1], path.displacement(crown).shape[1])
+    converged 0.5 3
     """
 
     solutions: tuple[Solution, ...]
@@ -73,6 +93,15 @@ class PathResult(Tabular):
     attempts: tuple[NewtonResult, ...]
     message: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        loads = [solution.load_factor for solution in self.solutions]
+        found = f"{counted(len(loads), 'equilibrium', 'equilibria')}, load factors {span(min(loads), max(loads))}"
+        met = "".join(f"; {event}" for event in self.events[:FEW]) + ("; ..." if len(self.events) > FEW else "")
+        return f"PathResult: {self.status.value}, {found}; at the end: {of_state(self.solution)}{met}{passed(self.checks)}"
 
     def _table(self) -> dict[str, Column]:
         return {**states_of(self.solutions), "negative_pivots": (self.negative_pivots, "")}
@@ -129,7 +158,7 @@ def trace(
     max_iterations: int = 15,
     mixed: bool = True,
     backend: str = "auto",
-    progress: bool = False,
+    progress: ShowProgress = True,
 ) -> PathResult:
     r"""Equilibrium path from the undeformed state or from ``start``.
 
@@ -144,8 +173,8 @@ def trace(
     until : float or DisplacementReached, optional
         The path ends where it reaches this load factor, or a displacement.
     steps : int
-        Or after so many steps.
-    rtol, max_iterations, mixed, backend
+        Or after this number of steps.
+    rtol, max_iterations, mixed, backend, progress
         As for :func:`solve`.
 
     Returns
@@ -157,9 +186,24 @@ def trace(
     ------
     InputError
         When a rigid motion is free, nothing loads the structure, or the controlled displacement does not move with the load.
+
+    Examples
+    --------
+    >>> quarter = sk.CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=np.pi / 2 - 0.1)
+    >>> crown = (254.0, np.pi / 2)
+    >>> roof = sk.Problem(
+    ...     quarter, 12.7, sk.Isotropic(young=3102.75, poisson=0.3, density=1.2e-9),
+    ...     supports=[sk.Pin("start"), sk.Symmetry("end"), sk.Symmetry("right")],
+    ...     loads=[sk.PointForce(crown, (0.0, 0.0, -750.0))],
+    ... )
+    >>> system = roof.on(sk.meshes.uniform(quarter, 4, 4), "kirchhoff")
+    >>> path = sk.trace(system, sk.ArcLength(first=0.1), until=1.0, progress=False)
+    >>> print([(event.kind, round(event.load_factor, 2)) for event in path.events])
+    [('limit point', 0.74), ('limit point', 0.17)]
     """
     check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations, "steps": steps},
-                mixed=mixed, progress=progress)  # fmt: skip
+                mixed=mixed)  # fmt: skip
+    check_progress(progress)
     require_support(system)
     warn_without_time(system)
     return traced(
@@ -171,7 +215,7 @@ def trace(
 def traced(
     system: System, control: ArcLength | DisplacementControl | None = None, *,
     until: float | DisplacementReached | None = None, steps: int = 200, start: Solution | None = None, rtol: float = 1e-7,
-    max_iterations: int = 15, mixed: bool = True, backend: str = "auto", progress: bool = False,
+    max_iterations: int = 15, mixed: bool = True, backend: str = "auto", progress: ShowProgress = False,
 ) -> PathResult:  # fmt: skip
     """:func:`trace` for a system that is known to be supported, and arguments that are checked."""
     at = start or at_rest(system)
@@ -180,7 +224,8 @@ def traced(
         raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")
     if not is_loaded(system, at.q, at.load_factor):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
-    with DirectSolver(system.pattern, system.constraints, backend) as solver, Progress("path", steps, shown=progress) as bar:
+    most = steps if until is None else None
+    with DirectSolver(system.pattern, system.constraints, backend) as solver, Bar("path", most, progress) as bar:
         follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)
         return _Run(system, control, follower, until, int(steps), bar).go(at)
 
@@ -190,7 +235,7 @@ class _Run:
 
     def __init__(
         self, system: System, control: ArcLength | DisplacementControl, follower: Follower,
-        until: float | DisplacementReached | None, steps: int, bar: Progress,
+        until: float | DisplacementReached | None, steps: int, bar: Bar,
     ) -> None:  # fmt: skip
         self.system, self.control, self.follower = system, control, follower
         self.end = None if until is None else end_of_path(system, until, system.undeformed)
@@ -200,7 +245,9 @@ class _Run:
         self.first, self.length = 0.0, 1.0
 
     def go(self, start: Solution) -> PathResult:
-        status, message = run_steps(lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed)
+        status, message = run_steps(
+            lambda: self._step() if self.points else self._begin(start), lambda: "", self._failed, logger
+        )
         points = self.points or [Point(start.q, start.load_factor, 0, np.zeros_like(start.q), 0.0, start.multipliers)]
         checks = self._checks(points)
         if status.ok and (failed := failures(checks)):
@@ -274,6 +321,10 @@ class _Run:
         self.events += events
         self.points.append(following)
         left, iterations = follower.measure.left(following.q), len(result.residual_norms)
+        logger.info("step %d: load factor %.6g, %d iterations, %d negative pivots",
+                    len(self.points) - 1, following.load_factor, iterations, following.pivots)  # fmt: skip
+        for event in events:
+            logger.info("%s at load factor %.6g", event.kind, event.load_factor)
         self.bar.at(len(self.points) - 1, f"load factor {following.load_factor:.4g}, {iterations} iterations")
         if share is not None or left <= ONE_PLACE * first:
             return Status.CONVERGED, ""
@@ -367,7 +418,7 @@ def limit_ahead(system: System, start: Solution, first: float, steps: int = 6) -
     """
     try:
         with np.errstate(over="ignore", invalid="ignore"):
-            found = trace(system, ArcLength(first=first), start=start, steps=steps)
+            found = trace(system, ArcLength(first=first), start=start, steps=steps, progress=False)
     except SkancfError:
         return None
     return next((event.load_factor for event in found.events if event.kind == LIMIT), None)

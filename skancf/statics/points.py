@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from skancf.linear import DirectSolver
+from skancf.showing import short
 from skancf.statics.conditioned import along_both, tangent_at
 from skancf.statics.controls import Measure
 from skancf.statics.corrections import none, stresses_along
@@ -30,6 +31,8 @@ class Point:
     rate: float
     multipliers: np.ndarray | None = None
     pulled: np.ndarray = field(default_factory=none)
+
+    __repr__ = short
 
 
 class Follower:

@@ -1,4 +1,4 @@
-r"""Relaxation at the full load: equilibria held back by a pretension that is let go.
+r"""Relaxation at the full load: equilibria reached with a pretension that is then released.
 
 From a state :math:`q_n` the mixed Newton iteration solves
 
@@ -19,6 +19,7 @@ import numpy as np
 from skancf.conditions.solver import curved, solver_at
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
+from skancf.showing import short
 from skancf.statics.conditioned import tangent_at
 from skancf.statics.corrections import StaticSystem, internal_force
 from skancf.statics.newton import NewtonResult, largest_turn
@@ -34,7 +35,7 @@ PUSHED, CIRCLING = 400, 150
 """The same from a pushed state, and where the loads have no potential there, so that no energy need fall."""
 PUSHES = 3
 STRONGEST = 1e4
-"""A pull so many times as strong as the first one, or as a strain, holds what no pull can hold: the relaxation ends."""
+"""A pull this many times as strong as the first one, or as a strain, holds what no pull can hold: the relaxation ends."""
 PUSH, HALVINGS = 1e-2, 10
 """Of the size of the body, along the motion in which an equilibrium is not stable; halved where that leads uphill."""
 CANDIDATES, INVERSE_ITERATIONS = 4, 8
@@ -83,6 +84,8 @@ class _Flow:
     calm_enough: int
     unstable: NewtonResult | None = None
     pushes: int = 0
+
+    __repr__ = short
 
 
 class Relaxation:

@@ -1,11 +1,12 @@
 """What statics returns, and how load steps are chosen."""
 
-import warnings
 from dataclasses import dataclass
 
 from skancf.arguments import plain, whole
 from skancf.checks import Check
-from skancf.errors import DidNotConverge, InputError, OutOfDepth, positive
+from skancf.equality import by_value
+from skancf.errors import DidNotConverge, InputError, positive, warn
+from skancf.showing import counted, in_a_notebook, in_brackets, of_state, passed, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import OPEN, NewtonResult
@@ -16,7 +17,18 @@ from skancf.tabular import Column, Columns, Tabular
 @dataclass(frozen=True)
 class HalveAndGrow:
     """Step control: a failed step is divided by ``cut``; an easy one, at most ``easy`` iterations, is followed by a
-    ``growth`` times longer one."""
+    ``growth`` times longer one.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> result = sk.solve(system, control=sk.HalveAndGrow(first=0.25))
+    >>> print([round(state.load_factor, 2) for state in result.path])
+    [0.0, 0.25, 0.75, 1.0]
+    """
 
     first: float = 1.0
     smallest: float = 1e-4
@@ -40,6 +52,7 @@ class HalveAndGrow:
         return step * self.growth if result.iterations <= self.easy else step
 
 
+@by_value
 @dataclass(frozen=True)
 class StaticResult(Tabular):
     """Outcome of :func:`solve`; as a table its path, see :class:`~skancf.tabular.Tabular`.
@@ -59,6 +72,18 @@ class StaticResult(Tabular):
         equilibrium is not stable, by ``negative_pivots``.
     checks : tuple of Check
         Of the asked equilibrium, by its exact tangent and by sums over the whole body. Converged is only what passed them.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> result = sk.solve(system)
+    >>> print(result.ok, result.status.value, len(result.path))
+    True converged 2
+    >>> print(all(check.passed for check in result.checks))
+    True
     """
 
     solution: Solution
@@ -67,6 +92,14 @@ class StaticResult(Tabular):
     attempts: tuple[tuple[float, NewtonResult], ...]
     message: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__, _repr_html_ = in_brackets, in_a_notebook
+
+    @summary
+    def __str__(self) -> str:
+        steps = counted(len(self.path), "load step")
+        said = f"{self.status.value}, {of_state(self.solution)}, {counted(self.iterations, 'iteration')} in {steps}"
+        return f"StaticResult: {said}{passed(self.checks)}"
 
     def _table(self) -> dict[str, Column]:
         return states_of(self.path)
@@ -106,7 +139,7 @@ class StaticResult(Tabular):
         Where rounding leaves less than a hundredth open, it is the solution, with a warning (:class:`~skancf.OutOfDepth`).
         """
         if self.status is Status.ROUNDING and self.bound <= OPEN:
-            warnings.warn(self.message, OutOfDepth, stacklevel=2)
+            warn(self.message)
         elif not self.ok:
             raise DidNotConverge(self.message, self.attempts[-1][1].residual_norms if self.attempts else ())
         return self.solution

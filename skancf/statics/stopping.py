@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.linear import BlockMatrix, SkewSolver
+from skancf.showing import short
 from skancf.tolerances import HELD_FORCE, RIGID, ROUNDED_COORDINATE
 
 
@@ -27,6 +28,8 @@ class Constraint:
     factor: float
     value: float
     origin: np.ndarray
+
+    __repr__ = short
 
     def correction(self, q: np.ndarray, load_factor: float, along: np.ndarray) -> float:
         """Change of the load factor that meets the equation, q moving by ``along`` with it; infinite where none does."""
@@ -52,6 +55,8 @@ class Pull:
     metric: BlockMatrix
     anchor: np.ndarray
 
+    __repr__ = short
+
     def force(self, q: np.ndarray) -> np.ndarray:
         return self.strength * (self.metric @ (q - self.anchor))
 
@@ -60,7 +65,7 @@ class Pull:
 
 
 def moves(constraints: Any, force: np.ndarray) -> bool:
-    """Does a force (n_dofs,) act on anything that supports do not hold, beside rounding?"""
+    """Does a force (n_dofs,) act on anything that supports do not hold, apart from rounding?"""
     free = constraints.free_part(force)
     return bool(free @ free > HELD_FORCE * (force @ force))
 

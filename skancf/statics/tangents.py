@@ -1,11 +1,10 @@
 """Tangents about which eigenproblems are solved, and what they leave out."""
 
-import warnings
 from typing import Any
 
 import numpy as np
 
-from skancf.errors import InputError, OutOfDepth
+from skancf.errors import InputError, warn
 from skancf.linear import BlockMatrix
 from skancf.solution import Solution
 from skancf.statics.conditioned import conditions_in, curved
@@ -52,4 +51,4 @@ def is_skew(system: Any, tangent: BlockMatrix, q: np.ndarray, load_factor: float
 def warn_if_skew(system: System, tangent: BlockMatrix, q: np.ndarray, load_factor: float) -> None:
     """A warning where eigenvalues of the symmetric part do not tell all."""
     if is_skew(system, tangent, q, load_factor):
-        warnings.warn(SYMMETRIC_ONLY, OutOfDepth, stacklevel=3)
+        warn(SYMMETRIC_ONLY)

@@ -11,6 +11,7 @@ from skancf.conditions.solver import conditions_in
 from skancf.errors import SingularMatrix
 from skancf.history import Case
 from skancf.linear import DirectSolver
+from skancf.showing import short
 from skancf.statics.conditioned import solved, tangent_at
 from skancf.statics.corrections import none
 from skancf.statics.stopping import is_rigid, moves, stored, work
@@ -20,7 +21,7 @@ from skancf.vectors import sum_of_cross
 
 ADVICE = "Ask for a smaller rtol, or look for a load that is lost in rounding."
 TIMES = 10.0
-"""A residual of so many times the asked tolerance fails."""
+"""A residual above this multiple of the asked tolerance fails."""
 POLISHES = 3
 
 
@@ -53,6 +54,8 @@ class Verified:
     measured: tuple[Measured, ...]
     negative_pivots: int
     multipliers: np.ndarray = field(default_factory=none)
+
+    __repr__ = short
 
     @property
     def unmet(self) -> list[Measured]:
@@ -134,12 +137,14 @@ class Balance:
     others: np.ndarray | None
     values: np.ndarray = field(default_factory=none)
 
+    __repr__ = short
+
     @classmethod
     def of_state(
         cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray, multipliers: np.ndarray | None = None
     ) -> "Balance":
         energy = stored(system, q, Case(load_factor))
-        # At rest and cold there is none.
+        # Nothing is stored at rest and cold.
         if (origin != system.undeformed).any() or system.shell.heats:
             energy += stored(system, origin, Case(load_factor))
         loads, pushed = load_factor * system.external_force(q), bool(system.prescribed().any())

@@ -20,6 +20,7 @@ from skancf.errors import InputError
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 from skancf.theories.rows import Row, condition
 from skancf.tolerances import ONE_LINE
@@ -34,6 +35,18 @@ class Support:
     holds : tuple of str
         What it holds where it has a place ``where``, the kinds of a :class:`~skancf.supports.Singularity`: positions in all
         directions, in part, normals.
+
+    Examples
+    --------
+    >>> class Grip(sk.supports.Support):
+    ...     where = "left"
+    ...     def rows(self, geometry):
+    ...         return sk.Clamp("left").rows(geometry)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[Grip()], loads=[sk.Gravity()])
+    >>> solution = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff"))
+    >>> print(f"{solution.reactions('left')[2]:.2f} N")
+    76.98 N
     """
 
     holds: ClassVar[tuple[str, ...]] = ("part",)
@@ -130,6 +143,9 @@ class SpotOfMesh(NamedTuple):
 
     geometry: Geometry
     node: int
+
+    def __repr__(self) -> str:
+        return short(self)
 
     @property
     def normal(self) -> np.ndarray:

@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, shown, unit_vector, vector
 from skancf.functions import called, is_function
 from skancf.kernels.constants import VECTORS, R
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.supports.conditions import Support, edges
 from skancf.theories.rows import Row, condition
 
 
+@by_value
 @dataclass(frozen=True)
 class DrivenClamp(Support):
     r"""The nodes of a place are bonded to a rigid body that turns about a fixed axis and moves, as given in time.
@@ -69,6 +72,8 @@ class DrivenClamp(Support):
     angle: Callable[[float], float] | None = None
     displacement: Callable[[float], Any] | None = None
     static: float | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, unit_vector, vector
 from skancf.functions import is_function, values_at
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL, POINTS
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
+from skancf.showing import short
 from skancf.supports.conditions import Support
 from skancf.terms.protocols import Assembly
 
@@ -58,6 +60,7 @@ def on_place(geometry: Geometry, where: Any, name: str, factors: Any) -> list[tu
     return parts
 
 
+@by_value
 @dataclass(frozen=True)
 class Spring(Support):
     r"""Linear springs along the axes of space: at points (N/m), or along edges per length (N/m2).
@@ -75,10 +78,24 @@ class Spring(Support):
     ------
     InputError
         For a factor that is negative or not finite, and where all are zero.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.01, steel,
+    ...     supports=[sk.Clamp("left"), sk.Spring([(1.0, 0.05)], (0.0, 0.0, 1e4))],
+    ...     loads=[sk.EdgeLoad("right", (0, 0, 100.0))],
+    ... )
+    >>> tip = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 2), "kirchhoff")).displacement((1.0, 0.05))
+    >>> print(f"{1000 * tip[2]:.4f} mm")
+    0.6557 mm
     """
 
     where: Any
     stiffness: Any
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -88,6 +105,7 @@ class Spring(Support):
         return on_place(assembly.geometry, self.where, "stiffness", self.stiffness)
 
 
+@by_value
 @dataclass(frozen=True)
 class Dashpot(Support):
     r"""Linear dashpots along the axes of space: at points (N s/m), or along edges per length (N s/m2).
@@ -106,10 +124,21 @@ class Dashpot(Support):
     ------
     InputError
         For a factor that is negative or not finite, and where all are zero.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.01, steel,
+    ...     supports=[sk.Clamp("left"), sk.Dashpot("right", (0.0, 0.0, 50.0))],
+    ...     loads=[sk.Gravity()],
+    ... )
     """
 
     where: Any
     damping: Any
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -122,6 +151,7 @@ class Dashpot(Support):
         return at_place(geometry, self.where, self.holds, "a Dashpot", at_rest=False)
 
 
+@by_value
 @dataclass(frozen=True)
 class Foundation(Support):
     r"""An elastic foundation (Winkler): a linear spring per area under the whole surface (N/m3).
@@ -138,12 +168,26 @@ class Foundation(Support):
     Raises
     ------
     InputError
-        For a stiffness that is not positive, and a direction that is none; on a mesh, for a function that is negative or not
+        For a stiffness that is not positive, and an invalid direction; on a mesh, for a function that is negative or not
         finite somewhere, or zero all over.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> slab = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Foundation(1e6), sk.Roller("left", (1, 0, 0)), sk.Roller("bottom", (0, 1, 0))],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> sunk = sk.solve_linear(slab.on(sk.meshes.uniform(slab.surface, 2, 2), "kirchhoff")).displacement((0.5, 0.5))
+    >>> print(f"{1000 * sunk[2]:.4f} mm")  # p / k
+    -1.0000 mm
     """
 
     stiffness: Any
     direction: tuple[float, float, float] | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

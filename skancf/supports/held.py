@@ -5,9 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, shown, unit_vector, warn
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import SpotOfMesh, Support, edges, held_along, no_drilling, no_tilt_along, no_turn_about
 from skancf.supports.plane import check_planes
@@ -22,41 +24,80 @@ def checked_kind(kind: str) -> str:
     return kind
 
 
+@by_value
 @dataclass(frozen=True)
 class Pin(Support):
-    """Positions held, as by a hinge along an edge or a ball joint at a point; rotations are free."""
+    """Positions held, as by a hinge along an edge or a ball joint at a point; rotations are free.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, [sk.Pin("corners")], [sk.SurfaceLoad((0, 0, -1000.0))])
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 4), "kirchhoff"))
+    >>> print(solution.reactions("corners").round(6)[2], "N")
+    1000.0 N
+    """
 
     holds = ("position",)
     where: Any
+
+    __repr__ = short
 
     def rows(self, geometry: Geometry) -> list[Row]:
         return held_along(edges_or_points("Pin", geometry, self.where), np.eye(3))
 
 
+@by_value
 @dataclass(frozen=True)
 class Clamp(Support):
     """Positions and normals (directors) held along an edge.
 
     At single points the position, the normal and the rotation about it are held; the surface may stretch there.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> tip = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")).displacement((1.0, 0.05))
+    >>> print(f"{1000 * tip[2]:.4f} mm")  # F L^3 / 3 E I
+    1.9048 mm
     """
 
     holds = ("position", "normal")
     where: Any
+
+    __repr__ = short
 
     def rows(self, geometry: Geometry) -> list[Row]:
         place = edges_or_points("Clamp", geometry, self.where)
         return held_along(place, np.eye(3)) + no_turn_about(geometry, place) + no_drilling(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class NoRotation(Support):
     """The normal (director) does not turn about the edge, at single points not at all; positions are free.
 
     With :class:`Roller` a clamped edge that is free to slide in the surface.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.01, steel,
+    ...     supports=[sk.Clamp("left"), sk.NoRotation("right")],
+    ...     loads=[sk.EdgeLoad("right", (0, 0, 100.0))],
+    ... )
+    >>> tip = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")).displacement((1.0, 0.05))
+    >>> print(f"{1000 * tip[2]:.4f} mm")  # F L^3 / 12 E I
+    0.4762 mm
     """
 
     holds = ("normal",)
     where: Any
+
+    __repr__ = short
 
     def rows(self, geometry: Geometry) -> list[Row]:
         place = edges(geometry, self.where)
@@ -65,6 +106,7 @@ class NoRotation(Support):
         return no_turn_about(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class SimpleSupport(Support):
     """A hinged edge: positions held, rotation about the edge free.
@@ -76,11 +118,21 @@ class SimpleSupport(Support):
     kind : {"soft", "hard"}
         ``"hard"`` also keeps the director from tilting along the edge, as a diaphragm does; most series solutions are for
         hard supports. ``"soft"`` leaves it free.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, [sk.SimpleSupport("boundary")])
+    >>> modes = sk.modes(plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff"), 1)
+    >>> print(f"{modes.frequencies[0]:.1f} Hz")
+    49.2 Hz
     """
 
     holds = ("position",)
     where: Any
     kind: str = "soft"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         checked_kind(self.kind)
@@ -95,6 +147,7 @@ IN_PLANE, ASKEW = 1e-3, 0.9
 """Cosines between a direction and the normal below which it lies in the surface, or does not hold the deflection alone."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Roller(Support):
     """Positions held in one direction of space only (by default z).
@@ -117,11 +170,25 @@ class Roller(Support):
     -----
     OutOfDepth
         On a mesh: there, for a hard one in a direction that is askew to the surface all along the place.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> pressed = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Roller("boundary"), sk.Roller("left", (1, 0, 0)), sk.Roller((0.0, 0.0), (0, 1, 0))],
+    ...     loads=[sk.EdgeLoad("right", (-1e5, 0.0, 0.0))],
+    ... )
+    >>> buckled = sk.buckling(pressed.on(sk.meshes.uniform(pressed.surface, 6, 6), "kirchhoff"), 1)
+    >>> print(f"{buckled.load_factors[0]:.2f}")
+    7.59
     """
 
     where: Any
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
     kind: str = "soft"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         checked_kind(self.kind)
@@ -146,6 +213,7 @@ class Roller(Support):
         return rows + no_tilt_along(geometry, place)
 
 
+@by_value
 @dataclass(frozen=True)
 class Symmetry(Support):
     """The edge lies in a plane of symmetry of the undeformed body and stays in it; edges that meet in a corner have theirs.
@@ -155,10 +223,25 @@ class Symmetry(Support):
     InputError
         On a mesh: for a point, an edge that lies in no plane or along which the surface is not normal to it, and in the thin
         theory where lines of the parameters do not cross the edge at right angles.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> quarter = sk.Problem(
+    ...     sk.Rectangle(0.5, 0.5), 0.01, steel,
+    ...     supports=[sk.Clamp("left"), sk.Clamp("bottom"), sk.Symmetry("right"), sk.Symmetry("top")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> solution = sk.solve_linear(quarter.on(sk.meshes.uniform(quarter.surface, 6, 6), "kirchhoff"))
+    >>> middle = solution.displacement((0.5, 0.5))
+    >>> print(f"{1000 * middle[2]:.4f} mm")
+    -0.0658 mm
     """
 
     holds = ("mirror",)
     where: Any
+
+    __repr__ = short
 
     def rows(self, geometry: Geometry) -> list[Row]:
         rows = []

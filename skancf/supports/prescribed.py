@@ -8,12 +8,14 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebpts2, chebvander
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function, values_at
 from skancf.history import History, check_history
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
+from skancf.showing import short
 from skancf.supports.alone import edges_or_points
 from skancf.supports.conditions import Edges, SpotOfMesh, Support, single_points
 from skancf.surfaces import normal
@@ -24,6 +26,7 @@ N_EDGE = 9
 """Points on an edge at which functions are differentiated: exact to degree eight."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Prescribed(Support):
     r"""Displacement given in some directions of space, free in the others, and the rotation of the normal if it is given.
@@ -69,6 +72,8 @@ class Prescribed(Support):
     history: History | None = None
     rotation: Any = None
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         check_history(self.history)
@@ -87,17 +92,17 @@ class Prescribed(Support):
         place = edges_or_points("Prescribed", geometry, self.where)
         fields = Fields(geometry, self.where, place)
         rows = []
-        for axis, u in zip(np.eye(3), self._components(geometry), strict=True):
+        for axis, u in zip(np.eye(3), self.components(geometry), strict=True):
             if u is not None:
                 rows += fields.rows(place, axis, lambda at, u=u: values_at("displacement", u, at))
         return rows if self.rotation is None else rows + self._rotated(geometry, place, fields)
 
     def singularities(self, geometry: Geometry) -> list[Singularity]:
-        given = [u is not None for u in self._components(geometry)]
+        given = [u is not None for u in self.components(geometry)]
         kinds = ("position",) * all(given) or ("part",) * any(given)
         return at_place(geometry, self.where, kinds + ("normal",) * (self.rotation is not None), "a Prescribed")
 
-    def _components(self, geometry: Geometry) -> list[Any]:
+    def components(self, geometry: Geometry) -> list[Any]:
         """A number or a function of (x, y) for each direction, None where it is free."""
         whole = self.displacement
         if not is_function(whole):

@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
 
+@by_value
 @dataclass(frozen=True)
 class AnnulusSector(Revolution):
     r"""A flat sector of an annulus, :math:`\mathbf X = (x \cos y,\; x \sin y,\; 0)`; x is the radius, y the central angle.
@@ -34,6 +37,12 @@ class AnnulusSector(Revolution):
     ------
     InputError
         For radii or an angle out of range, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> ring = sk.AnnulusSector(inner=0.2, outer=0.5, angle=2 * np.pi, closed=True)
+    >>> print(ring.position(0.5, np.pi / 4).round(3))
+    [0.354 0.354 0.   ]
     """
 
     inner: float
@@ -41,6 +50,8 @@ class AnnulusSector(Revolution):
     angle: float = pi / 2
     start: float = 0.0
     closed: Any = False
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

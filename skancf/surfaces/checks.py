@@ -10,7 +10,7 @@ from skancf.functions import Noted, is_ours
 from skancf.surfaces.protocol import TAKEN, Interval
 
 METHODS = {"position": 1, "derivatives": 2, "second_derivatives": 3}
-"""What each gives so many of: vectors of space."""
+"""How many vectors of space each gives."""
 NEEDED = ("position", "derivatives")
 """What every theory asks of a surface; `kirchhoff` asks for second derivatives as well."""
 FEW = 6

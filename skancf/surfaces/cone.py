@@ -6,12 +6,15 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.surfaces.cylinder import ALONG_X
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
 
+@by_value
 @dataclass(frozen=True)
 class Cone(Revolution):
     r"""A sector of the frustum of a circular cone about the axis of space x,
@@ -35,6 +38,12 @@ class Cone(Revolution):
     ------
     InputError
         For values out of range, an apex, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> funnel = sk.Cone(radius_low=0.5, radius_high=0.1, height=0.6, angle=2 * np.pi, closed=True)
+    >>> print(funnel.position(0.3, np.pi / 4).round(3))
+    [ 0.3   -0.212  0.212]
     """
 
     radius_low: float
@@ -45,6 +54,8 @@ class Cone(Revolution):
     closed: Any = False
 
     axes = ALONG_X
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
@@ -14,6 +16,7 @@ from skancf.surfaces.revolution import Revolution, check_sector
 ALONG_X = np.array([[0.0, 0, 1], [-1, 0, 0], [0, 1, 0]])
 
 
+@by_value
 @dataclass(frozen=True)
 class CylinderSector(Revolution):
     r"""A sector of a circular cylinder about the axis of space x,
@@ -41,6 +44,12 @@ class CylinderSector(Revolution):
     ------
     InputError
         For values out of range, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> tube = sk.CylinderSector(radius=0.5, length=1.5, angle=2 * np.pi, closed=True)
+    >>> print(tube.position(1.0, np.pi / 4).round(3))
+    [ 1.    -0.354  0.354]
     """
 
     radius: float
@@ -50,6 +59,8 @@ class CylinderSector(Revolution):
     closed: Any = False
 
     axes = ALONG_X
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -6,10 +6,13 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval, parameters
 
 
+@by_value
 @dataclass(frozen=True)
 class HyperbolicParaboloid:
     r"""A saddle over a rectangle centred at the origin,
@@ -32,11 +35,19 @@ class HyperbolicParaboloid:
     ------
     InputError
         For lengths that are not positive, and for no rise.
+
+    Examples
+    --------
+    >>> saddle = sk.HyperbolicParaboloid(2.0, 2.0, rise=0.5)
+    >>> print(saddle.position(1.0, 1.0))
+    [1.  1.  0.5]
     """
 
     length_x: float
     length_y: float
     rise: float
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

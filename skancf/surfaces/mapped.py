@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, positive, shown
 from skancf.functions import called, is_function
+from skancf.showing import short
 from skancf.surfaces.differences import POINTS, difference
 from skancf.surfaces.kinks import check_kinks
 from skancf.surfaces.protocol import TAKEN, Interval, parameters
@@ -21,6 +23,7 @@ SMALLEST_STEP = 1e-7
 MISTAKE = 1e-4
 
 
+@by_value
 @dataclass(frozen=True)
 class MappedSurface:
     r"""A surface by any smooth function :math:`\mathbf X(x, y)` over a rectangle of the parameter plane.
@@ -51,6 +54,12 @@ class MappedSurface:
         For bounds that do not increase, a function whose values are no three finite components (the point is named) or that
         has a kink, a closed direction that does not close or has a kink there, exact derivatives that are those of another
         function, and parameters outside the bounds.
+
+    Examples
+    --------
+    >>> wave = sk.MappedSurface(lambda x, y: (x, y, 0.05 * np.sin(np.pi * x)), bounds=((0.0, 2.0), (0.0, 1.0)))
+    >>> print(wave.position(0.5, 0.0).round(3))
+    [0.5  0.   0.05]
     """
 
     function: Callable[[np.ndarray, np.ndarray], Any]
@@ -59,6 +68,8 @@ class MappedSurface:
     closed: tuple[bool, bool] = (False, False)
     exact_derivatives: Callable[[np.ndarray, np.ndarray], Any] | None = None
     step: float = 1 / 256
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

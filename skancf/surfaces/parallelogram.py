@@ -7,10 +7,13 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval, parameters
 
 
+@by_value
 @dataclass(frozen=True)
 class Parallelogram:
     r"""A flat skew plate :math:`\mathbf X = (x + y \cos\alpha,\; y \sin\alpha,\; 0)`, its lower left corner at the origin.
@@ -28,11 +31,19 @@ class Parallelogram:
     ------
     InputError
         For values out of range.
+
+    Examples
+    --------
+    >>> skew = sk.Parallelogram(1.0, 0.8, angle=np.pi / 3)
+    >>> print(skew.position(1.0, 0.8).round(3))
+    [1.4   0.693 0.   ]
     """
 
     length_x: float
     length_y: float
     angle: float
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -13,6 +13,20 @@ class Surface(Protocol):
     r"""A mid-surface :math:`\mathbf X(x, y)`, in m, over a parameter plane.
 
     x and y are numbers or arrays that broadcast against each other. Second derivatives must be continuous.
+
+    Examples
+    --------
+    >>> class Slope:
+    ...     closed = (False, False)
+    ...     def position(self, x, y):
+    ...         return np.stack(np.broadcast_arrays(x, y, 0.1 * x))
+    ...     def derivatives(self, x, y):
+    ...         one, zero = np.ones(np.broadcast(x, y).shape), np.zeros(np.broadcast(x, y).shape)
+    ...         return np.stack([one, zero, 0.1 * one]), np.stack([zero, one, zero])
+    ...     def second_derivatives(self, x, y):
+    ...         return (np.zeros((3, *np.broadcast(x, y).shape)),) * 3
+    >>> print(sk.surfaces.normal(Slope(), 0.5, 0.5).round(3))
+    [-0.1    0.     0.995]
     """
 
     def position(self, x: Any, y: Any) -> np.ndarray:
@@ -34,7 +48,13 @@ class Surface(Protocol):
 
 
 class BoundedSurface(Surface, Protocol):
-    """A surface over a rectangle of the parameter plane."""
+    """A surface over a rectangle of the parameter plane.
+
+    Examples
+    --------
+    >>> print(hasattr(sk.Rectangle(1.0, 1.0), "bounds"), hasattr(sk.Plane(), "bounds"))
+    True False
+    """
 
     @property
     def bounds(self) -> tuple[Interval, Interval]:
@@ -46,7 +66,13 @@ class BoundedSurface(Surface, Protocol):
 
 
 def closed_directions(surface: Surface) -> tuple[bool, bool]:
-    """``surface.closed``; a surface that does not say is open in both directions."""
+    """``surface.closed``; a surface that does not say is open in both directions.
+
+    Examples
+    --------
+    >>> sk.surfaces.closed_directions(sk.CylinderSector(0.5, 1.0, 2 * np.pi, closed=True))
+    (False, True)
+    """
     x, y = getattr(surface, "closed", (False, False))
     return bool(x), bool(y)
 

@@ -3,11 +3,14 @@
 from dataclasses import dataclass
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import positive, vector
+from skancf.showing import short
 from skancf.surfaces.plane import Plane
 from skancf.surfaces.protocol import Interval
 
 
+@by_value
 @dataclass(frozen=True)
 class Rectangle(Plane):
     """A flat rectangle ``length_x`` by ``length_y`` in the plane z = 0, its lower left corner at ``origin``.
@@ -18,11 +21,19 @@ class Rectangle(Plane):
     ------
     InputError
         For a length that is not positive.
+
+    Examples
+    --------
+    >>> sheet = sk.Rectangle(1.2, 0.8, origin=(-0.6, -0.4))
+    >>> sheet.bounds
+    ((-0.6, 0.6), (-0.4, 0.4))
     """
 
     length_x: float
     length_y: float
     origin: tuple[float, float] = (0.0, 0.0)
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -20,6 +20,11 @@ def normal(surface: Surface, x: Any, y: Any) -> np.ndarray:
     ------
     InputError
         Where there is neither, such as on a fold; the point is named.
+
+    Examples
+    --------
+    >>> print(sk.surfaces.normal(sk.CylinderSector(0.5, 1.0, np.pi), 0.5, np.pi / 2).round(3) + 0.0)
+    [0. 0. 1.]
     """
     x, y = parameters(x, y)
     n = cross(*surface.derivatives(x, y))
@@ -40,6 +45,10 @@ def check_regular(surface: Surface, x: Any, y: Any) -> None:
     ------
     InputError
         Names the first such point by its parameters and its place in space.
+
+    Examples
+    --------
+    >>> sk.surfaces.check_regular(sk.Rectangle(1.0, 1.0), np.array([0.5]), np.array([0.5]))
     """
     x, y = parameters(x, y)
     x_slope, y_slope = surface.derivatives(x, y)

@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, positive, vector
+from skancf.showing import short
 from skancf.surfaces.protocol import Interval
 from skancf.surfaces.revolution import Revolution, check_sector
 
 
+@by_value
 @dataclass(frozen=True)
 class SphereSector(Revolution):
     r"""A sector of a sphere about the origin,
@@ -41,6 +44,12 @@ class SphereSector(Revolution):
     ------
     InputError
         For values out of range, and for ``closed`` without a full turn.
+
+    Examples
+    --------
+    >>> dome = sk.SphereSector(10.0, polar=(0.0, np.pi / 2), angle=2 * np.pi, closed=True)
+    >>> print(dome.position(np.pi / 4, np.pi / 4).round(3))
+    [5.    5.    7.071]
     """
 
     radius: float
@@ -48,6 +57,8 @@ class SphereSector(Revolution):
     angle: float
     start: float = 0.0
     closed: Any = False
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

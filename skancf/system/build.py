@@ -1,6 +1,7 @@
 """From a problem and a mesh to the terms of a system."""
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,13 +9,14 @@ import numpy as np
 from skancf.arguments import having
 from skancf.conditions.closing import close_gaps
 from skancf.conditions.own import conditions_of
-from skancf.errors import InputError, shown
+from skancf.errors import InputError, OutOfDepth, shown
 from skancf.functions import Noted, is_ours
 from skancf.history import FULL
 from skancf.layout.constrain import constrain
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout, Part
 from skancf.loads.acting import Acting
+from skancf.system.rebuild import Bare
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
 from skancf.terms.own import part_of, term_of
@@ -46,11 +48,24 @@ def build(problem: Any, geometry: Geometry) -> System:
     terms += [LoadTerm(load, shell) for load in acting]
     constraints, prescription = constrain(geometry, problem.supports, layout)
     conditions = conditions_of(problem.conditions, shell, layout)
-    return System(layout, shell, terms, constraints, prescription, problem, conditions)
+    system = System(layout, shell, terms, constraints, prescription, problem, conditions)
+    system.rebuilt = rebuilt
+    return system
+
+
+def rebuilt(problem: Any, mesh: Any, theory: Any, state: Mapping[str, Any], choice: Any) -> System:
+    """A system as it was, of what :class:`~skancf.system.rebuild.Rebuilt` gives; what was warned of then is not said
+    again."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", OutOfDepth)
+        system = build(problem, Geometry(mesh.made() if isinstance(mesh, Bare) else mesh, problem.surface, theory))
+    system.terms.restore(dict(state))
+    system.choice = choice
+    return system
 
 
 def _acting(load: Any, assembly: Assembly) -> Any:
-    """What a load is on a mesh; checked where the load is none of this library's."""
+    """What a load is on a mesh; checked where the load does not come from this library."""
     if is_ours(load):
         return load.on(assembly)
     with Noted("load.on"):

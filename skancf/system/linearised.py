@@ -65,7 +65,7 @@ class Model(ABC):
         """As :meth:`System.others_force`."""
 
     def conditions_force(self, x: np.ndarray, multipliers: np.ndarray | None) -> np.ndarray:
-        """Of the conditions, on the left side of the equations, (n_dofs,); without multipliers there is none."""
+        """Of the conditions, on the left side of the equations, (n_dofs,); zero without multipliers."""
         if multipliers is None or not self.system.conditions:
             return np.zeros(self.system.n_dofs)
         return self.system.conditions.force(self.about(x), multipliers)
@@ -209,7 +209,7 @@ class Linearised(Model):
         return factor * self.system.prescribed()
 
     def internal_force(self, x: np.ndarray, v: np.ndarray | None = None, case: Case = FULL) -> np.ndarray:
-        """With what terms beside the shell have in the undeformed state."""
+        """With what terms besides the shell have in the undeformed state."""
         force, others = self.system.stiffness() @ x, getattr(self.system, "others", None)
         if not others:
             return force
@@ -302,7 +302,7 @@ def geometric_stiffness(system: System, change: np.ndarray, load_factor: float =
 
 
 def _change_of_others(system: Any, change: np.ndarray) -> BlockMatrix | None:
-    """Derivative of the tangent of terms beside the shell along a change of the size of the body, by differences."""
+    """Derivative of the tangent of terms besides the shell along a change of the size of the body, by differences."""
     start, others = system.undeformed, getattr(system, "others", None)
     if not others:
         return None

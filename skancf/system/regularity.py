@@ -51,7 +51,7 @@ def _checked(name: str, owner: Any, said: Any, argument: Any) -> Sequence[Singul
         found = said(argument)
     if not isinstance(found, list | tuple) or not all(isinstance(each, Singularity) for each in found):
         raise InputError(f"{name}.singularities of {shown(owner)} = {shown(found)}: give a list of objects of "
-                         "skancf.supports.Singularity, an empty one if there are none")  # fmt: skip
+                         "skancf.supports.Singularity, an empty one without any")  # fmt: skip
     return found
 
 

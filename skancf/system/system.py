@@ -13,7 +13,9 @@ from skancf.history import FULL, Case
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints
+from skancf.showing import in_brackets, system_in_words
 from skancf.system.inertia import Inertia
+from skancf.system.rebuild import Rebuilt
 from skancf.system.unstressed import ByStrains, unstressed
 from skancf.terms.blocks import Blocks, SkewBlocks, coupled
 from skancf.terms.protocols import Assembly, Prescription
@@ -22,7 +24,7 @@ from skancf.terms.sums import Loads, Terms
 from skancf.terms.term import Term
 
 
-class System:
+class System(Rebuilt):
     """Residual, tangent and mass of a problem on a mesh.
 
     Unknowns are one vector q of 12 per block, see :class:`~skancf.layout.layout.Layout`: at a node r, r_x, r_y and r_z
@@ -52,9 +54,21 @@ class System:
         Those of the structure, but for the shell: springs, foundations, the user's own.
     choice
         With ``theory="auto"``: which theory was taken, the modelling error of the thin one, and why.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(system.n_dofs, system.mesh.nelements)
+    588 36
     """
 
-    choice: Any = None
+    __repr__, __str__ = in_brackets, system_in_words
 
     def __init__(
         self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,
@@ -110,7 +124,7 @@ class System:
         return blocks.matrix()
 
     def skew(self, q: np.ndarray, case: Case = FULL, v: np.ndarray | None = None) -> sp.csr_matrix | None:
-        """Skew part of the derivative of the residual, which follower loads have at free edges; None if there is none."""
+        """Skew part of the derivative of the residual, which follower loads have at free edges; None without one."""
         blocks = SkewBlocks(self.pattern)
         self.terms.add_tangents(q, v, case, blocks, first=1)
         return blocks.skew_matrix()

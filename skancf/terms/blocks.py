@@ -39,6 +39,23 @@ class Blocks:
     ----------
     values : (n_blocks, 12, 12) array
         Of the upper triangle, in the order of the pattern; made when first asked for.
+
+    Examples
+    --------
+    >>> from skancf.terms.blocks import Blocks, coupled
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> cells = np.array([[0, 1]])  # the first two nodes
+    >>> pattern, known = coupled([cells], system.layout)
+    >>> blocks = Blocks(pattern, known)
+    >>> blocks.add(cells, np.eye(24)[None])
+    >>> print(blocks.matrix() @ np.ones(system.n_dofs) @ np.ones(system.n_dofs))
+    24.0
     """
 
     skew = False
@@ -124,7 +141,7 @@ class OnElements:
         Raises
         ------
         InputError
-            For matrices of another shape, and for elements that are none of the mesh.
+            For matrices of another shape, and for elements that the mesh does not have.
         """
         elements, matrices = _of_elements(elements, matrices, len(self.cells))
         if self.skew:

@@ -38,13 +38,13 @@ def part_of(addition: Addition, geometry: Geometry) -> Part | None:
 
 
 def term_of(addition: Addition, shell: Any, layout: Layout) -> Term:
-    """The term of an addition on a layout, asked once in the undeformed state where it is none of this library's.
+    """The term of an addition on a layout, asked once in the undeformed state where it does not come from this library.
 
     Raises
     ------
     InputError
         For what is no term, cells that are no blocks of the layout, a force or an energy of another shape or not finite
-        there, and functions of time that are none. What the term itself raises passes through with a note.
+        there, and invalid functions of time. What the term itself raises passes through with a note.
     """
     with Noted("terms.on"):
         term: Term = addition.on(shell, layout)
@@ -77,7 +77,7 @@ def check_cells(cells: Any, layout: Layout) -> None:
         raise InputError(f"couples(): {shown(cells)}; give an array (m, n) of whole numbers, a row for each cell")
     outside = cells[(cells < 0) | (cells >= layout.n_blocks)]
     if outside.size:
-        raise InputError(f"couples(): block {outside[0]} is none; the layout has blocks 0 to {layout.n_blocks - 1}, "
+        raise InputError(f"couples(): block {outside[0]} does not exist; the layout has blocks 0 to {layout.n_blocks - 1}, "
                          f"in parts {', '.join(repr(part.name) for part in layout.parts)}")  # fmt: skip
 
 

@@ -122,7 +122,20 @@ class Assembly(Protocol):
 
 
 class Prescription(Protocol):
-    """Prescribed coordinates in time."""
+    """Prescribed coordinates in time.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(system.prescription.values(sk.Case()).shape)
+    (588,)
+    """
 
     def histories(self) -> list[Any]:
         """Its functions of time, among them None for one that is constant."""

@@ -104,7 +104,7 @@ class Shell(Term):
         return self.assembly.small_stresses(self.nodal(q))
 
     def exact_work(self, q0: np.ndarray, q1: np.ndarray, start: Case = FULL, end: Case = FULL) -> np.ndarray | None:
-        """Stresses beside the mean of those of two states, that make it do the work of the energy; None where it does."""
+        """Stresses on top of the mean of those of two states, that make it do the work of the energy; None where it does."""
         return self.assembly.exact_work(self.nodal(q0), self.nodal(q1))
 
     def force_of(self, q: np.ndarray, stresses: np.ndarray) -> np.ndarray:

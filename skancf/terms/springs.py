@@ -51,7 +51,7 @@ class Dashpots(Term):
         return self.shell.cells
 
     def force(self, q: np.ndarray, v: np.ndarray | None, case: Case) -> np.ndarray:
-        """None beside the constant matrix of :meth:`add_viscous`."""
+        """None besides the constant matrix of :meth:`add_viscous`."""
         return np.zeros_like(q)
 
     def add_viscous(self, blocks: Any) -> None:

@@ -1,4 +1,4 @@
-"""Terms of one kind together: those of the structure beside the shell, and the loads."""
+"""Terms of one kind together: those of the structure besides the shell, and the loads."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any

@@ -26,6 +26,19 @@ class Term:
         of loads. Other terms belong to the structure.
     timed : bool
         Whether its energy depends on the time, too: what time does to it is booked as work.
+
+    Examples
+    --------
+    >>> class Push(sk.terms.Term):
+    ...     load = True
+    ...     def __init__(self, nodal):
+    ...         self.nodal = nodal
+    ...     def force(self, q, v, case):
+    ...         return -case.amplitude(None) * self.nodal
+    ...     def energy(self, q, case):
+    ...         return -case.amplitude(None) * float(self.nodal @ q)
+    >>> Push(np.ones(12)).energy(np.ones(12), sk.Case(0.5))
+    -6.0
     """
 
     load: bool = False
@@ -107,6 +120,27 @@ class Addition:
     """What a user adds to a problem: terms, and blocks that they need; knows no mesh.
 
     A kind of addition overrides :meth:`on`, and :meth:`part` where its terms have unknowns of their own.
+
+    Examples
+    --------
+    >>> class Push(sk.terms.Term):
+    ...     load = True
+    ...     def __init__(self, nodal):
+    ...         self.nodal = nodal
+    ...     def force(self, q, v, case):
+    ...         return -case.amplitude(None) * self.nodal
+    ...     def energy(self, q, case):
+    ...         return -case.amplitude(None) * float(self.nodal @ q)
+    >>> class PushLast(sk.terms.Addition):
+    ...     def on(self, shell, layout):
+    ...         nodal = np.zeros(layout.n_dofs)
+    ...         nodal[12 * (layout.n_blocks - 1) + 2] = 10.0  # z of the last node
+    ...         return Push(nodal)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], terms=[PushLast()])
+    >>> solution = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff"))
+    >>> print(f"{solution.reactions()[2]:.4f} N")
+    -10.0000 N
     """
 
     def part(self, geometry: Any) -> Any:

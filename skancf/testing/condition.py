@@ -41,6 +41,14 @@ def check_condition(
         Where the gradient is not the derivative of the value, the curvature not that of the gradient, the discrete gradient
         does not give the change of the value exactly, or shapes and blocks are not those of the layout. The error is an
         AssertionError, too. A problem whose condition has a wrong gradient in the undeformed state is refused anyway.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel)
+    >>> report = sk.testing.check_condition(sk.RigidLink((0.0, 0.0), (1.0, 1.0)), plate)
+    >>> print(max(report.errors.values()) < 1e-6)
+    True
     """
     tolerance, rng = positive("tolerance", tolerance), np.random.default_rng(whole("seed", seed, least=0))
     if isinstance(system, Problem):

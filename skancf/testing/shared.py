@@ -13,6 +13,7 @@ from skancf.kernels.constants import BLOCK
 from skancf.linear import BlockPattern
 from skancf.meshes import uniform
 from skancf.problem import Problem
+from skancf.showing import short
 from skancf.vectors import rotation
 
 TURN = (0.7, -1.6, 1.1)
@@ -30,10 +31,20 @@ class Report:
         Largest relative difference of each thing that was checked.
     unchanged : bool or None
         Whether a motion of everything as a rigid body leaves the energy as it is; None without an energy.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel)
+    >>> report = sk.testing.check_condition(sk.RigidLink((0.0, 0.0), (1.0, 1.0)), plate)
+    >>> print(len(report.errors) > 0)
+    True
     """
 
     errors: dict[str, float] = field(default_factory=dict)
     unchanged: bool | None = None
+
+    __repr__ = short
 
     def add(self, what: str, error: float) -> None:
         self.errors[what] = max(error, self.errors.get(what, 0.0))

@@ -66,6 +66,14 @@ def check_term(
         does other work than the energy, mass is not symmetric and positive, a load does not count with the load factor,
         what is remembered does not come back, or shapes and blocks are not those of the layout. The error is an
         AssertionError, too.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel)
+    >>> report = sk.testing.check_term(sk.FormTerm(energy=lambda w: 0.5 * 1e6 * w.u[2] ** 2), plate)
+    >>> print(len(report.errors) > 0)
+    True
     """
     system, tolerance = _system(term, system, mesh, theory), positive("tolerance", tolerance)
     bound = term if hasattr(term, "force") else term.on(system.shell, system.layout)
@@ -282,7 +290,7 @@ MOST_EIGENVALUES = 1500
 
 
 def _part(skew: Any, matrix: BlockMatrix) -> float:
-    """How large the skew part is beside the other."""
+    """How large the skew part is against the other."""
     if skew is None:
         return 0.0
     largest = float(abs(skew).max())

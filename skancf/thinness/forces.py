@@ -47,6 +47,19 @@ def shear_forces(
         Of the loads: a temperature change and eccentric weight have moments of their own.
     elements : (m,) int array, optional
         Those of the moments; default all.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> Q = sk.solve_linear(system).shear_forces()
+    >>> print(Q.shape)
+    (36, 2, 1)
     """
     Q = balancing(system.geometry, moments, points, elements)
     more = coupled(system, q, points, case, elements)

@@ -25,6 +25,7 @@ import numpy as np
 
 from skancf.history import FULL, Case
 from skancf.materials import Section
+from skancf.showing import short
 from skancf.system.linearised import Model
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
@@ -51,9 +52,25 @@ class Fields:
     twisting: np.ndarray
     sliding: np.ndarray
 
+    __repr__ = short
+
 
 class ShearForm:
-    """The form F on a system of theory `kirchhoff`."""
+    """The form F on a system of theory `kirchhoff`.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> form, fields = sk.solve_linear(system).shear_fields()
+    >>> print(f"{form.shares(fields, fields).sum() > 0}")
+    True
+    """
 
     def __init__(self, system: System, case: Case = FULL):
         self.system, self.geometry, self.case = system, system.geometry, case

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.history import FULL, Case
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.singularities import Singularity, beside_each_other, nodes_at
+from skancf.showing import short
 from skancf.surfaces import normal
 from skancf.system.regularity import facets_of, singularities
 from skancf.system.system import System
@@ -36,6 +37,20 @@ class Rim:
         symmetry, or a guided edge.
     found : list of Singularity
         What supports, loads and other terms say.
+
+    Examples
+    --------
+    >>> from skancf.thinness.rim import rim_of
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> rim = rim_of(system)
+    >>> print(rim.facets.shape[-1])
+    24
     """
 
     system: System
@@ -43,6 +58,8 @@ class Rim:
     held: np.ndarray
     kinds: np.ndarray
     found: list[Singularity]
+
+    __repr__ = short
 
     @property
     def tilting(self) -> np.ndarray:

@@ -1,8 +1,6 @@
 """What a section does not allow, whatever the loads are."""
 
-import warnings
-
-from skancf.errors import OutOfDepth
+from skancf.errors import warn
 from skancf.system.system import System
 
 
@@ -15,11 +13,9 @@ def warn_if_mass_is_off(system: System) -> None:
         off = section.first_moment / section.mass if section.mass else 0.0
         if abs(off) <= section.thickness / 100:
             continue
-        warnings.warn(
+        warn(
             f"theory 'kirchhoff' has its mass in the reference surface, and the centre of mass is {off:.3g} m off, with a "
             f"thickness of {section.thickness:.3g} m: take the surface through it (offset of a laminate), or theory 'full' "
-            "on a fine mesh",
-            OutOfDepth,
-            stacklevel=3,
+            "on a fine mesh"
         )
         return

@@ -55,8 +55,8 @@ def first_share(system: System) -> float:
             held = solver_at(system, solver, system.undeformed)
             factor_shifted(held, stiffness, system.mass)
         except SingularMatrix as none:
-            raise InputError(f"theory = 'auto' judges by the first vibration, and there is none ({none}); name the theory, "
-                             "'kirchhoff' or 'full'") from none  # fmt: skip
+            raise InputError(f"theory = 'auto' judges by the first vibration, which does not exist ({none}); name the "
+                             "theory, 'kirchhoff' or 'full'") from none  # fmt: skip
         values, shapes = soft_motions(system, held, stiffness, rigid + SPARE, ITERATIONS)
     first = np.argsort(values)[min(rigid, len(values) - 1)]
     value, shape, start = float(values[first]), shapes[first], system.undeformed
@@ -65,4 +65,4 @@ def first_share(system: System) -> float:
 
 
 SPARE, ITERATIONS = 3, 10
-"""Motions beside the rigid ones, and inverse iterations, for the first of them."""
+"""Motions besides the rigid ones, and inverse iterations, for the first of them."""

@@ -6,6 +6,7 @@ from typing import Any
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from fuzz.properties import Property
+from skancf.showing import in_full
 
 PROFILE: dict[str, Any] = {
     "database": None, "deadline": None, "print_blob": False, "report_multiple_bugs": False,
@@ -22,7 +23,7 @@ class Failure(AssertionError):
 
     @property
     def script(self) -> str:
-        return SCRIPT.format(name=self.name, error=str(self.error).splitlines()[0], example=repr(self.example))
+        return SCRIPT.format(name=self.name, error=str(self.error).splitlines()[0], example=in_full(self.example))
 
 
 SCRIPT = """# {error}

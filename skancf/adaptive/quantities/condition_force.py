@@ -6,10 +6,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from skancf.arguments import STATE, instance, plain, text
+from skancf.equality import by_value
 from skancf.errors import InputError, unit_vector
+from skancf.showing import short
 from skancf.solution import Solution
 
 
+@by_value
 @dataclass(frozen=True)
 class ConditionForce:
     r"""The force of a condition (N), by its multipliers: :math:`w \cdot \lambda`.
@@ -33,13 +36,24 @@ class ConditionForce:
 
     Examples
     --------
-    >>> result = sk.adapt(problem, sk.ConditionForce("rod"), rtol=1e-3)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> strip = sk.Problem(
+    ...     sk.Rectangle(1.0, 0.1), 0.002, steel,
+    ...     supports=[sk.Pin([(0.0, 0.0), (0.0, 0.1)]), sk.Roller([(1.0, 0.0), (1.0, 0.1)])],
+    ...     loads=[sk.EdgeLoad("right", (1000.0, 0.0, 0.0))],
+    ...     conditions=[sk.RigidLink((0.0, 0.05), (1.0, 0.05), name="strut")],
+    ... )
+    >>> solution = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 4, 2), "kirchhoff"))
+    >>> print(f"{sk.ConditionForce('strut').value(solution):.1f} N")
+    76.8 N
     """
 
     name: str
     direction: tuple[float, float, float] | None = None
 
     unit: ClassVar[str] = "N"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -18,6 +18,18 @@ class StrainEnergy:
 
     Its gradient is the internal force without what holds back the free strain :math:`\lambda \varepsilon_T` of a temperature
     change; for a small-deflection answer, whose energy is of second order, the stiffness times the change.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(f"{sk.StrainEnergy().value(sk.solve_linear(system)):.4f} J")
+    0.0101 J
     """
 
     unit: ClassVar[str] = "J"

@@ -18,6 +18,23 @@ class Quantity(Protocol):
 
     For a small-deflection answer both are of first order about the undeformed state, as its fields are: the gradient is
     the one there, and the value the one there plus its product with the change. (The strain energy is of second order.)
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> class Stretch:
+    ...     unit = "m"
+    ...     def __init__(self):
+    ...         self.end = sk.Displacement(at=(1.0, 0.05), direction=(1.0, 0.0, 0.0))
+    ...     def value(self, state):
+    ...         return self.end.value(state)
+    ...     def gradient(self, state):
+    ...         return self.end.gradient(state)
+    >>> print(sk.adapt(strip, Stretch(), rtol=1e-2, theory="kirchhoff").unit)
+    m
     """
 
     @property

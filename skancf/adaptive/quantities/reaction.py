@@ -7,11 +7,14 @@ import numpy as np
 
 from skancf.arguments import STATE, instance, plain
 from skancf.conditions.solver import curved
+from skancf.equality import by_value
 from skancf.errors import unit_vector
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 
 
+@by_value
 @dataclass(frozen=True)
 class Reaction:
     r"""Force of the supports at a place on the body, along a unit direction of space (N), springs included.
@@ -36,12 +39,26 @@ class Reaction:
     InputError
         For a direction of length zero; with a state, for a place that its mesh does not have, and for a state that moves:
         see :meth:`Solution.reactions <skancf.Solution.reactions>`.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> print(f"{sk.Reaction('left').value(sk.solve_linear(system)):.1f} N")
+    247.5 N
     """
 
     where: Any = None
     direction: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     unit: ClassVar[str] = "N"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

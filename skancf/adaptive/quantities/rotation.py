@@ -7,9 +7,11 @@ import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import plain
+from skancf.equality import by_value
 from skancf.errors import InputError, unit_vector, vector
 from skancf.kernels.constants import AXES, FUNCTIONS, LOCAL
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.tolerances import ONE_DIRECTION
 
@@ -23,6 +25,7 @@ class Place(NamedTuple):
     t: np.ndarray
 
 
+@by_value
 @dataclass(frozen=True)
 class Rotation(Smooth):
     r"""Signed angle by which the normal (director) n tilts towards a direction of space (rad):
@@ -44,12 +47,24 @@ class Rotation(Smooth):
     InputError
         For a direction of length zero; with a state, for one that is parallel to the undeformed normal, and for a point
         outside the surface.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    >>> pull = sk.EdgeLoad("right", (0.0, 0.0, 100.0))
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.1), 0.01, steel, supports=[sk.Clamp("left")], loads=[pull])
+    >>> system = strip.on(sk.meshes.uniform(strip.surface, 4, 1), "kirchhoff")
+    >>> turn = sk.Rotation(at=(1.0, 0.05), towards=(-1.0, 0.0, 0.0))
+    >>> print(f"{1000 * turn.value(sk.solve_linear(system)):.3f} mrad")  # F L^2 / 2 E I
+    2.857 mrad
     """
 
     at: tuple[float, float]
     towards: tuple[float, float, float]
 
     unit: ClassVar[str] = "rad"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -9,9 +9,11 @@ import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
 from skancf.arguments import STATE, choice, instance, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, vector
 from skancf.layout.geometry import Geometry
 from skancf.recovered import gradient, section_forces
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 
@@ -20,6 +22,7 @@ COMPONENTS = ("N11", "N22", "N12", "M11", "M22", "M12")
 Range = tuple[float, float]
 
 
+@by_value
 @dataclass(frozen=True)
 class SectionForce(Smooth):
     r"""A membrane force (N/m) or moment (N) per length in the local frame, at a point or its mean over a region,
@@ -45,18 +48,28 @@ class SectionForce(Smooth):
     Raises
     ------
     InputError
-        For an unknown component, for both a point and a rectangle, for a rectangle that is none; with a state, for a point
+        For an unknown component, for both a point and a rectangle, for an invalid rectangle; with a state, for a point
         outside the surface and for a rectangle that holds no integration point.
 
     Examples
     --------
-    >>> sk.SectionForce("M11", at=(0.5, 0.5))
-    >>> sk.SectionForce("M11", within=((0.4, 0.6), (0.4, 0.6)))
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> moment = sk.SectionForce("M11", at=(0.5, 0.5))
+    >>> print(f"{moment.value(sk.solve_linear(system)):.2f} N")  # 0.0229 p a^2
+    -23.74 N
     """
 
     component: str
     at: tuple[float, float] | None = None
     within: tuple[Range, Range] | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -6,11 +6,13 @@ from math import inf, log1p
 import numpy as np
 
 from skancf.compiled import compiled
+from skancf.equality import by_value
 from skancf.errors import positive
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.hyperelastic.solid_kernels import store_solid
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -46,6 +48,7 @@ def in_solids(C, par, out):
         store_solid(derivatives, C, k, par, out, inverse, G)
 
 
+@by_value
 @dataclass(frozen=True)
 class Gent(OfInvariants):
     r"""Rubber of chains that end somewhere.
@@ -67,6 +70,13 @@ class Gent(OfInvariants):
     ------
     InputError
         For a shear modulus or a limit that is not positive, and as for :class:`~skancf.NeoHooke`.
+
+    Examples
+    --------
+    >>> tissue = sk.materials.Gent(shear=0.4e6, most=30.0, density=1000.0)
+    >>> stress = tissue.plane_stress(np.array([[4.0], [0.5], [0.0]])).stress  # stretched to twice its length
+    >>> print((4 * stress[0]).round(1), "Pa")
+    [1500000.] Pa
     """
 
     shear: float
@@ -78,6 +88,8 @@ class Gent(OfInvariants):
     compiled = at_point
     _at_points = staticmethod(at_points)
     _in_solids = staticmethod(in_solids)
+
+    __repr__ = short
 
     @property
     def limit(self) -> str:  # type: ignore[override]

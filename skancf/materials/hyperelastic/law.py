@@ -46,7 +46,7 @@ class Rubber:
         return np.array(self.parameters, dtype=float)
 
     def respond(self, C: np.ndarray, guess: np.ndarray | None = None, history: np.ndarray | None = None) -> PointResponse:
-        """Plane stress, without an error where there is none.
+        """Plane stress, without an error where it has no solution.
 
         Parameters
         ----------

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.compiled import compiled
+from skancf.equality import by_value
 from skancf.errors import InputError, number
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.hyperelastic.solid_kernels import store_solid
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -41,6 +43,7 @@ def in_solids(C, par, out):
         store_solid(derivatives, C, k, par, out, inverse, G)
 
 
+@by_value
 @dataclass(frozen=True)
 class MooneyRivlin(OfInvariants):
     r"""Rubber, :math:`\psi = c_{10} (J^{-2/3} I_1 - 3) + c_{01} (J^{-4/3} I_2 - 3) + \tfrac K4 (J^2 - 1 - 2 \ln J)`.
@@ -58,6 +61,14 @@ class MooneyRivlin(OfInvariants):
     ------
     InputError
         For a shear modulus that is not positive, and as for :class:`~skancf.NeoHooke`.
+
+    Examples
+    --------
+    >>> rubber = sk.MooneyRivlin(c10=0.15e6, c01=0.05e6, density=1000.0)
+    >>> stretch = 2.0  # along 1, free across: Cauchy's stress is 2 (stretch^2 - 1 / stretch) (c10 + c01 / stretch)
+    >>> stress = rubber.plane_stress(np.array([[stretch**2], [1 / stretch], [0.0]])).stress
+    >>> print((stress[0] * stretch**2).round(1), "Pa")
+    [1225000.] Pa
     """
 
     c10: float
@@ -69,6 +80,8 @@ class MooneyRivlin(OfInvariants):
     compiled = at_point
     _at_points = staticmethod(at_points)
     _in_solids = staticmethod(in_solids)
+
+    __repr__ = short
 
     def _check(self) -> None:
         number("c10", self.c10)

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.compiled import compiled
+from skancf.equality import by_value
 from skancf.errors import positive
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.hyperelastic.solid_kernels import store_solid
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -42,6 +44,7 @@ def in_solids(C, par, out):
         store_solid(derivatives, C, k, par, out, inverse, G)
 
 
+@by_value
 @dataclass(frozen=True)
 class NeoHooke(OfInvariants):
     r"""Rubber at moderate stretches, :math:`\psi = \tfrac \mu 2 (J^{-2/3} I_1 - 3) + \tfrac K4 (J^2 - 1 - 2 \ln J)`.
@@ -67,8 +70,10 @@ class NeoHooke(OfInvariants):
     Examples
     --------
     >>> rubber = sk.NeoHooke(shear=0.4e6, density=1000.0)
-    >>> stretch = 2.0
-    >>> rubber.plane_stress([[stretch**2], [1 / stretch], [0.0]]).stress * stretch**2  # Cauchy's; mu (4 - 1/2) along 1
+    >>> stretch = 2.0  # along 1, free across: Cauchy's stress is mu (stretch^2 - 1 / stretch)
+    >>> stress = rubber.plane_stress(np.array([[stretch**2], [1 / stretch], [0.0]])).stress
+    >>> print((stress[0] * stretch**2).round(1), "Pa")
+    [1400000.] Pa
     """
 
     shear: float
@@ -79,6 +84,8 @@ class NeoHooke(OfInvariants):
     compiled = at_point
     _at_points = staticmethod(at_points)
     _in_solids = staticmethod(in_solids)
+
+    __repr__ = short
 
     def _check(self) -> None:
         positive("shear", self.shear, "Pa")

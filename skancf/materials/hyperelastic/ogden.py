@@ -17,11 +17,13 @@ from typing import Any
 import numpy as np
 
 from skancf.compiled import compiled
+from skancf.equality import by_value
 from skancf.errors import InputError, finite
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.point_law import BEYOND, FINE, FOLDED
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -160,6 +162,7 @@ def at_points(C, guess, par, out):
         kernels.store(out, k, at_point(C[0, k], C[1, k], C[2, k], guess[k], par))
 
 
+@by_value
 @dataclass(frozen=True)
 class Ogden(OfInvariants):
     r"""Rubber at large stretches, :math:`\psi = \sum_p \tfrac{\mu_p}{\alpha_p} (\bar\lambda_1^{\alpha_p} +
@@ -190,6 +193,9 @@ class Ogden(OfInvariants):
     Examples
     --------
     >>> rubber = sk.Ogden([(6.3e5, 1.3), (0.012e5, 5.0), (-0.1e5, -2.0)], density=1000.0)
+    >>> stress = rubber.plane_stress(np.array([[4.0], [0.5], [0.0]])).stress  # stretched to twice its length
+    >>> print((4 * stress[0]).round(1), "Pa")
+    [1205443.2] Pa
     """
 
     terms: Sequence[Any]
@@ -199,6 +205,8 @@ class Ogden(OfInvariants):
     expansion: float = 0.0
     compiled = at_point
     _at_points = staticmethod(at_points)
+
+    __repr__ = short
 
     def _check(self) -> None:
         pairs = finite("terms", self.terms)

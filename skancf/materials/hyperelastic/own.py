@@ -11,13 +11,16 @@ import numba
 import numpy as np
 
 from skancf.arguments import flag, function, plain
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.materials.hyperelastic.law import Rubber
 from skancf.materials.hyperelastic.own_check import EXAMPLE, check_energy
 from skancf.materials.hyperelastic.own_kernels import Kernels, kernels_of
 from skancf.materials.law import corrected
+from skancf.showing import short
 
 
+@by_value
 @dataclass(frozen=True)
 class Hyperelastic(Rubber):
     r"""A law with an energy of your own, of the invariants of C or of its components.
@@ -68,6 +71,8 @@ class Hyperelastic(Rubber):
     transverse_shear: float | None = None
     limit = "the energy that was given is not finite there"
     made_compressible = "energy a term of the volume J and incompressible = False"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

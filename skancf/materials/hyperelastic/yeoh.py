@@ -5,11 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skancf.compiled import compiled
+from skancf.equality import by_value
 from skancf.errors import number, positive
 from skancf.materials.hyperelastic import kernels
 from skancf.materials.hyperelastic.kernels import LOOP, POINT
 from skancf.materials.hyperelastic.law import OfInvariants
 from skancf.materials.hyperelastic.solid_kernels import store_solid
+from skancf.showing import short
 
 
 @compiled(**POINT)
@@ -43,6 +45,7 @@ def in_solids(C, par, out):
         store_solid(derivatives, C, k, par, out, inverse, G)
 
 
+@by_value
 @dataclass(frozen=True)
 class Yeoh(OfInvariants):
     r"""Rubber that stiffens, :math:`\psi = \sum_{k=1}^3 c_{k0} (J^{-2/3} I_1 - 3)^k + \tfrac K4 (J^2 - 1 - 2 \ln J)`.
@@ -60,6 +63,13 @@ class Yeoh(OfInvariants):
     ------
     InputError
         For a ``c10`` that is not positive, and as for :class:`~skancf.NeoHooke`.
+
+    Examples
+    --------
+    >>> tyre = sk.materials.Yeoh(c10=0.2e6, c20=-2e3, c30=50.0, density=1100.0)
+    >>> stress = tyre.plane_stress(np.array([[4.0], [0.5], [0.0]])).stress  # stretched to twice its length
+    >>> print((4 * stress[0]).round(1), "Pa")
+    [1348200.] Pa
     """
 
     c10: float
@@ -72,6 +82,8 @@ class Yeoh(OfInvariants):
     compiled = at_point
     _at_points = staticmethod(at_points)
     _in_solids = staticmethod(in_solids)
+
+    __repr__ = short
 
     def _check(self) -> None:
         positive("c10", self.c10, "Pa")

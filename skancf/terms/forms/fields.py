@@ -18,7 +18,7 @@ from skancf.vectors import cross
 THIN = ("r", "r_x", "r_y", "r_xx", "r_xy", "r_yy")
 THICK = ("r", "r_x", "r_y", "d", "d_x", "d_y")
 VELOCITY = "v"
-"""Of the surface, beside the jet."""
+"""Of the surface, besides the jet."""
 Jet = Mapping[str, np.ndarray]
 
 

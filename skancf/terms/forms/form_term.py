@@ -10,11 +10,13 @@ import skfem
 from skfem.assembly.form import Form
 
 from skancf.arguments import flag, whole
+from skancf.equality import by_value
 from skancf.errors import InputError, shown
 from skancf.functions import is_function
 from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
 from skancf.layout.layout import Layout
+from skancf.showing import short
 from skancf.terms.forms import integrand
 from skancf.terms.forms.fields import VELOCITY
 from skancf.terms.forms.integrand import Integrand
@@ -26,6 +28,7 @@ FORMS = {"energy": (skfem.Functional, "(w)"), "residual": (skfem.LinearForm, "(v
          "tangent": (skfem.BilinearForm, "(u, v, w)")}  # fmt: skip
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class FormTerm(Addition):
     r"""An energy, a residual or both, of one's own, over the undeformed surface or along its edges.
@@ -99,16 +102,16 @@ class FormTerm(Addition):
 
     Examples
     --------
-    A foundation of stiffness k (N/m3) that resists the deflection:
-
-    >>> foundation = sk.FormTerm(energy=lambda w: 0.5 * k * w.u[2] ** 2)
-
-    The same by its virtual work, as scikit-fem writes it:
-
-    >>> @skfem.LinearForm
-    ... def reaction(v, w):
-    ...     return k * w.u[2] * v[2]
-    >>> foundation = sk.FormTerm(residual=reaction)
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> bed = sk.FormTerm(energy=lambda w: 0.5 * 1e6 * w.u[2] ** 2)  # a foundation of 1e6 N/m3
+    >>> slab = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel, terms=[bed],
+    ...     supports=[sk.Roller("left", (1, 0, 0)), sk.Roller("bottom", (0, 1, 0))],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> sunk = sk.solve(slab.on(sk.meshes.uniform(slab.surface, 2, 2), "kirchhoff")).unwrap()
+    >>> print(f"{1000 * sunk.displacement((0.5, 0.5))[2]:.4f} mm")
+    -1.0000 mm
     """
 
     energy: Any = None
@@ -118,6 +121,8 @@ class FormTerm(Addition):
     load: bool = False
     history: History | None = None
     points: int = 4
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         for name in FORMS:

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from skancf.equality import by_value
 from skancf.errors import InputError, shown
 from skancf.functions import Noted
 from skancf.history import Case
@@ -36,6 +37,7 @@ Second = tuple[np.ndarray, list[str], list[str]]
 """Second derivatives (rows, 3, columns, 3, m, n), and the names of rows and columns."""
 
 
+@by_value
 @dataclass(frozen=True)
 class Integrand:
     """A form of w, of v and w, or of u, v and w.

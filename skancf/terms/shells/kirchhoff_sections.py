@@ -9,6 +9,7 @@ from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.curved import CurvedSection
 from skancf.memory import require_shapes
+from skancf.showing import short
 from skancf.terms.shells.classes import classes, key_of, rounding_of
 from skancf.theories.kirchhoff.point import DOUBLED, dot, strain
 from skancf.theories.kirchhoff.theory import covariant_to_local, local_frame, rest_factors
@@ -59,6 +60,8 @@ class ThinSections:
     moments: np.ndarray
     areas: np.ndarray
 
+    __repr__ = short
+
 
 def build_thin_sections(geometry: Geometry, section: Section | SectionsOnMesh) -> ThinSections:
     """The classes of a mesh; equal means equal to rounding in undeformed strains, frame, and section.
@@ -69,7 +72,7 @@ def build_thin_sections(geometry: Geometry, section: Section | SectionsOnMesh) -
         Where layers are past a centre of curvature.
     """
     theory, integration = geometry.theory, geometry.integration
-    # Covariant strains grow with the distance from a pole and its square, which the assumed ones beside it cannot.
+    # Covariant strains grow with the distance from a pole and its square, which the assumed ones next to it cannot.
     at_pole = geometry.at_poles
     plain = at_pole if theory.assumed else np.ones_like(at_pole)
     key, rounding = _shape_key(geometry)

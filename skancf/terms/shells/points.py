@@ -15,6 +15,7 @@ from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.point_law import FINE, PointLaw, why
 from skancf.materials.zone_laws import LawsOfZones
+from skancf.showing import short
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.tolerances import NO_CHANGE
@@ -58,6 +59,8 @@ class Answer:
     stress: np.ndarray
     law: np.ndarray
     code: np.ndarray
+
+    __repr__ = short
 
 
 class AtPoints(CompiledAssembly):
@@ -120,7 +123,7 @@ class AtPoints(CompiledAssembly):
     def extrapolated(self, q: np.ndarray, change: np.ndarray) -> Answer:
         r"""What the law says of strains that are extrapolated linearly along a change.
 
-        Newton's method for strains e as unknowns beside q, with :math:`f(q) = B^T S(e)` and :math:`e = \varepsilon(q)`,
+        Newton's method for strains e as unknowns besides q, with :math:`f(q) = B^T S(e)` and :math:`e = \varepsilon(q)`,
         takes the change of q from the tangent with S(e) and D(e), and the force of
         :math:`S(e) + D(e) (\varepsilon(q) - e)`. So the law never sees the membrane strains that a rotation of finite size
         makes of a linear step, and at the end e is the strain.
@@ -235,7 +238,7 @@ class AtPoints(CompiledAssembly):
                 f"({strain}): {why(law, code)}")  # fmt: skip
 
     def warn_of(self, code: np.ndarray) -> None:
-        """Say that numbers that were asked for are none, where a law's codes are not 0."""
+        """Say that numbers that were asked for do not exist, where a law's codes are not 0."""
         if code.any():
             first = int(code[code != FINE][0])
             names = " or ".join(dict.fromkeys(map(name_of, getattr(self.law, "laws", (self.law,)))))

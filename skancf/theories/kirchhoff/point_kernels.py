@@ -17,6 +17,7 @@ from skancf.compiled import INNER, OPTIONS, compiled
 from skancf.kernels.constants import AXES, FUNCTIONS, POINTS
 from skancf.kernels.gather import gather
 from skancf.kernels.panels import add_panel, set_panel
+from skancf.showing import short
 from skancf.theories.kirchhoff.kernels import (
     JETS,
     N_MEMBRANE,
@@ -33,7 +34,7 @@ from skancf.theories.kirchhoff.kernels import strains as strains_of
 
 
 class Places(NamedTuple):
-    """What classes of equal undeformed elements share, beside :class:`~skancf.theories.kirchhoff.kernels.Elements`.
+    """What classes of equal undeformed elements share, besides :class:`~skancf.theories.kirchhoff.kernels.Elements`.
 
     ``turn`` (n_shapes, 3, 3, 16), from covariant membrane strains to local ones, ``side`` (n_shapes,), by which curvatures
     are multiplied more, ``areas`` (n_shapes, 16), ``rest`` (n_shapes, 3, 3, 16), the law of the rest with the weights.
@@ -43,6 +44,9 @@ class Places(NamedTuple):
     side: np.ndarray
     areas: np.ndarray
     rest: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 @compiled(**INNER)

@@ -27,6 +27,7 @@ from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import hermite_functions, of_points
 from skancf.kernels.constants import FUNCTIONS
 from skancf.materials import Section
+from skancf.showing import short
 from skancf.theories.kirchhoff.nodes import HermiteNodes
 from skancf.theories.kirchhoff.point import SECOND, dot, dual, gradient, strain, unit_normal
 from skancf.vectors import cross
@@ -70,6 +71,18 @@ class Kirchhoff(HermiteNodes):
     ----------
     assumed : bool
         Assumed membrane strains, which do not lock on curved surfaces; False takes them as they are.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 4, 4), sk.Kirchhoff())
+    >>> print(f"{1000 * sk.solve_linear(system).displacement((0.5, 0.5))[2]:.4f} mm")  # 0.00126 p a^4 / D
+    -0.0658 mm
     """
 
     assumed: bool = True
@@ -79,6 +92,8 @@ class Kirchhoff(HermiteNodes):
     shear = False
     softest = 1e-3
     bytes_per_element, bytes_per_shape = 9_200, 13_000
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         flag("assumed", self.assumed)

@@ -599,8 +599,8 @@ def add_output(add: Any, s: Scene) -> None:
     from skancf.output.style import Style
 
     add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
-        show_undeformed=False, title="a", subdivisions=2, size=(300, 200),
-        takes="limits:none,subdivisions:none,z:none")  # fmt: skip
+        show_undeformed=False, title="a", subdivisions=2, size=(300, 200), units=sk.Units(),
+        takes="limits:none,subdivisions:none,z:none,units:none")  # fmt: skip
 
 
 SLOW = {"mesh_chart", "field_chart", "histories_chart", "convergence", "effectivity", "mesh_levels", "spectrum_chart"}

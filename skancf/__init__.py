@@ -52,6 +52,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.checks import Check
+from skancf.compiling import announce
 from skancf.conditions import Hinge, RigidLink
 from skancf.dynamics import (
     Checkpoint,
@@ -312,6 +313,8 @@ __all__ = [
 
 # Nothing is printed before a user asks for it, as by logging.basicConfig(level=logging.INFO).
 logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+announce()
 
 RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
 

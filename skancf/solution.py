@@ -14,7 +14,8 @@ from skancf.layout.layout import vectors
 from skancf.lines import AtPlaces
 from skancf.local_fields import LocalFields
 from skancf.materials.heights import Depth, depth_of
-from skancf.showing import in_a_notebook, in_brackets, looked_at, summary
+from skancf.reactions import Reactions
+from skancf.showing import in_a_notebook, in_brackets, looked_at, state_in_words
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
@@ -26,7 +27,7 @@ STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
 
 @by_value
 @dataclass(frozen=True)
-class Solution(LocalFields, AtPlaces):
+class Solution(LocalFields, AtPlaces, Reactions):
     """One state: nodal coordinates with their system.
 
     Attributes
@@ -72,11 +73,7 @@ class Solution(LocalFields, AtPlaces):
     note: str = field(default="", kw_only=True)
     multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
-    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
-
-    @summary
-    def __str__(self) -> str:
-        return f"Solution: {self.said}"
+    __repr__, __str__, _repr_html_, view = in_brackets, state_in_words, in_a_notebook, looked_at
 
     def __post_init__(self) -> None:
         plain(self)
@@ -103,20 +100,6 @@ class Solution(LocalFields, AtPlaces):
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.
             object.__setattr__(self, "small", small if np.array_equal(self.system.undeformed + small, self.q) else None)
-
-    @property
-    def said(self) -> str:
-        """What a person wants to know of it, in one line."""
-        parts = [str(self.system)]
-        if self.time is not None:
-            parts.append(f"t = {self.time:.4g} s")
-        if self.load_factor != 1:
-            parts.append(f"load factor {self.load_factor:.5g}")
-        parts += ["small deflections"] * self.linear + [self.note] * bool(self.note)
-        moved = np.linalg.norm(self.displacements, axis=0)
-        k = int(np.argmax(moved))
-        place = ", ".join(f"{x:.4g}" for x in self.system.mesh.p[:, k])
-        return ", ".join([*parts, f"largest displacement {moved[k]:.4g} at ({place})"])
 
     @property
     def case(self) -> Case:
@@ -259,22 +242,6 @@ class Solution(LocalFields, AtPlaces):
                 "conditions: this state has no multipliers; those of solve, solve_linear, trace and simulate have them"
             )
         return {} if self.multipliers is None else conditions.named(self.multipliers)
-
-    def reactions(self, where: Any = None) -> np.ndarray:
-        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere, those of springs included.
-
-        Raises
-        ------
-        InputError
-            For a state that moves: its supports also carry inertia.
-        """
-        if self.velocity is not None and np.any(self.velocity):
-            raise InputError("reactions: this state moves, and its supports also carry inertia; reactions are for statics")
-        system = self.system
-        support = self.model.support_force(self.unknowns, self.case, self.multipliers)
-        if where is None:
-            return np.asarray(system.layout.positions(support).sum(axis=0))
-        return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
 
     def _depths(self, at: Any, z: Depth) -> Any:
         """Depths at points (2,) or (n, 2) of the parameter plane, one for all or (n, 1)."""

@@ -68,7 +68,7 @@ def test_stress_in_space_turns_with_the_body(theory):
     assert np.abs(middle - 0.5 * s * np.array([[1, 0, up], [0, 0, 0], [up, 0, 1]])).max() < 0.02 * size
     assert np.abs(root - np.diag([s, 0, 0])).max() < 0.03 * size
     undeformed = values.stress("top", frame="global", measure="second piola").tensors
-    assert np.abs(undeformed - undeformed[0]).max() < 0.03 * size and abs(undeformed[0, 0, 0] - s) < 0.1 * size
+    assert np.abs(undeformed - undeformed[0]).max() < 0.06 * size and abs(undeformed[0, 0, 0] - s) < 0.1 * size
 
 
 @pytest.mark.parametrize("theory", THEORIES)

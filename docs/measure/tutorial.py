@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 DOCS = Path(__file__).resolve().parent.parent
 PAGES = {page.stem: page for page in [DOCS / "getting_started.rst", *sorted((DOCS / "tutorials").glob("*.rst"))]}
+FRONT = DOCS / "index.rst"
 HOWTO = {page.stem: page for page in sorted((DOCS / "howto").glob("*.rst")) if page.stem != "index"}
 PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/((?:howto/)?\w+\.(?:png|gif))")
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
@@ -101,7 +102,7 @@ def renew(page: Path) -> bool:
 
 
 def main() -> None:
-    pages = {**PAGES, **HOWTO}
+    pages = {"index": FRONT, **PAGES, **HOWTO}
     results = [renew(pages[name]) for name in sys.argv[1:] or pages]
     sys.exit(not all(results))
 

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.tolerances import OPEN_FIT
 
 STENCIL = np.array([[0.5, 0.0, 1.0, 0.5, 0.5], [0.5, 0.5, 0.5, 0.0, 1.0]])
@@ -32,6 +33,9 @@ class Cuts(NamedTuple):
 
     facets: np.ndarray
     nodes: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,8 @@ class Patches:
     weights: np.ndarray
     scale: np.ndarray
     means: sp.csr_matrix
+
+    __repr__ = short
 
     @classmethod
     def about(cls, geometry: Geometry, cuts: Cuts, elements: np.ndarray | None = None) -> "Patches":

@@ -88,6 +88,19 @@ def write(
     of the library has the shear in the order 23, 13, 12. Cell data ``element`` is the number of the element.
 
     The time of a state without one is its load factor if these increase, else its number.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> file = sk.output.write(sk.solve_linear(system), "plate.vtu")
+    >>> print(file.name)
+    plate.vtu
     """
     choice("cells", cells, ("flat", "curved"))
     check_progress(progress)
@@ -166,6 +179,19 @@ def read(path: AnyPath) -> Any:
     ------
     InputError
         For a file that is not there, or is no such file.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> mesh = sk.output.read(sk.output.write(sk.solve_linear(system), "plate.vtu"))
+    >>> print(mesh.point_data["displacement"].shape[1])
+    3
     """
     file = as_path("file", path)
     if not file.is_file():

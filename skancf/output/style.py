@@ -47,6 +47,11 @@ class Style:
         Cells along an element's edge. Default: by the number of elements.
     size : (2,) tuple of int
         Pixels.
+
+    Examples
+    --------
+    >>> sk.output.Style(field="S11", z="top", scale=10.0).field
+    'S11'
     """
 
     field: str = "displacement"

@@ -16,7 +16,7 @@ from skancf.errors import DidNotConverge, InputError, number
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.progress import Bar, ShowProgress, check_progress
-from skancf.showing import counted, in_a_notebook, in_brackets, looked_at, passed, some, summary
+from skancf.showing import counted, in_a_notebook, in_brackets, looked_at, passed, short, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.conditioned import conditions_in
@@ -149,7 +149,8 @@ class Modes(Tabular):
         --------
         >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3, 1e3), [sk.Clamp("left")])
         >>> modes = sk.modes(strip.on(sk.meshes.uniform(strip.surface, 4, 1)), 1)
-        >>> [abs(round(float(state.displacement((1.0, 0.0))[2]), 3)) for state in modes.swing(0, size=0.1, frames=4)]
+        >>> swing = modes.swing(0, size=0.1, frames=4)
+        >>> [round(float(abs(state.displacement((1.0, 0.0))[2])), 3) for state in swing]
         [0.0, 0.1, 0.0, 0.1]
         """
         return swung_along(self.state, nth(self.shapes, i), size, frames)
@@ -246,6 +247,9 @@ class Pairs(NamedTuple):
     shapes: np.ndarray
     errors: np.ndarray
     allowed: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
     def of(self, order: Any) -> "Pairs":
         return Pairs(*(part[order] for part in self))

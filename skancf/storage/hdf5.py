@@ -15,10 +15,11 @@ from skfem.generic_utils import OrientedBoundary
 
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.quadtree_file import tree_arrays, tree_of
+from skancf.rows import Rows
 from skancf.solving import Status
 from skancf.storage.describe import Keep, build, describe, refuse
 from skancf.storage.registry import ANSWERS, KINDS, class_named, fields_of, kind_of
-from skancf.storage.rows import Rows
+from skancf.storage.rows import FileRows
 from skancf.system.build import rebuilt
 from skancf.system.system import System
 
@@ -198,7 +199,7 @@ class Getter:
         if kind == "row":
             return tuple(dataset[()].tolist())
         if self.lazily(dataset):
-            return Rows.of(dataset)
+            return FileRows.of(dataset)
         array = dataset[()]
         return np.char.decode(array, "utf-8") if array.dtype.kind == "S" else array
 

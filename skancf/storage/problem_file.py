@@ -19,7 +19,7 @@ from skancf.errors import InputError, shown
 from skancf.problem import Problem
 from skancf.statics import buckling, modes, solve, solve_linear, trace
 from skancf.storage.describe import arguments, build, known, made, told
-from skancf.storage.save import load
+from skancf.storage.files import load
 from skancf.system.system import System
 
 ANALYSES: dict[str, Callable[..., Any]] = {

@@ -1,4 +1,4 @@
-"""Systems as values: shown, compared, and built again from what they were built of for copies, other processes and files."""
+"""Systems as values: compared, and built again from what they were built of for copies, other processes and files."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -8,7 +8,6 @@ import skfem
 from skfem.generic_utils import OrientedBoundary
 
 from skancf.equality import same, same_mesh
-from skancf.showing import counted, in_brackets, summary
 
 
 class Rebuilt:
@@ -24,14 +23,6 @@ class Rebuilt:
     geometry: Any
     terms: Any
     undeformed: np.ndarray
-    n_dofs: Any
-
-    __repr__ = in_brackets
-
-    @summary
-    def __str__(self) -> str:
-        nodes, elements = (counted(n, what) for n, what in ((self.mesh.nvertices, "node"), (self.mesh.nelements, "element")))
-        return f"theory {self.geometry.theory.name}, {elements}, {nodes}, {counted(self.n_dofs, 'unknown')}"
 
     def __eq__(self, other: object) -> bool:
         if self is other or not isinstance(other, Rebuilt):

@@ -13,6 +13,7 @@ from skancf.history import FULL, Case
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints
+from skancf.showing import in_brackets, system_in_words
 from skancf.system.inertia import Inertia
 from skancf.system.rebuild import Rebuilt
 from skancf.system.unstressed import ByStrains, unstressed
@@ -66,6 +67,8 @@ class System(Rebuilt):
     >>> print(system.n_dofs, system.mesh.nelements)
     588 36
     """
+
+    __repr__, __str__ = in_brackets, system_in_words
 
     def __init__(
         self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,

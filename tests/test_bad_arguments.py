@@ -51,6 +51,8 @@ ELSEWHERE = {
     "FormTerm",
     # By the arguments of Style.
     "picture", "animation",
+    # It opens windows, from the arguments of write_html.
+    "view",
 }  # fmt: skip
 
 

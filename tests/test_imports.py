@@ -51,8 +51,8 @@ def loaded_by_name(source: str) -> Iterator[str]:
 
 
 DOTTED = re.compile(r"skancf(\.[a-z]\w*)+")
-WHEN_ASKED = {("showing", "output.notebook")}
-"""A room that every object shows itself by, and pictures of objects, which a notebook asks for."""
+WHEN_ASKED = {("showing", "output.notebook"), ("showing", "output.viewer")}
+"""A room that every object shows itself by, and pictures of objects, which a notebook or the user asks for."""
 
 
 def forbidden(room: str, source: str) -> list[str]:

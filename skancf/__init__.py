@@ -73,6 +73,7 @@ from skancf.dynamics import (
     spectrum,
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
+from skancf.envelopes import Envelope, envelope
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Case, Path, Pulse, Ramp, Table
 from skancf.lines import Arc
@@ -123,6 +124,7 @@ from skancf.statics import (
     trace,
 )
 from skancf.storage import load, read_problem, run_file, save
+from skancf.strength import Strength, Utilisation, utilisation
 from skancf.supports import (
     Clamp,
     Dashpot,
@@ -148,6 +150,7 @@ from skancf.surfaces import (
     SphereSector,
 )
 from skancf.theories import Full, Kirchhoff
+from skancf.units import Units
 from skancf.version import __version__
 
 if TYPE_CHECKING:
@@ -189,6 +192,7 @@ __all__ = [
     "ElementQuadHermite",
     "EnergyBalance",
     "EnergyMomentum",
+    "Envelope",
     "Even",
     "FixedFraction",
     "FixedStep",
@@ -261,12 +265,15 @@ __all__ = [
     "Status",
     "StepLength",
     "StrainEnergy",
+    "Strength",
     "SurfaceLoad",
     "Symmetry",
     "Table",
     "Temperature",
     "TheoryError",
     "Trapezoidal",
+    "Units",
+    "Utilisation",
     "Zone",
     "__version__",
     "adapt",
@@ -274,6 +281,7 @@ __all__ = [
     "buckling",
     "conditions",
     "dynamics",
+    "envelope",
     "export",
     "find_regions",
     "goal_estimate",
@@ -308,6 +316,7 @@ __all__ = [
     "through_thickness",
     "trace",
     "transfer",
+    "utilisation",
 ]  # fmt: skip
 
 

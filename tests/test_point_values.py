@@ -210,5 +210,5 @@ def test_lines_are_drawn():
     assert np.array_equal(axes.lines[0].get_ydata(), line.M[:, 0])
     with pytest.raises(sk.InputError, match="they have different units, N, m"):
         line.plot("M11", "u3")
-    with pytest.raises(sk.InputError, match="names: 'M13' is no column; there are s, x, y"):
+    with pytest.raises(sk.InputError, match="name = 'M13': is no column; there are s, x, y"):
         line.plot("M13")

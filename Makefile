@@ -23,6 +23,7 @@ help:
 	@echo "make cover   the same, and which lines of the package they ran: table here, pages in $(OUT)/cover"
 	@echo "make fuzz    problems made by chance, until FUZZ_MINUTES=60 are over; what fails is kept in $(OUT)/fuzz as Python"
 	@echo "make docs    build the documentation into docs/_build/html"
+	@echo "make site    look at the built pages in a browser without a window: layout, contrast, links, search (needs chromium)"
 	@echo "make peers   install the programs that skancf is compared with, each in an environment of its own below benchmarks/peers"
 	@echo "make bench   speed against accuracy, beside those that are installed, and what each part costs (an hour; SET=quick: 5 minutes)"
 	@echo "make bars    are error bars right, and not too large? Scenes with known answers (half an hour)"
@@ -69,6 +70,9 @@ check: lint types
 docs: $(DOCS)
 	SKANCF_DEMO_SIZE=$(SIZE) $(BIN)/python -m sphinx -b html -W --keep-going -q docs docs/_build/html
 	@echo "== docs/_build/html/index.html"
+
+site: $(DOCS)
+	$(BIN)/python docs/check_site.py
 
 peers: $(READY)
 	$(BIN)/python -m benchmarks.setup_peers

@@ -2,6 +2,10 @@ r"""
 The paper's example: a plate on four corners, refined where the stress is
 =========================================================================
 
+.. image:: /pictures/gallery/01_paper_example.jpg
+   :alt: A square plate on its four corners, bent by a force at its centre, on a mesh that is fine in the middle.
+   :class: example-picture
+
 A plate of 1 m x 1 m x 0.05 m (density 2000 kg/m3, E = 0.2 MPa, nu = 0) is fixed at its four corner nodes and pushed by a
 concentrated force at its centre, from rest, for 0.5 s. The stress on the neutral surface at 0.1 s decides where the mesh is
 refined. The displacements of three points on that *graded* mesh and on a *uniform* mesh with the same number of nodes are
@@ -28,6 +32,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/01_paper_example.jpg"
 
 PLATE = sk.Problem(
     surface=sk.Rectangle(1.0, 1.0),
@@ -185,7 +191,9 @@ def worth_of_reference(name: str, result: Study) -> str:
 
 
 # %%
-# Pictures and files.
+# Pictures
+# --------
+# And files for ParaView.
 def report(name: str, result: Study, out: Path) -> None:
     surface, state = PLATE.surface, result.coarse.motion.at(T_STRESS)
     output.mesh_chart(result.coarse.mesh, out / f"{name}_1_initial_mesh.png", surface, points=POINTS, title="Initial mesh")

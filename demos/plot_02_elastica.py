@@ -2,7 +2,9 @@ r"""
 The elastica: a strip bent by a force at its end
 ================================================
 
-*Shows:* large rotations in one load step, a comparison with exact numbers, the error against the number of elements.
+.. image:: /pictures/gallery/02_elastica.jpg
+   :alt: A strip, clamped at one end, at growing loads at its other end.
+   :class: example-picture
 
 A straight cantilever of length :math:`L` is loaded at its free end by a force :math:`P` that stays normal to the
 *undeformed* strip. An inextensible strip without shear strain obeys
@@ -12,6 +14,9 @@ A straight cantilever of length :math:`L` is loaded at its free end by a force :
 with :math:`\varphi` the angle of its tangent. Its solution in elliptic integrals is as old as 1945 (Bisshopp and Drucker,
 *Quarterly of Applied Mathematics* 3, 272-275) and depends on the one number :math:`\alpha^2 = P L^2 / EI`. We bend the
 strip up to :math:`\alpha^2 = 10`, where its end points to within eight degrees of the direction of the force.
+
+This example shows large rotations in one load step, a comparison with exact numbers, the error against the number of
+elements.
 """
 
 # %%
@@ -39,6 +44,8 @@ from scipy.special import ellipeinc, ellipkinc
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/02_elastica.jpg"
 
 
 def exact(load: float, n: int = 101) -> tuple[np.ndarray, np.ndarray]:
@@ -118,6 +125,11 @@ def table(loads: list[float], counts: list[int]) -> dict[str, list[float]]:
             for column, value in zip(columns.values(), row, strict=True):
                 column.append(value)
     return columns
+
+
+# %%
+# Pictures
+# --------
 
 
 def chart_of_shapes(loads: list[float], n: int) -> plt.Figure:

@@ -2,11 +2,16 @@ r"""
 A quarter annulus, refined at an angle
 ======================================
 
-*Builds on:* the paper's example. *Shows:* a curved mesh, refined by geometric progression in its central angles.
+.. image:: /pictures/gallery/03_annulus.jpg
+   :alt: A quarter of a flat ring, pushed inwards at 45 degrees, on a mesh that is fine there.
+   :class: example-picture
 
 A quarter of a flat ring, clamped at both of its straight ends, is pushed inwards, and a little upwards, by a force on its
 outer edge at 45 degrees. The parameters of the surface are the radius and the central angle: the mesh is a rectangle in
 them, and grading it makes the angles of its elements a geometric progression, :math:`\alpha_n = \alpha_0 q^n`.
+
+This example shows a curved mesh, refined by geometric progression in its central angles. It builds on the paper's
+example.
 """
 
 # %%
@@ -20,6 +25,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/03_annulus.jpg"
 
 RING = sk.AnnulusSector(inner=1.0, outer=2.0, angle=pi / 2)
 LOAD = (2.0, pi / 4)

@@ -2,7 +2,9 @@ r"""
 A strip rolled up into a circle
 ===============================
 
-*Builds on:* the elastica. *Shows:* load steps, their states as a picture, the thin theory next to the full one.
+.. image:: /pictures/gallery/04_roll_up.jpg
+   :alt: A straight strip that is rolled up into a circle in steps.
+   :class: example-picture
 
 A cantilever strip of length :math:`L = 12`, width :math:`b = 1` and thickness :math:`h = 0.1` is bent by a moment :math:`M`
 at its end. Its curvature is the same everywhere, :math:`\kappa = M / EI`, so it is an arc of a circle. With
@@ -12,6 +14,9 @@ at its end. Its curvature is the same everywhere, :math:`\kappa = M / EI`, so it
 
 Example 3.2 of K. Y. Sze, X. H. Liu and S. H. Lo (2004), Popular benchmark problems for geometric nonlinear analysis of
 shells, *Finite Elements in Analysis and Design* 40, 1551-1569; :math:`E = 1.2 \cdot 10^6`, :math:`\nu = 0`.
+
+This example shows load steps, their states as a picture, the thin theory next to the full one. It builds on the
+elastica.
 """
 
 # %%
@@ -33,6 +38,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/04_roll_up.jpg"
 
 LENGTH, WIDTH, THICKNESS, YOUNG = 12.0, 1.0, 0.1, 1.2e6
 MOMENT = 2 * np.pi * YOUNG * WIDTH * THICKNESS**3 / 12 / LENGTH

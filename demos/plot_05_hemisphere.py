@@ -2,7 +2,9 @@ r"""
 A pinched hemisphere
 ====================
 
-*Builds on:* the strip rolled up. *Shows:* a doubly curved shell, symmetry, membrane locking, and what mixed Newton saves.
+.. image:: /pictures/gallery/05_hemisphere.jpg
+   :alt: A hemisphere with a hole, pulled out at two ends and pushed in between, shaped like a lemon.
+   :class: example-picture
 
 A hemisphere of radius 10 and thickness 0.04, with a hole of 18 degrees at its top and a free edge at its equator, is pulled
 outwards at two opposite points of the equator and pushed inwards at the two points between them, each by a force P up to
@@ -11,6 +13,9 @@ find hard: where cubics cannot make the membrane strain zero, they lock.
 
 Example 3.4 of K. Y. Sze, X. H. Liu and S. H. Lo (2004), Popular benchmark problems for geometric nonlinear analysis of
 shells, *Finite Elements in Analysis and Design* 40, 1551-1569. Their numbers are from one mesh of S4R elements.
+
+This example shows a doubly curved shell, symmetry, membrane locking, and what mixed Newton saves. It builds on the
+strip rolled up.
 """
 
 # %%
@@ -27,7 +32,9 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
-from skancf.output.fields import von_mises
+from skancf.output import von_mises
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/05_hemisphere.jpg"
 
 PUBLISHED = np.array([
     (0.05, 0.855, 0.955), (0.10, 1.499, 1.840), (0.15, 1.969, 2.604), (0.20, 2.321, 3.261), (0.25, 2.596, 3.833),

@@ -2,7 +2,9 @@ r"""
 A roof that snaps through
 =========================
 
-*Builds on:* the pinched hemisphere. *Shows:* equilibrium paths beyond limit points, stability, bifurcations, snap-back.
+.. image:: /pictures/gallery/06_snap_through.jpg
+   :alt: A cylindrical roof that has snapped through and hangs below its supports.
+   :class: example-picture
 
 A shallow cylindrical roof is hinged at its two straight edges, free at the curved ones, and pushed down by a force P at its
 centre. Under a growing load it gives way suddenly and ends up hanging below its supports. What is in between are
@@ -14,6 +16,9 @@ there is a limit point or another branch crosses.
 Example 3.8 of K. Y. Sze, X. H. Liu and S. H. Lo (2004), Popular benchmark problems for geometric nonlinear analysis of
 shells, *Finite Elements in Analysis and Design* 40, 1551-1569: radius 2540, length 508, half opening angle 0.1, thickness
 12.7 or 6.35, :math:`E = 3102.75`, :math:`\nu = 0.3` (mm, N).
+
+This example shows equilibrium paths beyond limit points, stability, bifurcations, snap-back. It builds on the pinched
+hemisphere.
 """
 
 # %%
@@ -33,6 +38,8 @@ from scipy.interpolate import CubicSpline
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/06_snap_through.jpg"
 
 PUBLISHED = np.array([
     (0.0877, 0.693), (0.1980, 1.638), (0.3473, 3.087), (0.4686, 4.477), (0.5647, 5.802), (0.6381, 7.057),

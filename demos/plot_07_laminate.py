@@ -2,7 +2,9 @@ r"""
 A laminate that curls when it cools
 ===================================
 
-*Builds on:* the roof that snaps through. *Shows:* laminates, temperature, stresses in layers, two stable shapes.
+.. image:: /pictures/gallery/07_laminate.jpg
+   :alt: A square sheet that has curled into a cylinder.
+   :class: example-picture
 
 A sheet of two carbon fibre layers, the fibres of the lower one along x and those of the upper one along y, is cured hot and
 flat. When it cools, each layer wants to shrink across its fibres and is held by the other: the sheet curls. Classical
@@ -17,6 +19,9 @@ the more so the larger it is. M. W. Hyer found that large sheets become *cylinde
 they snap from one to the other (Some observations on the cured shape of thin unsymmetric laminates, *Journal of Composite
 Materials* 15, 1981, 175-194). A cylinder does not stretch; lamination theory gives its curvature too, when :math:`\kappa_y`
 is set to zero and the moment :math:`M_y` left out.
+
+This example shows laminates, temperature, stresses in layers, two stable shapes. It builds on the roof that snaps
+through.
 """
 
 # %%
@@ -32,6 +37,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/07_laminate.jpg"
 
 E1, E2, NU12, G12, ALPHA1, ALPHA2 = 140e9, 9e9, 0.3, 5e9, -0.3e-6, 28e-6
 PLY, COOLING = 0.25e-3, -120.0

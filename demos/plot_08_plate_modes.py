@@ -2,7 +2,9 @@ r"""
 How square plates vibrate, and how they buckle
 ==============================================
 
-*Builds on:* the roof that snaps through. *Shows:* frequencies and modes, prestress, linear buckling.
+.. image:: /pictures/gallery/08_plate_modes.jpg
+   :alt: A vibration mode of a free square plate.
+   :class: example-picture
 
 E. F. F. Chladni strewed sand on plates and stroked them with a bow (*Entdeckungen über die Theorie des Klanges*, Leipzig
 1787). The sand gathers where the plate is at rest, along the nodal lines of a mode. Here are the modes of square plates that
@@ -21,6 +23,8 @@ edges x = 0 and x = a, the mode with m and n half waves along x and y has
 
 a straight line in N. Where it meets zero the plate buckles, first at :math:`N = -4 \pi^2 D / a^2` (S. P. Timoshenko and
 J. M. Gere, *Theory of Elastic Stability*, 2nd ed., 1961, article 9.2).
+
+This example shows frequencies and modes, prestress, linear buckling. It builds on the roof that snaps through.
 """
 
 # %%
@@ -35,6 +39,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/08_plate_modes.jpg"
 
 SIDE, THICKNESS, YOUNG, POISSON, DENSITY = 10.0, 0.05, 200e9, 0.3, 8000.0
 BENDING = YOUNG * THICKNESS**3 / 12 / (1 - POISSON**2)
@@ -110,20 +116,6 @@ def shapes_of(modes: sk.statics.Modes, first: int, cells: int) -> list[np.ndarra
     return shapes
 
 
-def draw_modes(figure: plt.Figure, found: dict[str, tuple[sk.statics.Modes, int]], cells: int) -> None:
-    """A row of plates for each support, sand on the nodal lines."""
-    grid = figure.subplots(3, 5)
-    for row, (name, (modes, first)) in zip(grid, found.items(), strict=True):
-        for k, (axes, w) in enumerate(zip(row, shapes_of(modes, first, cells), strict=True)):
-            x = np.linspace(0, 1, len(w))[1:-1]  # supported edges are at rest as a whole
-            axes.imshow(w / np.abs(w).max(), origin="lower", extent=(0, 1, 0, 1), cmap="RdBu_r", vmin=-1.3, vmax=1.3,
-                        interpolation="bilinear")  # fmt: skip
-            if np.ptp(w) > 1.01 * np.abs(w).max():  # else rounding near clamped corners would be drawn
-                axes.contour(x, x, w[1:-1, 1:-1], levels=[0.0], colors="#202020", linewidths=2)
-            axes.set(xticks=[], yticks=[], title=f"{modes.omega[first + k] / UNIT:.3f}")
-        row[0].set_ylabel(name, fontsize=12)
-
-
 # %%
 # Prestress
 # ---------
@@ -154,6 +146,25 @@ def prestressed(system: object, factors: np.ndarray) -> np.ndarray:
     first = (2 * np.pi**2 * UNIT) ** 2
     states = [sk.solve(system, load_factor=factor, relax=False).solution for factor in factors]
     return np.array([sk.modes(system, 3, state=state).eigenvalues for state in states]) / first
+
+
+# %%
+# Pictures
+# --------
+
+
+def draw_modes(figure: plt.Figure, found: dict[str, tuple[sk.statics.Modes, int]], cells: int) -> None:
+    """A row of plates for each support, sand on the nodal lines."""
+    grid = figure.subplots(3, 5)
+    for row, (name, (modes, first)) in zip(grid, found.items(), strict=True):
+        for k, (axes, w) in enumerate(zip(row, shapes_of(modes, first, cells), strict=True)):
+            x = np.linspace(0, 1, len(w))[1:-1]  # supported edges are at rest as a whole
+            axes.imshow(w / np.abs(w).max(), origin="lower", extent=(0, 1, 0, 1), cmap="RdBu_r", vmin=-1.3, vmax=1.3,
+                        interpolation="bilinear")  # fmt: skip
+            if np.ptp(w) > 1.01 * np.abs(w).max():  # else rounding near clamped corners would be drawn
+                axes.contour(x, x, w[1:-1, 1:-1], levels=[0.0], colors="#202020", linewidths=2)
+            axes.set(xticks=[], yticks=[], title=f"{modes.omega[first + k] / UNIT:.3f}")
+        row[0].set_ylabel(name, fontsize=12)
 
 
 def draw_lines(axes: plt.Axes, factors: np.ndarray, values: np.ndarray, critical: np.ndarray) -> None:

@@ -2,7 +2,9 @@ r"""
 A clamped L-shape: what refinement at a corner is worth
 =======================================================
 
-*Builds on:* the plate modes. *Shows:* ``sk.adapt``, a mesh with a re-entrant corner, error bars against true errors.
+.. image:: /pictures/gallery/09_l_shape.jpg
+   :alt: An L-shaped plate, bent, on a mesh that is fine at its inner corner.
+   :class: example-picture
 
 A thin plate over :math:`[-1, 1]^2` without its quarter :math:`[0, 1] \times [-1, 0]` is clamped along its whole boundary and
 carries a uniform load q. With the bending stiffness D its small deflections solve
@@ -21,6 +23,9 @@ however high the order of the elements. Bicubic elements on the right meshes rea
 The numbers to hit, for q = D = 1: :math:`w(-\tfrac12, \tfrac12) = 0.0031291` and :math:`\int w = 0.0035784`, both from
 graded meshes of bicubic Hermite elements and Richardson's extrapolation, and z above. In a linear problem the strain energy
 is :math:`\tfrac12 \int q w`, and that of conforming elements is a lower bound.
+
+This example shows ``sk.adapt``, a mesh with a re-entrant corner, error bars against true errors. It builds on the plate
+modes.
 """
 
 # %%
@@ -37,6 +42,8 @@ from scipy.optimize import brentq
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/09_l_shape.jpg"
 
 THICKNESS, POISSON = 0.01, 0.3
 SURFACE = sk.Rectangle(2.0, 2.0, origin=(-1.0, -1.0))

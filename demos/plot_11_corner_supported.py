@@ -2,7 +2,9 @@ r"""
 A plate on its four corners: four ways to refine
 ================================================
 
-*Builds on:* the clamped L-shape. *Shows:* goal, stress and geometric progression as guides, against uniform meshes.
+.. image:: /pictures/gallery/11_corner_supported.jpg
+   :alt: A plate on its four corners under a force, on a mesh that is fine at the force.
+   :class: example-picture
 
 A thin square plate of side a rests on its four corners and is loaded by a force P at its centre. Small deflections are
 
@@ -17,6 +19,9 @@ The paper's method (*Research on local mesh refine method based on absolute noda
 stress is, by geometric progressions in x and y; the same regions can be refined by quartering elements; and the loop of
 ``sk.adapt`` refines where the error of the wanted number comes from. In small deflections the neutral surface has no stress:
 here the stress is that on top.
+
+This example shows goal, stress and geometric progression as guides, against uniform meshes. It builds on the clamped
+L-shape.
 """
 
 # %%
@@ -32,6 +37,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/11_corner_supported.jpg"
 
 THICKNESS, POISSON = 0.01, 0.3
 SURFACE = sk.Rectangle(1.0, 1.0)

@@ -2,8 +2,9 @@ r"""
 The paper's plate: strips, trees, and goals
 ===========================================
 
-*Builds on:* the paper's example and the plate on its four corners. *Shows:* what three ways to refine are worth in large
-deflections, with error bars, and what is said of a number that has no limit.
+.. image:: /pictures/gallery/12_paper_meshes.jpg
+   :alt: A plate that hangs from its corners, on a mesh of elements of very different sizes.
+   :class: example-picture
 
 The plate of the paper's example, 1 m x 1 m x 0.05 m with E = 0.2 MPa and :math:`\nu = 0`, hangs by its four corner nodes and
 carries 20 N at its centre, here at rest. Three points are watched: the loaded centre, the middle between centre and corner,
@@ -25,6 +26,9 @@ Displacements have a limit, but on meshes whose elements at the corners have siz
 That power is a number to hit. The other: with the membrane strains as they are, and with assumed ones, which do not lock,
 the limits are the same. In theory `full` the force and the supports sink in with the logarithm of the element size, and the
 loop says so.
+
+This example shows what three ways to refine are worth in large deflections, with error bars, and what is said of a
+number that has no limit. It builds on the paper's example and the plate on its four corners.
 """
 
 # %%
@@ -40,6 +44,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/12_paper_meshes.jpg"
 
 SURFACE, FORCE = sk.Rectangle(1.0, 1.0), 20.0
 PLATE = sk.Problem(

@@ -2,7 +2,9 @@ r"""
 A free ruler: rules that blow up, and one that keeps energy
 ===========================================================
 
-*Builds on:* the opening. *Shows:* rules of integration, the ledger, the balance that stops a run.
+.. image:: /pictures/gallery/13_free_ruler.jpg
+   :alt: A steel ruler in flight at several times.
+   :class: example-picture
 
 A steel ruler of 300 mm by 60 mm by 2 mm floats at rest. A force on its right edge, :math:`(0.6\,P, 0, P)\,s(t)`, grows until
 2 ms and is gone at 4 ms. What follows needs no force: the ruler flies, tumbles and bends, and its energy is what it was at
@@ -18,6 +20,8 @@ The numbers to hit: with P = 2000 N and steps of 0.2 ms the trapezoidal rule dou
 energy-momentum rule with the spectral radius 1 keeps its own to :math:`10^{-8}` until the end at 100 ms; with 0.8, the
 default, it never has more than at 4 ms, loses less than 1 % and keeps the angular momentum to :math:`10^{-6}`.
 Generalised-alpha with 0.8 stays within 25 %.
+
+This example shows rules of integration, the ledger, the balance that stops a run. It builds on the opening.
 """
 
 # %%
@@ -33,6 +37,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/13_free_ruler.jpg"
 
 LENGTH, WIDTH, THICKNESS, LOAD, UNTIL, END = 0.3, 0.06, 0.002, 2000.0, 4e-3, 0.1
 SURFACE = sk.Rectangle(LENGTH, WIDTH)

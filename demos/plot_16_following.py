@@ -2,6 +2,10 @@ r"""
 The paper's example with a mesh that follows the wave
 ======================================================
 
+.. image:: /pictures/gallery/16_following.jpg
+   :alt: A long plate with a wave under a moving load, and a mesh that is fine at the load.
+   :class: example-picture
+
 A plate of 1 m x 1 m x 0.05 m (density 2000 kg/m3, E = 0.2 MPa, nu = 0), fixed at its four corners, is pushed at its centre
 by 20 N from rest for 0.5 s: the example of *Research on local mesh refine method based on absolute nodal coordinate
 formulation*, which leaves the force open. First its answer, converged in mesh and step, with error bars: the displacements
@@ -24,6 +28,8 @@ from scipy.integrate import quad
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/16_following.jpg"
 
 SQUARE = sk.Rectangle(1.0, 1.0)
 MATERIAL = sk.Isotropic(young=0.2e6, poisson=0.0, density=2000.0)
@@ -178,7 +184,9 @@ def runnings(size: Size) -> tuple:
 
 
 # %%
-# Pictures: histories with their bars, cost against error, the mesh on its way.
+# Pictures
+# --------
+# Histories with their bars, the cost against the error, and the mesh on its way.
 def histories(answers: dict, path: Path) -> None:
     figure, axes = plt.subplots(len(POINTS), 1, figsize=(8, 9), sharex=True, layout="constrained")
     for k, (axis, point) in enumerate(zip(axes, POINTS, strict=True)):

@@ -2,8 +2,9 @@ r"""
 Films, struts and airbags
 =========================
 
-*Builds on:* the roof that snaps through. *Shows:* statics that arrives by itself where Newton's method alone does not, and
-what it says it met.
+.. image:: /pictures/gallery/17_arrival.jpg
+   :alt: A square airbag, blown up, with wrinkles at its edges.
+   :class: example-picture
 
 Three structures that a linear answer knows nothing of. A **film**, held all round, is a million times stiffer once it has
 moved by a few thicknesses: its deflection first grows with the load, then with its cube root,
@@ -17,6 +18,9 @@ edges, has no stiffness at all until it is stretched and wrinkled.
 ``sk.solve`` tries the whole load, then shorter load steps. Where these end, or where their answer is not stable, the
 structure is held at the full load by a pretension, which is then released: its energy falls until it rests. No option is
 set below.
+
+This example shows statics that arrives by itself where Newton's method alone does not, and what it says it met. It
+builds on the roof that snaps through.
 """
 
 import argparse
@@ -30,6 +34,8 @@ from scipy.special import ellipk
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/17_arrival.jpg"
 
 # %%
 # A film over ten decades of load

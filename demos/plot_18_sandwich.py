@@ -2,7 +2,9 @@ r"""
 A sandwich bends by shear
 =========================
 
-*Builds on:* the laminate that curls. *Shows:* the shear stiffness of laminates, what the thin theory leaves out, ``"auto"``.
+.. image:: /pictures/gallery/18_sandwich.jpg
+   :alt: A sandwich plate that bends under pressure.
+   :class: example-picture
 
 Two thin, stiff faces on a thick, soft core: a sandwich is stiff and light, because the faces are far apart. What holds them
 together is the core, in shear, and that is where such plates yield. The square plate of NAFEMS' benchmark R0031/3
@@ -17,6 +19,9 @@ a height holds what is below it,
     \frac{Q^2}{2 K} = \int \frac{\tau^2}{2 G} \, dz .
 
 The second makes the shear stiffness K of the section, and skancf gives it to laminates.
+
+This example shows the shear stiffness of laminates, what the thin theory leaves out, ``"auto"``. It builds on the
+laminate that curls.
 """
 
 # %%
@@ -32,6 +37,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import skancf as sk
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/18_sandwich.jpg"
 
 FACE = sk.Orthotropic(young=(10e6, 4e6, 4e6), poisson=(0.3, 0.3, 0.3), shear=(1.875e6,) * 3, density=1.0)
 CORE = sk.Orthotropic(young=(10.0, 10.0, 10.0), poisson=(0, 0, 0), shear=(10.0, 3e4, 1.2e4), density=1.0)
@@ -88,6 +95,11 @@ def shear_stress(z: np.ndarray) -> np.ndarray:
     D = 2 / 3 * (stiff * (outer**3 - inner**3) + soft * inner**3)
     inside, at = np.abs(z) < inner, np.abs(z)
     return np.where(inside, stiff * (outer**2 - inner**2) + soft * (inner**2 - at**2), stiff * (outer**2 - at**2)) / (2 * D)
+
+
+# %%
+# Pictures
+# --------
 
 
 def draw(axes: plt.Axes, solutions: dict[str, sk.Solution]) -> None:

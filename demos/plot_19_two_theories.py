@@ -2,7 +2,9 @@ r"""
 The two theories, as they are written
 =====================================
 
-*Builds on:* the elastica. *Shows:* ``system.basis`` and ``system.to_mesh``, both theories as forms of scikit-fem.
+.. image:: /pictures/gallery/19_two_theories.jpg
+   :alt: A strip of plate that is lifted at its free end.
+   :class: example-picture
 
 The elements of skancf are compiled, and compiled code does not read as mechanics does. Here are the two theories a second
 time, with nothing of those kernels: strain, law and virtual work as one would write them on paper, as `scikit-fem
@@ -15,6 +17,9 @@ freedom of that basis, where hanging nodes and seams are resolved:
 
 The plate is clamped at its left edge and bent by a force along its right one until it turns by a large angle. Its mesh has
 hanging nodes.
+
+This example shows ``system.basis`` and ``system.to_mesh``, both theories as forms of scikit-fem. It builds on the
+elastica.
 """
 
 # %%
@@ -32,6 +37,8 @@ from skfem.helpers import cross, ddot, dot, grad, mul, transpose
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/19_two_theories.jpg"
 
 THICKNESS = 0.05
 LAW = sk.Isotropic(young=2e6, poisson=0.3, density=1000.0)

@@ -2,7 +2,9 @@ r"""
 Links and hinges
 ================
 
-*Builds on:* snap-through. *Shows:* ``conditions``, :class:`~skancf.Hinge`, :class:`~skancf.RigidLink`, and their forces.
+.. image:: /pictures/gallery/20_links_and_hinges.jpg
+   :alt: A ring with a hinge, pushed at the hinge, in steps until it snaps.
+   :class: example-picture
 
 A sheet bent to a tube meets itself along two of its sides, and a hinge joins them: positions are equal, turns are free. And
 a rod of fixed length ties the feet of an arch. Both are *conditions*, g(q) = 0. What keeps them are their multipliers, which
@@ -14,6 +16,9 @@ A ring of radius R with one hinge, pulled by P along the diameter through it, gi
 
 with the force H that the hinge carries along the circle. Pushed, it snaps. In an arch of half a circle, the tie takes
 :math:`P / \pi` of a force at the crown.
+
+This example shows ``conditions``, :class:`~skancf.Hinge`, :class:`~skancf.RigidLink`, and their forces. It builds on
+snap-through.
 """
 
 # %%
@@ -27,6 +32,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/20_links_and_hinges.jpg"
 
 YOUNG, RADIUS, THICKNESS, WIDTH = 2e11, 1.0, 0.01, 0.05
 STEEL = sk.Isotropic(young=YOUNG, poisson=0.0, density=7800.0)
@@ -132,8 +139,8 @@ def main(size: str = "full", out: str = "out", say: Callable = print) -> dict[st
 
 
 # %%
-# The picture
-# -----------
+# Pictures
+# --------
 
 
 def draw(path: sk.PathResult, pressed: dict[bool, sk.PathResult], file: Path) -> None:

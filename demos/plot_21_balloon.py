@@ -2,8 +2,9 @@ r"""
 A balloon past its limit point
 ==============================
 
-*Builds on:* the roof that snaps through. *Shows:* laws of rubber at points through the thickness, equilibrium paths of a
-pressure that follows the surface, and how thin a balloon becomes.
+.. image:: /pictures/gallery/21_balloon.jpg
+   :alt: A round rubber balloon.
+   :class: example-picture
 
 Blowing up a balloon is hard at first, and then it is easy: the pressure has a maximum. Of an incompressible sphere of radius
 R and thickness t that is stretched by :math:`\lambda`, with Ogden's energy
@@ -15,6 +16,9 @@ The neo-Hookean law has one term with the exponent 2, Mooney's and Rivlin's the 
 terms fit rubber up to seven times its length. R = 10 m, t = 0.1 m, as in J. Kiendl, M.-C. Hsu, M. C. H. Wu and A. Reali
 (2015), Isogeometric Kirchhoff-Love shell formulations for general hyperelastic materials, *Computer Methods in Applied
 Mechanics and Engineering* 291, 280-303.
+
+This example shows laws of rubber at points through the thickness, equilibrium paths of a pressure that follows the
+surface, and how thin a balloon becomes. It builds on the roof that snaps through.
 """
 
 # %%
@@ -31,6 +35,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/21_balloon.jpg"
 
 RADIUS, THICKNESS, MU, DENSITY = 10.0, 0.1, 4.225e5, 1000.0
 OGDEN = [(6.3e5, 1.3), (0.012e5, 5.0), (-0.1e5, -2.0)]

@@ -2,8 +2,9 @@ r"""
 A rubber sheet, stretched and pinched
 =====================================
 
-*Builds on:* a balloon past its limit point. *Shows:* rubber that is pulled, bent and snaps, how work on a path is stored,
-and what theory `full` makes of rubber.
+.. image:: /pictures/gallery/22_rubber_sheet.jpg
+   :alt: A rubber sheet pressed at its crown until it folds.
+   :class: example-picture
 
 A sheet of incompressible neo-Hookean rubber, 157 mm by 100 mm and 6 mm thick. It is first pulled to twice its length between
 grips that let its width shrink. The force has a closed form,
@@ -12,6 +13,9 @@ grips that let its width shrink. The force has a closed form,
 
 Then another one of its kind is vulcanised as half of a tube. It stands with its two straight edges in grooves, and is
 pinched along its crown until it gives way, snaps through and hangs from the grooves.
+
+This example shows rubber that is pulled, bent and snaps, how work on a path is stored, and what theory `full` makes of
+rubber. It builds on a balloon past its limit point.
 """
 
 # %%
@@ -29,6 +33,8 @@ from scipy.interpolate import CubicSpline
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/22_rubber_sheet.jpg"
 
 RADIUS, WIDTH, THICKNESS, MU, DENSITY = 0.1, 0.1, 6e-3, 4.225e5, 1000.0
 LENGTH = pi / 2 * RADIUS

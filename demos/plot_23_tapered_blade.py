@@ -2,7 +2,9 @@ r"""
 A blade that grows thinner to its tip
 =====================================
 
-*Builds on:* how square plates vibrate. *Shows:* the thickness as a function of place, and modes of a taper.
+.. image:: /pictures/gallery/23_tapered_blade.jpg
+   :alt: A blade in one of its modes, coloured by its thickness.
+   :class: example-picture
 
 A turbine blade, a reed of an organ, a ruler filed down: the thickness falls from the root to the tip, so that the root
 carries the bending and the tip weighs little. In this library the thickness is given as a function of the parameters (x, y).
@@ -17,6 +19,8 @@ A straight taper :math:`h = h_0 (1 - \alpha x / L)` has the frequencies
 which Ritz' method with polynomials solves to rounding. A uniform strip has :math:`\lambda = 3.516`; of a wedge,
 :math:`\alpha = 1`, G. Kirchhoff found 5.315 with Bessel functions (*Monatsberichte der Akademie*, Berlin 1879): less
 material, and a higher tone.
+
+This example shows the thickness as a function of place, and modes of a taper. It builds on how square plates vibrate.
 """
 
 # %%
@@ -32,6 +36,8 @@ from scipy.linalg import eigh
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/23_tapered_blade.jpg"
 
 LENGTH, WIDTH, ROOT, YOUNG, DENSITY = 0.5, 0.04, 2e-3, 200e9, 7800.0
 STRIP = sk.Rectangle(LENGTH, WIDTH)
@@ -90,6 +96,11 @@ def blade(n: int) -> sk.system.System:
 
     problem = sk.Problem(STRIP, crowned, sk.Isotropic(YOUNG, 0.3, DENSITY), [sk.Clamp("left")])
     return problem.on(sk.meshes.uniform(STRIP, 4 * n, n), "kirchhoff")
+
+
+# %%
+# Pictures
+# --------
 
 
 def draw(axes: plt.Axes, found: np.ndarray) -> None:

@@ -2,8 +2,9 @@ r"""
 A plate with a doubler
 ======================
 
-*Builds on:* a blade that grows thinner to its tip. *Shows:* zones, meshes with lines where they end, stress at the faces of
-each place, and what a jump of the stiffness costs.
+.. image:: /pictures/gallery/24_doubler.jpg
+   :alt: A sheet with a doubler bonded on, coloured by stress.
+   :class: example-picture
 
 Where a bracket is bolted to a sheet, a second sheet is bonded on: a doubler. Here it is a :class:`~skancf.Zone`, a named
 part of the parameter plane with a section of its own. Zones consist of whole elements, so that the mesh has lines where they
@@ -18,6 +19,9 @@ In bending the curvature jumps where the thickness does, and cubics with slopes 
 strain jumps, and slopes at a node are one: theory `full` is of first order there. Its estimate of the error sees it, and
 ``adapt`` makes the mesh fine at the border. A row of thin elements on both sides, ``with_lines(..., beside=...)``, does so
 without any search.
+
+This example shows zones, meshes with lines where they end, stress at the faces of each place, and what a jump of the
+stiffness costs. It builds on a blade that grows thinner to its tip.
 """
 
 # %%
@@ -32,6 +36,8 @@ import numpy as np
 
 import skancf as sk
 from skancf import output
+
+# sphinx_gallery_thumbnail_path = "pictures/gallery/24_doubler.jpg"
 
 LENGTH, WIDTH, THIN, YOUNG = 1.0, 0.1, 4e-3, 70e9
 START, END = 0.3, 0.5
@@ -51,21 +57,6 @@ def bent() -> tuple[sk.Solution, float]:
     state = sk.solve_linear(problem.on(sk.meshes.with_lines(STRIP, 20, 1, problem.zones), "kirchhoff"))
     part = [((LENGTH - a) ** 3 - (LENGTH - b) ** 3) / 3 for a, b in ((0, START), (START, END), (END, LENGTH))]
     return state, FORCE / (YOUNG * WIDTH * THIN**3 / 12) * (part[0] + part[1] / 8 + part[2])
-
-
-def draw_stress(axes: plt.Axes, state: sk.Solution) -> None:
-    """Stress at the top face along the strip, that of the beam in black."""
-    points = np.array([[0.02, 0.98, 0.02, 0.98], [0.02, 0.02, 0.98, 0.98]])
-    x = state.system.geometry.parameters(points)[0]
-    order = np.argsort(x.ravel())
-    top = state.stresses(points, "top")[:, :, 0]
-    axes.plot(x.ravel()[order], top.ravel()[order] / 1e6, color="#D55E00", lw=2.5, label="skancf, z='top'")
-    fine = np.linspace(0, LENGTH, 500)
-    half = np.where((fine > START) & (fine < END), THIN, THIN / 2)
-    axes.plot(fine, -FORCE * (LENGTH - fine) * 12 / (WIDTH * 8 * half**3) * half / 1e6, "k--", lw=1, label="beam")
-    axes.set(xlabel="x (m)", ylabel="stress at the top face (MPa)", title="The stress falls to a quarter in the doubler")
-    axes.legend(frameon=False)
-    axes.grid(color="#e0e0e0")
 
 
 # %%
@@ -109,6 +100,26 @@ def adapted() -> sk.AdaptiveResult:
     """The same, until the error bar is below a thousandth."""
     problem = strip([sk.EdgeLoad("right", (YOUNG * THIN * 1e-5, 0.0, 0.0))])
     return sk.adapt(problem, sk.Displacement((LENGTH, WIDTH / 2), (1.0, 0.0, 0.0)), rtol=1e-3, theory="full")
+
+
+# %%
+# Pictures
+# --------
+
+
+def draw_stress(axes: plt.Axes, state: sk.Solution) -> None:
+    """Stress at the top face along the strip, that of the beam in black."""
+    points = np.array([[0.02, 0.98, 0.02, 0.98], [0.02, 0.02, 0.98, 0.98]])
+    x = state.system.geometry.parameters(points)[0]
+    order = np.argsort(x.ravel())
+    top = state.stresses(points, "top")[:, :, 0]
+    axes.plot(x.ravel()[order], top.ravel()[order] / 1e6, color="#D55E00", lw=2.5, label="skancf, z='top'")
+    fine = np.linspace(0, LENGTH, 500)
+    half = np.where((fine > START) & (fine < END), THIN, THIN / 2)
+    axes.plot(fine, -FORCE * (LENGTH - fine) * 12 / (WIDTH * 8 * half**3) * half / 1e6, "k--", lw=1, label="beam")
+    axes.set(xlabel="x (m)", ylabel="stress at the top face (MPa)", title="The stress falls to a quarter in the doubler")
+    axes.legend(frameon=False)
+    axes.grid(color="#e0e0e0")
 
 
 # %%

@@ -3,6 +3,7 @@
 import os
 import re
 import sys
+import textwrap
 import warnings
 from importlib import resources
 from pathlib import Path
@@ -47,12 +48,14 @@ source_suffix = {".rst": "restructuredtext"}
 suppress_warnings = ["toc.empty_glob"]
 
 html_theme = "pydata_sphinx_theme"
+html_context = {"default_mode": "auto"}
 html_title = f"skancf {release}"
 html_logo = "_static/logo.svg"
 html_favicon = "_static/logo.svg"
 # MathJax with all its extensions and drawn letters is one file, so that a page asks no other machine for anything.
 html_static_path = ["_static", str(resources.files("sphinx-mathjax-offline") / "static/mathjax/tex-svg-full.js")]
 mathjax_path = "tex-svg-full.js"
+html_search_scorer = "_static/scorer.js"
 html_css_files = ["site.css"]
 html_theme_options = {
     "logo": {"text": "skancf", "alt_text": "skancf, first page"},
@@ -71,7 +74,7 @@ html_theme_options = {
     "search_bar_text": "Search: hole, gmsh, pandas ...",
 }
 # These pages have no siblings to list beside them.
-html_sidebars = {"index": [], "learn": [], "gallery/index": [], "search": []}
+html_sidebars = {"index": [], "gallery/index": [], "search": []}
 html_show_sourcelink = False
 html_copy_source = False
 copybutton_exclude = ".linenos, .gp, .go"
@@ -83,6 +86,8 @@ autosummary_imported_members = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_default_options = {"show-inheritance": False}
+# Longer signatures have a line for each parameter.
+python_maximum_signature_line_length = 72
 # Fields of data classes are described where the class lists them; once is enough.
 napoleon_google_docstring = False
 napoleon_use_ivar = True
@@ -109,6 +114,19 @@ def keep_units(app: object, what: str, name: str, obj: object, options: object, 
     lines[:] = [re.sub(r"^(\s*)([A-Za-z]\.)$", r"\1\\\2", line) for line in lines]
 
 
+def fold_pictures(app: object, docname: str, source: list[str]) -> None:
+    """Code that only draws, below the heading "Pictures" of an example, is folded up."""
+    if docname.startswith("gallery/plot_"):
+        source[0] = re.sub(
+            r"(\nPictures\n-+\n(?:(?!\.\. code-block)[^\n]*\n)*?)\.\. code-block:: Python\n((?:(?: {4}[^\n]*)?\n)+)",
+            lambda found: (
+                f"{found[1]}.. dropdown:: Code that draws\n\n    .. code-block:: Python\n{textwrap.indent(found[2], '    ')}"
+            ),
+            source[0],
+        )
+
+
 def setup(app: object) -> None:
     # Before napoleon, which moves such lines behind the name of a parameter.
     app.connect("autodoc-process-docstring", keep_units, priority=100)
+    app.connect("source-read", fold_pictures)

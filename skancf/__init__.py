@@ -52,6 +52,7 @@ from skancf.adaptive import (
     transfer,
 )
 from skancf.checks import Check
+from skancf.compiling import announce
 from skancf.conditions import Hinge, RigidLink
 from skancf.dynamics import (
     Checkpoint,
@@ -72,8 +73,10 @@ from skancf.dynamics import (
     spectrum,
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
+from skancf.envelopes import Envelope, envelope
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Case, Path, Pulse, Ramp, Table
+from skancf.lines import Arc
 from skancf.loads import (
     DiskForce,
     EdgeImpulse,
@@ -121,6 +124,7 @@ from skancf.statics import (
     trace,
 )
 from skancf.storage import load, read_problem, run_file, save
+from skancf.strength import Strength, Utilisation, utilisation
 from skancf.supports import (
     Clamp,
     Dashpot,
@@ -146,6 +150,7 @@ from skancf.surfaces import (
     SphereSector,
 )
 from skancf.theories import Full, Kirchhoff
+from skancf.units import Units
 from skancf.version import __version__
 
 if TYPE_CHECKING:
@@ -158,6 +163,7 @@ __all__ = [
     "AllElements",
     "Anisotropic",
     "AnnulusSector",
+    "Arc",
     "ArcLength",
     "Below",
     "BucklingLoad",
@@ -186,6 +192,7 @@ __all__ = [
     "ElementQuadHermite",
     "EnergyBalance",
     "EnergyMomentum",
+    "Envelope",
     "Even",
     "FixedFraction",
     "FixedStep",
@@ -258,12 +265,15 @@ __all__ = [
     "Status",
     "StepLength",
     "StrainEnergy",
+    "Strength",
     "SurfaceLoad",
     "Symmetry",
     "Table",
     "Temperature",
     "TheoryError",
     "Trapezoidal",
+    "Units",
+    "Utilisation",
     "Zone",
     "__version__",
     "adapt",
@@ -271,6 +281,7 @@ __all__ = [
     "buckling",
     "conditions",
     "dynamics",
+    "envelope",
     "export",
     "find_regions",
     "goal_estimate",
@@ -305,11 +316,14 @@ __all__ = [
     "through_thickness",
     "trace",
     "transfer",
+    "utilisation",
 ]  # fmt: skip
 
 
 # Nothing is printed before a user asks for it, as by logging.basicConfig(level=logging.INFO).
 logging.getLogger(__name__).addHandler(logging.NullHandler())
+
+announce()
 
 RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
 

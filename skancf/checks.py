@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from skancf.showing import short, summary
+
 
 @dataclass(frozen=True)
 class Check:
@@ -33,10 +35,13 @@ class Check:
     bound: float
     advice: str = ""
 
+    __repr__ = short
+
     @property
     def passed(self) -> bool:
         return bool(self.value <= self.bound)
 
+    @summary
     def __str__(self) -> str:
         word = "holds" if self.passed else "FAILED"
         return f"{self.name}: {self.value:.1e}, at most {self.bound:.1e}: {word}"

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import choice, function, plain
+from skancf.arguments import choice, function, plain, text
+from skancf.columns import columns
 from skancf.equality import by_value
 from skancf.errors import InputError, finite, number, positive, shown
 from skancf.functions import called
@@ -222,6 +223,38 @@ class Table(Tabulated):
         choice("kind", self.kind, ("linear", "smooth"))
         object.__setattr__(self, "values", tuple(values.tolist()))
 
+    @classmethod
+    def of(
+        cls, table: Any, time: str = "time", value: str = "factor", kind: str = "linear"
+    ) -> "Table":  # fmt: skip
+        """The function of time in two columns of a table, or in a Series over its index.
+
+        Parameters
+        ----------
+        table
+            A DataFrame, a Series of pandas, a mapping from names to columns, a structured array, or the path of a ``.csv``
+            file. Titles may have a unit, as in ``"time (s)"``.
+        time, value : str
+            Names of the two columns.
+        kind : {"linear", "smooth"}
+
+        Raises
+        ------
+        InputError
+            For a missing column, an entry that is no finite number (its column and row are named), and for values that make
+            no :class:`Table`.
+
+        Examples
+        --------
+        >>> sk.Table.of({"time (s)": [0.0, 1.0, 2.0], "factor": [0.0, 1.0, 0.5]})(1.5)
+        0.75
+        """
+        time, value = text("time", time), text("value", value)
+        if hasattr(table, "index") and hasattr(table, "to_frame"):
+            table = {time: np.asarray(table.index), value: np.asarray(table)}
+        found = columns("table", table, (time, value))
+        return cls(found[time].tolist(), found[value].tolist(), kind)
+
     @cached_property
     def _function(self) -> Callable[[float], Any]:
         values = np.array(self.values)
@@ -325,6 +358,8 @@ class Ramp(Lasting):
     duration: float
     start: float = 0.0
 
+    __repr__ = short
+
     def __call__(self, time: float) -> float:
         return min(max((_moment(time) - self.start) / self.duration, 0.0), 1.0)
 
@@ -369,6 +404,8 @@ class Pulse(Lasting):
     duration: float
     start: float = 0.0
     shape: str = "sine"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

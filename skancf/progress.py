@@ -12,7 +12,7 @@ from skancf.arguments import flag
 from skancf.errors import InputError, shown
 from skancf.functions import called
 
-DELAY = 0.5
+DELAY = 1.0
 """Seconds after which work counts as long: shorter work shows no bar."""
 INTERVAL = 0.1
 """Seconds from one drawing of a bar to the next."""
@@ -23,7 +23,7 @@ class Progress:
     """One step of long work, as a function given as ``progress`` receives it.
 
     Every function of the library that may take long has an argument ``progress``. With True, the default, a bar appears on
-    stderr when the work has taken half a second, if stderr is a terminal or the code runs in a notebook; elsewhere nothing
+    stderr when the work has taken a second, if stderr is a terminal or the code runs in a notebook; elsewhere nothing
     is written. With False nothing is shown. A function is called with an object of this class after each step, and what it
     returns is not used. An exception in it ends the work as an error in a load would, and KeyboardInterrupt ends it as
     Ctrl-C does: what was computed is kept where the result can hold it.
@@ -95,12 +95,32 @@ def number_of(items: Any) -> int | None:
 
 
 _outermost: ContextVar["Bar | None"] = ContextVar("_outermost", default=None)
-_busy: list[Callable[[], bool]] = []
 
 
-def share_terminal(is_busy: Callable[[], bool]) -> None:
-    """Let bars wait while another line of the library, as that of the compiler, is on the terminal."""
-    _busy.append(is_busy)
+class Line:
+    """Another line of the library on the terminal, as that of the compiler: bars wait while it is on."""
+
+    @property
+    def is_on(self) -> bool:
+        """Whether it is shown."""
+        return False
+
+    def finish(self) -> None:
+        """Leave the terminal to a bar."""
+
+    def share(self) -> None:
+        """Let bars know of it."""
+        _lines.append(self)
+
+
+_lines: list[Line] = []
+
+
+def clear_bar() -> None:
+    """Take the bar that is shown from the terminal, until it is drawn again."""
+    top = _outermost.get()
+    if top is not None:
+        top.clear()
 
 
 class Bar:
@@ -169,12 +189,19 @@ class Bar:
 
     def _draw_in_time(self, note: str) -> None:
         now = time.perf_counter()
-        if now - self._last < INTERVAL or any(is_busy() for is_busy in _busy):
+        if now - self._last < INTERVAL or any(line.is_on for line in _lines):
             return
         self._last = now
         self._draw(note)
 
+    def clear(self) -> None:
+        """Take it from the terminal."""
+        if self._bar is not None:
+            self._bar.clear()
+
     def _draw(self, note: str) -> None:
+        for line in _lines:
+            line.finish()
         if self._bar is None:
             self._bar = _tqdm(self.what, self.total)
             self._bar.start_t = self._begun_by_clock()

@@ -41,29 +41,39 @@ def patches_of(system: System) -> Patches:
     return _patches[system]
 
 
-def section_forces(system: System, q: np.ndarray, points: np.ndarray, case: Case = FULL, small: bool = False) -> np.ndarray:
-    """N and M (n_elements, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
-    raw = system.shell.section_forces(q, points, case, small)
+def section_forces(
+    system: System,
+    q: np.ndarray,
+    points: np.ndarray,
+    case: Case = FULL,
+    small: bool = False,
+    elements: np.ndarray | None = None,
+) -> np.ndarray:
+    """N and M (m, 6, n) as :meth:`System.section_forces` has them; in theory `full` recovered."""
+    raw = system.shell.section_forces(q, points, case, small, elements)
     if system.assembly.recovers_bending:
-        forces, moments = np.split(_excess(system, q, points), 2, axis=1)
-        coupled = _coupled(system.assembly.section.at(points))[1]
+        forces, moments = np.split(_excess(system, q, points, elements), 2, axis=1)
+        coupled = _coupled(system.assembly.section.at(points, elements))[1]
         raw[:, 3:] += moments - np.einsum(f"{'ep' * (coupled.ndim > 2)}ji,eip->ejp", coupled, forces)
     return raw
 
 
-def strain_excess(system: System, q: np.ndarray, points: np.ndarray, z: Depth) -> np.ndarray:
-    """What recovery adds to the strains at a depth, (n_elements, n, 6); zero in theory `kirchhoff`."""
+def strain_excess(
+    system: System, q: np.ndarray, points: np.ndarray, z: Depth, elements: np.ndarray | None = None
+) -> np.ndarray:
+    """What recovery adds to the strains at a depth, (m, n, 6); zero in theory `kirchhoff`."""
     assembly: Any = system.assembly
     if not assembly.recovers_bending:
-        return np.zeros((system.geometry.n_elements, points.shape[1], 6))
+        return np.zeros((system.geometry.n_elements if elements is None else len(elements), points.shape[1], 6))
     nodal = system.shell.nodal(q)
 
-    def bending(at: np.ndarray) -> np.ndarray:
-        return np.asarray(assembly.bending_strains(nodal, at, depth_of(assembly.section.at(at), z)))
+    def bending(at: np.ndarray, some: np.ndarray | None = None) -> np.ndarray:
+        return np.asarray(assembly.bending_strains(nodal, at, depth_of(assembly.section.at(at, some), z), some))
 
     said = bending(system.geometry.inside(STENCIL)).swapaxes(1, 2)
-    out = patches_of(system).values(said, points).swapaxes(1, 2) - bending(points)
-    forces, compliance = _excess(system, q, points)[:, :3], _coupled(assembly.section.at(points))[0]
+    out = patches_of(system).values(said, points, elements).swapaxes(1, 2) - bending(points, elements)
+    forces = _excess(system, q, points, elements)[:, :3]
+    compliance = _coupled(assembly.section.at(points, elements))[0]
     out[..., IN_PLANE] -= np.einsum(f"{'ep' * (compliance.ndim > 2)}ij,ejp->epi", compliance, forces)
     return np.asarray(out)
 
@@ -86,12 +96,13 @@ def gradient(
     return system.shell.flat(np.asarray(out))
 
 
-def _excess(system: System, q: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Polynomials of what slopes of the director make of the section forces, less that itself: (n_elements, 6, n)."""
+def _excess(system: System, q: np.ndarray, points: np.ndarray, elements: np.ndarray | None) -> np.ndarray:
+    """Polynomials of what slopes of the director make of the section forces, less that itself: (m, 6, n)."""
     assembly: Any = system.assembly
     nodal = system.shell.nodal(q)
     said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
-    return np.asarray(patches_of(system).values(said, points) - assembly.bending_forces(nodal, points))
+    recovered = patches_of(system).values(said, points, elements)
+    return np.asarray(recovered - assembly.bending_forces(nodal, points, elements))
 
 
 def _coupled(section: Section) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ object that is not whole, as in a debugger or after an exception in its construc
 """
 
 import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from functools import wraps
 from math import isfinite
@@ -24,13 +24,19 @@ NOTEBOOK = "skancf.output.notebook"
 
 
 def short(self: Any) -> str:
-    """A dataclass as the call that makes it, without fields that have their defaults; a ``__repr__``."""
-    shown = []
+    """A dataclass or named tuple as the call that makes it, without fields that have their defaults; a ``__repr__``."""
+    shown = [f"{name}={brief(value)}" for name, value in _parts(self)]
+    return _cut(f"{type(self).__name__}({', '.join(shown)})", WHOLE)
+
+
+def _parts(self: Any) -> Iterator[tuple[str, Any]]:
+    """Names and values of fields that are there and have no default."""
+    if isinstance(self, tuple):
+        yield from zip(getattr(self, "_fields", ()), self, strict=False)
     for part in fields(self) if is_dataclass(self) else ():
         value = getattr(self, part.name, MISSING) if part.init and part.repr else MISSING
         if value is not MISSING and not _is_default(value, part):
-            shown.append(f"{part.name}={brief(value)}")
-    return _cut(f"{type(self).__name__}({', '.join(shown)})", WHOLE)
+            yield part.name, value
 
 
 def _is_default(value: Any, part: Any) -> bool:
@@ -145,3 +151,35 @@ def passed(checks: Any) -> str:
 def span(low: float, high: float, unit: str = "") -> str:
     """``0 to 0.5 s``."""
     return f"{low:.4g} to {high:.4g}{' ' + unit if unit else ''}" if isfinite(low + high) else "unknown"
+
+
+@summary
+def system_in_words(self: Any) -> str:
+    """Theory, mesh and unknowns of a system."""
+    mesh = self.mesh
+    sizes = [(mesh.nelements, "element"), (mesh.nvertices, "node"), (self.n_dofs, "unknown")]
+    return ", ".join([f"theory {self.geometry.theory.name}", *(counted(n, what) for n, what in sizes)])
+
+
+@summary
+def state_in_words(self: Any) -> str:
+    """A state, after the name of its class."""
+    return f"{type(self).__name__}: {of_state(self)}"
+
+
+def of_state(state: Any) -> str:
+    """What a person wants to know of a state."""
+    parts = [str(state.system)]
+    if state.time is not None:
+        parts.append(f"t = {state.time:.4g} s")
+    if state.load_factor != 1:
+        parts.append(f"load factor {state.load_factor:.5g}")
+    parts += ["small deflections"] * state.linear + [state.note] * bool(state.note)
+    return ", ".join([*parts, f"largest displacement {largest_displacement(state)}"])
+
+
+def largest_displacement(state: Any) -> str:
+    """Of the nodes of the mesh, and where that is."""
+    moved = np.linalg.norm(state.displacements, axis=0)
+    k = int(np.argmax(moved))
+    return f"{moved[k]:.4g} at ({', '.join(f'{x:.4g}' for x in state.system.mesh.p[:, k])})"

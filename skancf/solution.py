@@ -1,6 +1,5 @@
 """Fields, stresses, energies and reactions of one state of a system."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
@@ -8,31 +7,27 @@ from typing import Any
 import numpy as np
 
 from skancf.arguments import flag, plain, system_like, text
-from skancf.elements.reference import CORNERS
 from skancf.equality import by_value
-from skancf.errors import InputError, finite, number, shown, vector
+from skancf.errors import InputError, number, shown, vector
 from skancf.history import Case
 from skancf.layout.layout import vectors
-from skancf.layout.patches import averages_at_nodes
-from skancf.materials import Section
-from skancf.materials.heights import Depth, depth_of, unlike_faces
-from skancf.recovered import section_forces, strain_excess
-from skancf.showing import in_a_notebook, in_brackets, summary
+from skancf.lines import AtPlaces
+from skancf.local_fields import LocalFields
+from skancf.materials.heights import Depth, depth_of
+from skancf.reactions import Reactions
+from skancf.showing import in_a_notebook, in_brackets, state_in_words
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
-from skancf.thinness import BILINEAR, Fields, ShearForm, share_of, shear_forces
-from skancf.tolerances import ONE_PLACE, SAME_VALUE
-from skancf.true_stress import TrueStresses
+from skancf.thinness import Fields, ShearForm, share_of
+from skancf.tolerances import SAME_VALUE
 
 STRESSES = ("S11", "S22", "S33", "S23", "S13", "S12")
-# Strains of both faces that differ by no more than this part of the largest are one: there is no depth to choose.
-ONE_STRAIN = 1e-3
 
 
 @by_value
 @dataclass(frozen=True)
-class Solution(TrueStresses):
+class Solution(LocalFields, AtPlaces, Reactions):
     """One state: nodal coordinates with their system.
 
     Attributes
@@ -78,11 +73,7 @@ class Solution(TrueStresses):
     note: str = field(default="", kw_only=True)
     multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
-
-    @summary
-    def __str__(self) -> str:
-        return f"Solution: {self.said}"
+    __repr__, __str__, _repr_html_ = in_brackets, state_in_words, in_a_notebook
 
     def __post_init__(self) -> None:
         plain(self)
@@ -109,20 +100,6 @@ class Solution(TrueStresses):
             small = vector("small", self.small, n)
             # That of another state, which this one is a copy of, is dropped.
             object.__setattr__(self, "small", small if np.array_equal(self.system.undeformed + small, self.q) else None)
-
-    @property
-    def said(self) -> str:
-        """What a person wants to know of it, in one line."""
-        parts = [str(self.system)]
-        if self.time is not None:
-            parts.append(f"t = {self.time:.4g} s")
-        if self.load_factor != 1:
-            parts.append(f"load factor {self.load_factor:.5g}")
-        parts += ["small deflections"] * self.linear + [self.note] * bool(self.note)
-        moved = np.linalg.norm(self.displacements, axis=0)
-        k = int(np.argmax(moved))
-        place = ", ".join(f"{x:.4g}" for x in self.system.mesh.p[:, k])
-        return ", ".join([*parts, f"largest displacement {moved[k]:.4g} at ({place})"])
 
     @property
     def case(self) -> Case:
@@ -191,130 +168,6 @@ class Solution(TrueStresses):
         """Directors or unit normals, and their derivatives."""
         return lambda q: normals(self.system, at, q), lambda q, change: normal_rates(self.system, at, q, change)
 
-    def strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
-        """Green-Lagrange strain in the local frame at points (2, n) of every element and depth z: (n_elements, n, 6).
-
-        Order 11, 22, 33, 23, 13, 12, shear strains doubled. In theory `kirchhoff` the strain 33 (and 23, 13 of an oblique
-        law) is the one that leaves no stress, and those in the surface have, where it is curved, the lengths at z and the
-        stretch that balances bending.
-
-        Parameters
-        ----------
-        points : (2, n) array
-            In the reference square.
-        z : float or {"top", "middle", "bottom"}
-            Height above the reference surface (m); where the thickness varies, names are the faces and the middle of each
-            place. It may be left out where strain and law do not change through the thickness.
-
-        Raises
-        ------
-        InputError
-            Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
-        """
-        assembly, inside = self.system.assembly, self._inside(points)
-        depth = depth_of(self._section(points), self._chosen(z, points))
-        heat = self._heat(inside)
-        return self._of_state(lambda q: assembly.strains(self.system.shell.nodal(q), inside, depth, heat, self.linear))
-
-    def stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
-        """Second Piola-Kirchhoff stress in the local frame at points (2, n) of every element: (n_elements, n, 6) (Pa).
-
-        The law is that of the layer at z, of the lower one at an interface. Points, z and errors are those of
-        :meth:`strains`.
-        """
-        return self._stresses_of(self.strains, points, z)
-
-    def _stresses_of(self, strains: Callable[..., np.ndarray], points: np.ndarray, z: Depth | None) -> np.ndarray:
-        section, z = self._section(points), self._chosen(z, points)
-        depth = depth_of(section, z)
-        heat = self._heat(self._inside(points))
-        return self.system.assembly.stress_of(strains(points, z), section, depth, heat, small=self.linear)
-
-    def _chosen(self, z: Depth | None, points: np.ndarray) -> Depth:
-        """The depth that was asked for; if none was, the reference surface where all depths have the same."""
-        if z is not None:
-            return z
-        section = self._section(points)
-        section.layer_at(0.0)
-        low, high = (self.strains(points, face) for face in ("bottom", "top"))
-        differ = np.abs(high - low).max(initial=0.0) > ONE_STRAIN * np.abs([low, high]).max(initial=0.0)
-        if differ or not section.one_material:
-            raise unlike_faces(section)
-        return 0.0
-
-    def _section(self, points: np.ndarray) -> Section:
-        """At points (2, n) of every element."""
-        return self.system.assembly.section.at(self._inside(points))
-
-    def _inside(self, points: Any) -> np.ndarray:
-        """Local points (2, n) of the reference square, checked."""
-        local = finite("points", points)
-        if local.ndim != 2 or local.shape[0] != 2 or np.abs(local - 0.5).max(initial=0.0) > 0.5 + ONE_PLACE:
-            raise InputError(
-                f"points of shape {local.shape}: give points of the reference square as an array (2, n), "
-                "from 0 to 1; at places of the parameter plane there are displacement and position"
-            )
-        return self.system.geometry.inside(local)
-
-    def _heat(self, points: np.ndarray) -> np.ndarray | None:
-        """Temperature change T0 and T1, (2, n_elements, n), or None."""
-        return self.system.shell.temperature(points, self.case)
-
-    def section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
-        r"""Membrane forces and moments per length in the local frame at points of every element: (n_elements, 6, n).
-
-        :math:`N_{11}, N_{22}, N_{12}` (N/m) and :math:`M_{11}, M_{22}, M_{12}` (N), integrals of the stress and of z times
-        the stress over the thickness, per length of the reference surface, which balance the loads: of a curved surface with
-        the curvature b the stress counts with the lengths at its height, :math:`\sigma - z (\sigma \operatorname{tr} b -
-        \tfrac12 (b \sigma + \sigma b))`.
-
-        Parameters
-        ----------
-        points : (2, n) array, optional
-            In the reference square. Default: the four corners.
-        """
-        inside = self._inside(CORNERS.T if points is None else points)
-        return self._of_state(lambda q: self.system.shell.section_forces(q, inside, self.case, self.linear))
-
-    def recovered_section_forces(self, points: np.ndarray | None = None) -> np.ndarray:
-        """Section forces as :meth:`section_forces`, in theory `full` with better moments: (n_elements, 6, n).
-
-        Slopes of its bilinear directors are good in the middles of elements, and of first order at corners: moments come
-        from polynomials through the middles; of one row of elements they tell no more across it than the row does.
-        """
-        inside = self._inside(CORNERS.T if points is None else points)
-        return self._of_state(lambda q: section_forces(self.system, q, inside, self.case, self.linear))
-
-    def recovered_strains(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
-        """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
-        z, inside = self._chosen(z, points), self._inside(points)
-        more = self._of_state(lambda q: strain_excess(self.system, q, inside, z))
-        return np.asarray(self.strains(points, z) + more)
-
-    def recovered_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
-        """Stress as :meth:`stresses`, of :meth:`recovered_strains`."""
-        return self._stresses_of(self.recovered_strains, points, z)
-
-    def _of_state(self, quantity: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """A quantity of the nodal coordinates; of a small-deflection answer its value at rest and its linear part."""
-        return np.asarray(self.model.value(quantity, self.unknowns))
-
-    def shear_forces(self, points: np.ndarray | None = None) -> np.ndarray:
-        """Transverse shear forces Q1, Q2 per length that balance the moments, theory `kirchhoff`: (n_elements, 2, n) (N/m).
-
-        Parameters
-        ----------
-        points : (2, n) array, optional
-            In the reference square. Default: the middle, where they are most accurate; see
-            :func:`skancf.thinness.shear_forces`.
-        """
-        inside = self._inside(np.array([[0.5], [0.5]]) if points is None else points)
-        system, case = self.system, self.case
-        if system.geometry.theory.shear:
-            raise InputError("shear forces from equilibrium are for theory 'kirchhoff'; in 'full' the shear has a strain")
-        moments = self._of_state(lambda q: system.shell.section_forces(q, BILINEAR[0], case, self.linear)[:, 3:])
-        return shear_forces(system, self.q, moments, inside, case)
-
     @property
     def shear_share(self) -> float:
         """By which part transverse shear, which theory `kirchhoff` leaves out, would change the strain energy, edge layers
@@ -354,22 +207,6 @@ class Solution(TrueStresses):
         energy = self.strain_energy
         return 0.0 if energy <= SAME_VALUE * heat else float(thin.rest_energy(rest) / energy)
 
-    def nodal_section_forces(self) -> np.ndarray:
-        """Section forces at the nodes of the mesh, means over the elements that meet there: (n_mesh_nodes, 6).
-
-        In theory `full` they are those of :meth:`recovered_section_forces`, which has those of each side where sections
-        jump, at borders of zones. At a pole each node of the mesh has the frame of its own direction.
-        """
-        return self._at_nodes(self.recovered_section_forces().swapaxes(1, 2))
-
-    def _at_nodes(self, values: np.ndarray) -> np.ndarray:
-        """Averages (n_mesh_nodes, k) of values (n_elements, 4, k) at corners; at a hanging node of its edge's ends."""
-        return averages_at_nodes(self.system.geometry, values)
-
-    def nodal_stresses(self, z: Depth | None = None) -> np.ndarray:
-        """Stress (Pa) at z as :meth:`stresses` has it, at nodes as :meth:`nodal_section_forces`: (n_mesh_nodes, 6)."""
-        return self._at_nodes(self.recovered_stresses(CORNERS.T, z))
-
     @property
     def strain_energy(self) -> float:
         """Strain energy (J), that of the stress: free expansion has none."""
@@ -405,22 +242,6 @@ class Solution(TrueStresses):
                 "conditions: this state has no multipliers; those of solve, solve_linear, trace and simulate have them"
             )
         return {} if self.multipliers is None else conditions.named(self.multipliers)
-
-    def reactions(self, where: Any = None) -> np.ndarray:
-        """Sum of the support forces (3,) (N) in a state of rest, at a place or everywhere, those of springs included.
-
-        Raises
-        ------
-        InputError
-            For a state that moves: its supports also carry inertia.
-        """
-        if self.velocity is not None and np.any(self.velocity):
-            raise InputError("reactions: this state moves, and its supports also carry inertia; reactions are for statics")
-        system = self.system
-        support = self.model.support_force(self.unknowns, self.case, self.multipliers)
-        if where is None:
-            return np.asarray(system.layout.positions(support).sum(axis=0))
-        return np.asarray(system.shell.nodal(support)[system.geometry.nodes_on(where), 0].sum(axis=0))
 
     def _depths(self, at: Any, z: Depth) -> Any:
         """Depths at points (2,) or (n, 2) of the parameter plane, one for all or (n, 1)."""

@@ -5,16 +5,7 @@ from typing import Any
 import numpy as np
 
 from skancf.materials.heights import Depth
-
-ROWS, COLUMNS = [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]
-"""Of the components 11, 22, 33, 23, 13, 12."""
-
-
-def tensors(voigt: np.ndarray, doubled: float = 1.0) -> np.ndarray:
-    """Symmetric tensors (..., 3, 3) of components (..., 6), whose shear entries are ``doubled`` times too large."""
-    out = np.empty((*voigt.shape[:-1], 3, 3))
-    out[..., ROWS, COLUMNS] = out[..., COLUMNS, ROWS] = voigt / ([1.0] * 3 + [doubled] * 3)
-    return out
+from skancf.tensors import cauchy
 
 
 class TrueStresses:
@@ -24,7 +15,7 @@ class TrueStresses:
     stresses: Any
     linear: Any
 
-    def cauchy_stresses(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
+    def cauchy_stresses(self, points: np.ndarray, z: Depth | None = None, elements: np.ndarray | None = None) -> np.ndarray:
         r"""Cauchy stress, force per deformed area, at points (2, n) of every element: (n_elements, n, 6) (Pa).
 
         .. math:: \sigma = \frac{1}{J} U S U, \qquad U = \sqrt{C}, \quad J = \det U, \quad C = 1 + 2 E
@@ -40,20 +31,18 @@ class TrueStresses:
             In the reference square.
         z : float or {"top", "middle", "bottom"}
             Depth (m), undeformed.
+        elements : (m,) int array, optional
+            Some elements instead of all.
         """
-        stress, strain = self.stresses(points, z), self.strains(points, z)
-        if self.linear:
-            return np.asarray(stress)
-        squares, axes = np.linalg.eigh(np.eye(3) + 2 * tensors(strain, 2.0))
-        stretches = np.sqrt(np.where(squares > 0, squares, np.nan))
-        U = np.einsum("...ik,...k,...jk->...ij", axes, stretches, axes)
-        true = U @ tensors(stress) @ U / stretches.prod(axis=-1)[..., None, None]
-        return np.asarray(true[..., ROWS, COLUMNS])
+        stress, strain = self.stresses(points, z, elements), self.strains(points, z, elements)
+        return np.asarray(stress) if self.linear else cauchy(stress, strain)
 
-    def thickness_stretch(self, points: np.ndarray, z: Depth | None = None) -> np.ndarray:
+    def thickness_stretch(
+        self, points: np.ndarray, z: Depth | None = None, elements: np.ndarray | None = None
+    ) -> np.ndarray:
         r"""Stretch across, :math:`\sqrt{C_{33}} = \sqrt{1 + 2 E_{33}}`, at points (2, n) of every element and depth z:
         (n_elements, n).
 
         Of rubber that is stretched by :math:`\lambda` all around it is :math:`\lambda^{-2}`.
         """
-        return np.asarray(np.sqrt(1 + 2 * self.strains(points, z)[..., 2]))
+        return np.asarray(np.sqrt(1 + 2 * self.strains(points, z, elements)[..., 2]))

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from mistaken_problems import add_problems
 
 import skancf as sk
@@ -445,10 +446,11 @@ def add_states(add: Any, s: Scene) -> None:
     for name in ("displacement", "position"):
         add(f"Solution.{name}", getattr(state, name), at=place, z=0.001, kinds={"at": "numbers"})
     add("Solution.rotation", state.rotation, at=place)
-    add("Solution.section_forces", state.section_forces, points=points, takes="points:none")
-    add("Solution.shear_forces", state.shear_forces, points=points, takes="points:none")
-    add("Solution.strains", state.strains, points=points, z=0.001)
-    add("Solution.stresses", state.stresses, points=points, z=0.001)
+    for name in ("section_forces", "recovered_section_forces", "shear_forces"):
+        add(f"Solution.{name}", getattr(state, name), points=points, elements=[0, 1], takes="points:none,elements:none")
+    for name in ("strains", "stresses", "recovered_strains", "recovered_stresses", "cauchy_stresses", "thickness_stretch"):
+        add(f"Solution.{name}", getattr(state, name), points=points, z=0.001, elements=[0, 1], takes="elements:none")
+    add_places(add, state, place)
     add("Solution.nodal_stresses", state.nodal_stresses, z=0.001)
     add("Solution.shear_share_of", state.shear_share_of, elements=np.ones(4, bool), takes="elements:none")
     add("Motion.at", s.motion.at, time=0.01)
@@ -466,6 +468,46 @@ def add_states(add: Any, s: Scene) -> None:
     add("BucklingResult.shape", s.buckled.shape, i=0, size=0.1, kinds={"size": "optional"})
     add("Spectrum.peaks", s.spectrum.peaks, count=1, prominence=0.1, takes="count:none")
     add("Spectrum.compare", s.spectrum.compare, natural=[6.0, 7.0], count=1, prominence=0.1, takes="count:none")
+
+
+def add_places(add: Any, state: Any, place: Any) -> None:
+    def along(start: Any, end: Any, n: Any, side: Any) -> Any:
+        return state.along(start, end, n=n, side=side).columns
+
+    def at(points: Any, side: Any) -> Any:
+        return state.at(points, side=side).columns
+
+    values, line = state.at(place), state.along((0.0, 0.5), (1.0, 0.5), n=3)
+    add("at columns", at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
+    add("Solution.at", state.at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
+    add("along", along, start=(0.0, 0.5), end=(1.0, 0.5), n=3, side=(0.0, 1.0), aliases={"start": "points", "end": "points"},
+        takes="side:none,n:half")  # fmt: skip
+    add("Solution.through_thickness", state.through_thickness, at=place, n=2, side=(1.0, 0.0), takes="side:none")
+    add("PointValues.stress", values.stress, z=0.001, frame="global", measure="cauchy")
+    add("PointValues.strain", values.strain, z=0.001)
+    add("PointValues.unit", values.unit, name="M11")
+    add("Line.plot", line.plot, axes=Figure().subplots(), units=sk.Units(), takes="units:none,axes:none")
+    add("Arc", sk.Arc, centre=(0.5, 0.5), radius=0.1, start=0.0, end=1.0)
+    add("Solution.reactions", state.reactions, where="left", takes="where:none")
+    add(
+        "Solution.reaction_moment", state.reaction_moment, where="left", about=(0.0, 0.0, 0.0), takes="where:none,about:none"
+    )
+    add("Solution.reactions_by_support", state.reactions_by_support, about=(0.0, 0.0, 0.0), takes="about:none")
+    add("envelope", sk.envelope, states=[state], quantity="u3", at=[place], takes="at:none,states:result",
+        kinds={"states": "state", "at": "numbers"})  # fmt: skip
+    add("envelope of a function", sk.envelope, states=[state], quantity=lambda state: state.load_factor,
+        takes="states:result", kinds={"states": "state", "quantity": "function"})  # fmt: skip
+    add("Strength", sk.Strength, tension=(3.0, 1.0), compression=(2.0, 1.0), shear=1.0, interaction=-0.4)
+    add("Strength.used", sk.Strength((3.0, 1.0), (2.0, 1.0), 1.0).used, stress=np.ones(3), criterion="tsai-hill")
+    add("utilisation", sk.utilisation, state=state, strength=1e6, criterion="tresca", at=[place],
+        takes="criterion:none,at:none", kinds={"at": "numbers"})  # fmt: skip
+    add("Units", sk.Units, length="mm", force="kN", time="ms", stress="MPa", energy="J", stated=("mm", "N", "s"),
+        takes="length:none,force:none,time:none,stress:none,energy:none")  # fmt: skip
+    add("Units.of", sk.Units().of, unit="N/m")
+    add("Units.table", sk.Units().table, table=values, takes="table:result")
+    for function in (sk.output.von_mises, sk.output.tresca, sk.output.principal_stresses, sk.output.principal_directions,
+                     sk.output.signed_von_mises):  # fmt: skip
+        add(function.__name__, function, stress=np.arange(12.0).reshape(2, 6))
 
 
 def add_adaptive(add: Any, s: Scene) -> None:

@@ -42,7 +42,7 @@ def test_valid_calls_succeed(scene, capsys):
 ELSEWHERE = {
     # Results, which the library makes.
     "AdaptiveResult", "BucklingResult", "Check", "Ledger", "Modes", "Motion", "PathResult", "Progress", "RemapChange",
-    "Remapped", "Spectrum", "TheoryError", "StaticResult", "Samples", "MeshQuadTree", "Status",
+    "Remapped", "Spectrum", "TheoryError", "StaticResult", "Samples", "MeshQuadTree", "Status", "Envelope", "Utilisation",
     # Without arguments.
     "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
     "ElementQuadHermite", "Plane",

@@ -1,5 +1,6 @@
 """The pages keep their word: the tutorials run and print what they show."""
 
+import ast
 import importlib.util
 import re
 from pathlib import Path
@@ -47,6 +48,19 @@ def check_page(page: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int
 @pytest.mark.parametrize("name", tutorial.PAGES)
 def test_a_tutorial_prints_what_it_shows(name, tmp_path, monkeypatch):
     assert check_page(tutorial.PAGES[name], tmp_path, monkeypatch) >= 4, "outputs have not been found on the page"
+
+
+def test_the_first_page_runs_in_ten_lines(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    try:
+        check_rendering()
+    except SkancfError:
+        monkeypatch.setattr(output, "picture", lambda *_, **__: None)
+    (example,) = tutorial.examples(tutorial.FRONT)
+    (given,) = tutorial.run([example])
+    assert example.shown and tutorial.same(example.shown, given), given
+    statements = ast.parse(example.code).body
+    assert len(statements) <= 10
 
 
 def test_every_tutorial_is_found_and_shows_a_picture():

@@ -12,12 +12,13 @@ from PIL import Image
 import skancf as sk
 from skancf import atomic, output
 from skancf.errors import InputError, SkancfError
-from skancf.output.fields import place, readable_unit, unit, values, von_mises
+from skancf.output.fields import place, readable_unit, unit, values
 from skancf.output.files import FILE_ORDER
 from skancf.output.plane import subdivided
 from skancf.output.rendering import check_rendering
 from skancf.output.sampling import grid
 from skancf.output.style import Style, title_of
+from skancf.tensors import von_mises
 
 THICKNESS = 0.1
 

@@ -4,8 +4,8 @@ From the folder of the repository, in two minutes:
 
     .venv/bin/python docs/measure/tutorial.py
 
-Names of pages run these only, for example ``laminates`` or ``plate_with_hole``. The pictures go to docs/pictures. tests/test_docs.py runs the same
-code without touching them.
+Names of pages run these only, for example ``laminates`` or ``plate_with_hole``. The pictures go to docs/pictures.
+tests/test_docs.py runs the same code without touching them.
 """
 
 import contextlib
@@ -22,6 +22,7 @@ from PIL import Image, ImageSequence
 
 DOCS = Path(__file__).resolve().parent.parent
 PAGES = {page.stem: page for page in [DOCS / "getting_started.rst", *sorted((DOCS / "tutorials").glob("*.rst"))]}
+FRONT = DOCS / "index.rst"
 HOWTO = {page.stem: page for page in sorted((DOCS / "howto").glob("*.rst")) if page.stem != "index"}
 PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/((?:howto/)?\w+\.(?:png|gif))")
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
@@ -111,7 +112,7 @@ def renew(page: Path) -> bool:
 
 
 def main() -> None:
-    pages = {**PAGES, **HOWTO}
+    pages = {"index": FRONT, **PAGES, **HOWTO}
     results = [renew(pages[name]) for name in sys.argv[1:] or pages]
     sys.exit(not all(results))
 

@@ -10,6 +10,7 @@ from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
 from skancf.adaptive.theory_error import TheoryError, theory_error_or_why
 from skancf.adaptive.transfer import transfer
 from skancf.checks import Check
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.solving import FOUND, Status
 from skancf.statics.equilibrium import equilibrium
@@ -45,6 +46,8 @@ class Answer:
     found: Any = None
     note: str = ""
     checks: tuple[Check, ...] = ()
+
+    __repr__ = short
 
 
 class Analysis(Protocol):

@@ -31,6 +31,7 @@ from skancf.kernels.constants import BLOCK
 from skancf.meshes import MeshQuadTree, quadtree
 from skancf.problem import Problem
 from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.system.system import System
@@ -165,12 +166,17 @@ class _Found(NamedTuple):
     answer: Answer
     estimate: Estimate
 
+    def __repr__(self) -> str:
+        return short(self)
+
 
 @dataclass
 class _Clock:
     """Seconds by the name of the work."""
 
     seconds: dict[str, float]
+
+    __repr__ = short
 
     def take(self, name: str, work: Callable[..., T], *arguments: Any) -> T:
         begun = time.perf_counter()

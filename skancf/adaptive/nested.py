@@ -11,6 +11,7 @@ from skancf.adaptive.interpolation import ancestors_in
 from skancf.adaptive.rings import UNKNOWN
 from skancf.adaptive.singular import images, singular_points
 from skancf.meshes import MeshQuadTree
+from skancf.showing import short
 from skancf.theories import left_per_halving
 
 SLOWER, FASTER = 0.85, 1.5
@@ -51,6 +52,8 @@ class Nested:
     values: list[float] = field(default_factory=list)
     mesh: MeshQuadTree | None = None
     estimate: Estimate | None = None
+
+    __repr__ = short
 
     def error(self, answer: Answer) -> Estimate | None:
         """The estimate of an answer on the next mesh; None where three meshes do not tell it."""

@@ -319,6 +319,8 @@ class _Settling:
     inertia: np.ndarray
     solver: DirectSolver
 
+    __repr__ = short
+
     def residual(self, q: np.ndarray) -> np.ndarray:
         new = self.passage.new
         return new.constraints.free_part(self.passage.net_force(new, q) - self.inertia)

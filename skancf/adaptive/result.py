@@ -8,7 +8,7 @@ from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
 from skancf.equality import by_value
 from skancf.meshes import MeshQuadTree
-from skancf.showing import in_a_notebook, in_brackets, short
+from skancf.showing import in_a_notebook, in_brackets, short, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.tabular import Column, Tabular
@@ -166,6 +166,7 @@ class AdaptiveResult(Tabular):
         """
         return abs(self.value) <= self.error_bar
 
+    @summary
     def __str__(self) -> str:
         n, zero = self.solution.system.n_dofs, ", and zero lies within it" if self.is_zero else ""
         said = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit}".rstrip() + self._left_out()

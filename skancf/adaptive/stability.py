@@ -17,7 +17,7 @@ from skancf.errors import InputError
 from skancf.solution import Solution
 from skancf.statics.buckling import buckling
 from skancf.statics.eigen_checks import require_checks
-from skancf.statics.modes import moved_along
+from skancf.statics.shapes import moved_along
 from skancf.system.linearised import geometric_stiffness
 from skancf.system.system import System
 

@@ -13,6 +13,7 @@ from skancf.conditions.solver import curved
 from skancf.errors import InputError
 from skancf.linear import DirectSolver, check_backend
 from skancf.progress import Bar, ShowProgress, check_progress
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.statics.conditioned import factored_about, rows_of, solved
 from skancf.statics.corrections import skew_part
@@ -58,6 +59,8 @@ class TheoryError:
     share: float
     sound: bool = True
     note: str = ""
+
+    __repr__ = short
 
 
 NOTHING = TheoryError(0.0, 0.0)

@@ -22,7 +22,8 @@ from skancf.linear import BlockMatrix, DirectSolver, factor_shifted
 from skancf.solution import Solution
 from skancf.statics.conditioned import rows_of, solved
 from skancf.statics.eigen_checks import require_checks
-from skancf.statics.modes import Modes, modes, moved_along
+from skancf.statics.modes import Modes, modes
+from skancf.statics.shapes import moved_along
 from skancf.statics.tangents import state_tangent
 from skancf.system.system import System
 

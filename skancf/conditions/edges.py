@@ -9,6 +9,7 @@ import numpy as np
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, shown
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.tolerances import ONE_PLACE, ROOT
 
 APART = 1e-2
@@ -37,6 +38,8 @@ class Chain:
     facets: np.ndarray
     ends: np.ndarray
     closed: bool
+
+    __repr__ = short
 
     @classmethod
     def of(cls, geometry: Geometry, where: Any) -> "Chain":

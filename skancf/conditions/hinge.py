@@ -125,6 +125,8 @@ class Seam:
     sizes: np.ndarray
     apart: float
 
+    __repr__ = short
+
     @classmethod
     def of(cls, geometry: Geometry, hinge: Hinge) -> "Seam":
         names = (f"{hinge.name}: edges {shown(hinge.first)}", shown(hinge.second))

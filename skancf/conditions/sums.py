@@ -58,6 +58,11 @@ class Conditions(Sequence[Condition]):
         r""":math:`G^T \lambda`, on the left side of the equations, (n_dofs,)."""
         return np.asarray(self.gradient(q).T @ multipliers)
 
+    def forces_of(self, q: np.ndarray, multipliers: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+        """The same of each condition, by its name."""
+        for name, each, part in zip(self.names, self, self._slices, strict=True):
+            yield name, np.asarray(each.gradient(q).T @ multipliers[part])
+
     def add_curvature(self, q: np.ndarray, multipliers: np.ndarray, blocks: Blocks) -> None:
         """Add the derivative of :meth:`force` with respect to q."""
         for each, part in zip(self, self._slices, strict=True):

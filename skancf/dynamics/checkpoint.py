@@ -12,19 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import SYSTEM, instance, whole
+from skancf.arguments import SYSTEM, flag, instance, whole
 from skancf.atomic import AnyPath, as_path, check_folder, reason
 from skancf.dynamics.fingerprint import Fingerprint, difference, fingerprint_of_problem
 from skancf.dynamics.ledger import LedgerRecorder
 from skancf.dynamics.log import Log
 from skancf.dynamics.motion import Motion, Step
 from skancf.dynamics.named_state import flat, nested
+from skancf.dynamics.pieces import States
 from skancf.dynamics.recorder import Recorder
 from skancf.dynamics.run import Run, logs_of
 from skancf.dynamics.run_files import PIECE, REST, RUN, STATE, STOPPED, RunFiles, under
 from skancf.dynamics.run_lock import RunLock
 from skancf.dynamics.state import State
 from skancf.errors import InputError, SkancfError
+from skancf.showing import short
 from skancf.solving import Status
 from skancf.system.system import System
 
@@ -45,6 +47,10 @@ class Checkpoint:
         factors of the tangent are renewed then, so that a run that starts there does the same: not too often. On 1000
         elements a write takes as long as a third of a step, and new factors as ten: with the default a tenth of the time,
         or less where factors are renewed anyway.
+    in_memory : bool
+        False for a run whose states do not fit into memory: those that are written are let go, and read from the folder
+        when the motion is asked for them. The folder must stay where it is; :func:`~skancf.save` makes one file of it, a
+        piece at a time. What is kept of every step beside its state stays in memory, 2 kB or so and its records.
 
     Raises
     ------
@@ -72,9 +78,13 @@ class Checkpoint:
 
     folder: AnyPath
     every: int = 100
+    in_memory: bool = True
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         as_path("folder", self.folder)
+        object.__setattr__(self, "in_memory", flag("in_memory", self.in_memory))
         object.__setattr__(self, "every", whole("every", self.every))
 
 
@@ -97,6 +107,8 @@ class Writer:
         self.files, self.every = RunFiles(check_folder(checkpoint.folder)), checkpoint.every
         self.pieces, self.since, self.counts = 0, 0, dict.fromkeys(run.logs, 0)
         self.spent, self.began, self.time, self.finished = 0.0, clock.perf_counter(), 0.0, False
+        if not checkpoint.in_memory:
+            run.recorder.states = States(self.files, run.recorder.logs["knots"])
         self.lock = RunLock(self.files.folder)
         self.lock.take()
         try:
@@ -177,6 +189,8 @@ class Writer:
             raise self._failed(error) from error
         self.pieces += 1
         self._written(run)
+        if run.recorder.states is not None:
+            run.recorder.states.let_go(PIECE.format(self.pieces))
 
     def stopped(self, run: Run, status: Status, message: str) -> None:
         """What a run that stopped before its end has computed since the last write, where the folder still takes it."""
@@ -209,11 +223,14 @@ def _read(
     try:
         head = {name: arrays[name].item() for name in ("pieces", "status", "message", "seconds")}
         names = [PIECE.format(k) for k in range(1, head["pieces"] + 1)]
-        pieces = [files.read(name) for name in (*names, *({REST} & files.digests.keys()))]
-        for name, log in logs.items():
+        for log in logs.values():
             log.clear()
-            for piece in pieces:
-                log.add(under(name, piece))
+        for name in (*names, *({REST} & files.digests.keys())):
+            piece = files.read(name)
+            for title, log in logs.items():
+                log.add(under(title, piece))
+            if recorder.states is not None:
+                recorder.states.let_go(name)
         fits = {name: len(log) for name, log in logs.items()} == under("run.counts", arrays)
     except (KeyError, ValueError, TypeError, IndexError) as error:
         if isinstance(error, InputError):
@@ -225,7 +242,7 @@ def _read(
     return head
 
 
-def read_motion(system: System, folder: AnyPath) -> Motion:
+def read_motion(system: System, folder: AnyPath, *, in_memory: bool = True) -> Motion:
     """What a run has written to its folder, without computing: of one that was cut off, or still goes on.
 
     Parameters
@@ -234,6 +251,8 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
         The problem on the mesh with which the run began; settings of the run are not asked for.
     folder : str or Path
         Of the run's :class:`Checkpoint`.
+    in_memory : bool
+        False: states stay in the folder, and are read when the motion is asked for them.
 
     Returns
     -------
@@ -270,6 +289,8 @@ def read_motion(system: System, folder: AnyPath) -> Motion:
     outputs = known["outputs"] if known["outputs"].ndim else None
     names: dict[str, Any] = dict.fromkeys(known["record"].tolist())
     steps, recorder, ledger = Log(Step), Recorder(outputs, names), LedgerRecorder()
+    if not flag("in_memory", in_memory):
+        recorder.states = States(files, recorder.logs["knots"])
     head = _read(files, arrays, logs_of(steps, recorder, ledger), recorder, system)
     time, q, v = (arrays.get(f"run.now.{name}", np.empty(0)) for name in ("time", "q", "v"))
     if time.shape or not q.shape == v.shape == (recorder.systems[-1].n_dofs,):

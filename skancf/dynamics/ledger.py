@@ -55,6 +55,8 @@ class MeshEvent:
     again: bool = False
     """Whether the run went back to here, because the motion had outrun the fine part of the mesh."""
 
+    __repr__ = short
+
 
 @by_value
 @dataclass(frozen=True)

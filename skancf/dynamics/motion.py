@@ -14,6 +14,8 @@ from skancf.dynamics.pulls import Pulls
 from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
+from skancf.layout.layout import vectors
+from skancf.rows import Rows
 from skancf.showing import counted, in_a_notebook, in_brackets, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import Status
@@ -43,7 +45,8 @@ class Step:
 @by_value
 @dataclass(frozen=True)
 class Segment:
-    """A part of a run on one mesh and without a jump of velocities: states (n, n_dofs) at times (n,).
+    """A part of a run on one mesh and without a jump of velocities: states (n, n_dofs) at times (n,), arrays or, of runs
+    that do not fit into memory, :class:`~skancf.rows.Rows` of a file.
 
     ``outputs`` (n,) says which of them are at output times; the others are its ends. ``pulls`` are the multipliers of
     conditions, at every step.
@@ -51,8 +54,8 @@ class Segment:
 
     system: System
     times: np.ndarray
-    q: np.ndarray
-    v: np.ndarray
+    q: np.ndarray | Rows
+    v: np.ndarray | Rows
     outputs: np.ndarray
     pulls: Pulls | None = None
 
@@ -223,8 +226,8 @@ class Motion(Tabular):
     def states(self) -> Iterator[Solution]:
         """The states at the output times, each with its own system."""
         for part in self.segments:
-            for t, q, v in zip(part.times[part.outputs], part.q[part.outputs], part.v[part.outputs], strict=True):
-                yield part.solution(float(t), q.copy(), v.copy())
+            for k in np.flatnonzero(part.outputs):
+                yield part.solution(float(part.times[k]), part.q[k].copy(), part.v[k].copy())
 
     def output_ledger(self) -> Ledger:
         """The ledger at the output times."""
@@ -237,8 +240,8 @@ class Motion(Tabular):
         parts = []
         for part in self.segments:
             point = probe(part.system, at)
-            change = (part.q[part.outputs] - part.system.undeformed).reshape(-1, part.system.n_dofs // 3, 3)
-            moved = np.array([point @ nodal for nodal in change]).reshape(-1, point.shape[0], 3)
+            changes = (part.q[k] - part.system.undeformed for k in np.flatnonzero(part.outputs))
+            moved = np.array([point @ vectors(change) for change in changes]).reshape(-1, point.shape[0], 3)
             parts.append(moved[:, 0] if np.ndim(at) == 1 else moved)
         return np.concatenate(parts)
 

@@ -9,9 +9,12 @@ import numpy as np
 from skancf.dynamics.interpolation import StateInterpolation
 from skancf.dynamics.log import Log
 from skancf.dynamics.motion import Segment
+from skancf.dynamics.pieces import StateRows, States, bounds_of
 from skancf.dynamics.pulls import Pulls
 from skancf.dynamics.state import State
 from skancf.functions import called
+from skancf.rows import Rows
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, ONE_TIME
@@ -29,6 +32,8 @@ class Knot:
     v: np.ndarray
     output: bool
 
+    __repr__ = short
+
 
 @dataclass(frozen=True)
 class Pull:
@@ -38,6 +43,8 @@ class Pull:
     end: float
     acting: float
     values: np.ndarray
+
+    __repr__ = short
 
 
 class Recorder:
@@ -52,6 +59,8 @@ class Recorder:
         self.times, self.quantities = np.zeros(1) if times is None else times, quantities
         self.slack = ONE_TIME * (self.times[-1] - self.times[0] + ABOVE_ZERO)
         self.done = 0
+        self.states: States | None = None
+        """Where states are that are not here."""
         self.systems: list[System] = []
         self.logs = {"knots": Log(Knot), "records": Log(), "pulls": Log(Pull)}
 
@@ -118,6 +127,7 @@ class Recorder:
     def segments(self) -> tuple[Segment, ...]:
         """What was kept, by segments."""
         parts: list[list[Knot]] = [[] for _ in self.systems]
+        begins = bounds_of([knot.segment for knot in self.logs["knots"]])
         knots = self.logs["knots"]
         for knot, after in zip(knots, [*knots[1:], None], strict=True):
             # At the time of an event the output is the state after it.
@@ -125,9 +135,16 @@ class Recorder:
             parts[knot.segment].append(replace(knot, output=False) if late else knot)
         segments = []
         for k, (system, part) in enumerate(zip(self.systems, parts, strict=True)):
-            time, q, v, output = (np.array([getattr(knot, name) for knot in part]) for name in ("time", "q", "v", "output"))
+            time, output = (np.array([getattr(knot, name) for knot in part]) for name in ("time", "output"))
+            q, v = (self._rows(name, part, begins[k][0], system.n_dofs) for name in ("q", "v"))
             segments.append(Segment(system, time, q, v, output, _pulls(self.logs["pulls"], k)))
         return tuple(segments)
+
+    def _rows(self, name: str, part: list[Knot], first: int, n_dofs: int) -> np.ndarray | Rows:
+        """Coordinates or rates of the states of a segment, the first of which has a number."""
+        if self.states is None:
+            return np.array([getattr(knot, name) for knot in part])
+        return StateRows(self.states, name, first, (len(part), n_dofs))
 
     @property
     def records(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:

@@ -27,6 +27,7 @@ from skancf.errors import InputError, SkancfError, positive
 from skancf.functions import called
 from skancf.history import Case, knots_of
 from skancf.progress import Bar
+from skancf.showing import short
 from skancf.solving import End, Status, run_steps
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, ROUNDED_TIME
@@ -46,6 +47,8 @@ class NewMesh:
     state: State
     event: MeshEvent
     raised: float = 0.0
+
+    __repr__ = short
 
 
 class MeshPolicy(Protocol):

@@ -14,6 +14,7 @@ from skancf.atomic import reason, replacing
 from skancf.dynamics.named_state import flat
 from skancf.errors import InputError, SkancfError
 from skancf.meshes import quadtree_file
+from skancf.showing import short
 from skancf.system.system import System
 
 FORMAT = "skancf run 5"
@@ -28,6 +29,8 @@ class RunFiles:
 
     folder: Path
     digests: dict[str, str] = field(default_factory=dict)
+
+    __repr__ = short
 
     def refused(self, name: str, why: str) -> InputError:
         return InputError(f"file '{self.folder / name}': {why}; go on with what the run was begun with, or begin in another "

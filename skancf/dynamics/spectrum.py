@@ -65,6 +65,7 @@ class Match:
         """Whether exactly one does."""
         return len(self.modes) == 1
 
+    @summary
     def __str__(self) -> str:
         text = f"{self.frequency:.6g} Hz: mode {self.nearest}, {self.natural:.6g} Hz, {self.difference:+.2%}"
         if not self.found:

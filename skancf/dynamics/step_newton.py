@@ -12,6 +12,7 @@ from skancf.dynamics.state import State
 from skancf.dynamics.turning import TurningFactors
 from skancf.history import Case
 from skancf.linear import BlockMatrix, Constraints, DirectSolver
+from skancf.showing import short
 from skancf.solving import End, Status
 from skancf.system.system import System
 from skancf.tolerances import ABOVE_ZERO, ROUNDED_COORDINATE, STALLED_ENERGY
@@ -44,6 +45,8 @@ class Equations:
     rule: Rule
     start: State
     dt: float
+
+    __repr__ = short
 
     def end(self, u: np.ndarray) -> np.ndarray:
         """Nodal coordinates at the end of the step, (n_dofs,)."""

@@ -14,6 +14,7 @@ from skancf.dynamics.state import NONE, State
 from skancf.dynamics.step_newton import Effort, Equations, KeptFactors, StepCriterion, StepTangents
 from skancf.history import Case
 from skancf.linear import DirectSolver
+from skancf.showing import short
 from skancf.solving import Status, iterate
 from skancf.system.system import System
 
@@ -40,6 +41,8 @@ class StepOutcome:
     iterations: int
     factorisations: int
     message: str = ""
+
+    __repr__ = short
 
     def after(self, spent: "StepOutcome") -> "StepOutcome":
         """This outcome with the iterations of an earlier attempt counted in."""

@@ -7,6 +7,7 @@ from typing import Protocol
 from skancf.arguments import plain, whole
 from skancf.dynamics.impulses import Missed
 from skancf.errors import InputError, number, positive
+from skancf.showing import short
 from skancf.tolerances import ABOVE_ZERO
 
 
@@ -50,6 +51,8 @@ class Attempt:
     imbalance: float = 0.0
     young: bool = False
     total: float = float("inf")
+
+    __repr__ = short
 
 
 class StepControl(Protocol):
@@ -103,6 +106,8 @@ class FixedStep:
 
     dt: float
     smallest: float = 1e-6
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -306,6 +311,8 @@ class NewtonCount:
     iterations: int = 5
     largest: float = float("inf")
     smallest: float = 1e-6
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

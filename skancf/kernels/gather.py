@@ -7,6 +7,7 @@ import numpy as np
 from skancf.compiled import INNER, OPTIONS, compiled
 from skancf.kernels.constants import AXES, CORNERS, FUNCTIONS, LOCAL, MATRIX, SECOND, THIRD
 from skancf.kernels.panels import prefetch
+from skancf.showing import short
 
 
 class Maps(NamedTuple):
@@ -22,6 +23,9 @@ class Maps(NamedTuple):
     corners: np.ndarray
     kinds: np.ndarray
     values: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 @compiled(**INNER)

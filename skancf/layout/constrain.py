@@ -110,6 +110,29 @@ def _conditions(geometry: Geometry, support: Any, histories: list[Any]) -> tuple
     return nodes[kept], np.hstack([a, values])[kept] / sizes[kept, None]
 
 
+def shares_of_supports(
+    geometry: Geometry, supports: Sequence[Any], force: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    r"""The nodes (m,) that each support holds, and its share (n_nodes, 12) of the forces (n_nodes, 12) on what is held.
+
+    The force on a condition :math:`a \cdot e` is a multiple of a: those of each node are the smallest ones that add up to
+    the force there, so that conditions of several supports that are one share it equally.
+    """
+    histories = list(dict.fromkeys(chain([None], *(support.histories for support in supports))))
+    held = [_conditions(geometry, support, histories) for support in supports]
+    nodes = np.concatenate([np.empty(0, dtype=int), *(nodes for nodes, _ in held)])
+    rows = np.concatenate([np.empty((0, 12)), *(rows[:, :12] for _, rows in held)])
+    owner = np.repeat(np.arange(len(held)), [len(nodes) for nodes, _ in held])
+    out = np.zeros((len(held), len(force), 12))
+    order = np.argsort(nodes, kind="stable")
+    found, first = np.unique(nodes[order], return_index=True)
+    for node, part in zip(found, np.split(order, first[1:]), strict=True):
+        A, scales = rows[part], geometry.scales[node]
+        shares = np.linalg.lstsq(A.T, force[node] * scales, rcond=PARALLEL)[0]
+        np.add.at(out[:, node], owner[part], shares[:, None] * A / scales)
+    return [(np.unique(nodes), share) for (nodes, _), share in zip(held, out, strict=True)]
+
+
 def _own_rows(geometry: Geometry, support: Any) -> list[Any]:
     """The conditions of a support of the user's own."""
     with Noted("support.rows"):

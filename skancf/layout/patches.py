@@ -1,13 +1,14 @@
 """Polynomials through what elements around each element say where it is most accurate: in their middles."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.tolerances import OPEN_FIT
 
 STENCIL = np.array([[0.5, 0.0, 1.0, 0.5, 0.5], [0.5, 0.5, 0.5, 0.0, 1.0]])
@@ -32,6 +33,9 @@ class Cuts(NamedTuple):
 
     facets: np.ndarray
     nodes: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 @dataclass(frozen=True)
@@ -69,6 +73,8 @@ class Patches:
     scale: np.ndarray
     means: sp.csr_matrix
 
+    __repr__ = short
+
     @classmethod
     def about(cls, geometry: Geometry, cuts: Cuts, elements: np.ndarray | None = None) -> "Patches":
         """Those of some elements, by default of all, which end at cuts."""
@@ -92,9 +98,11 @@ class Patches:
         said = (self.means @ said.reshape(len(said), -1)).reshape(said.shape)
         return np.asarray(np.add.reduceat(said[self.members] @ self.weights.swapaxes(1, 2), self.starts))
 
-    def values(self, field: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """Polynomials of a field (n_elements, k, 5) at local points (2, n): (m, k, n)."""
-        return self.coefficients(field) @ self._at(points)
+    def values(self, field: np.ndarray, points: np.ndarray, places: np.ndarray | None = None) -> np.ndarray:
+        """Polynomials of a field (n_elements, k, 5) at local points (2, n) of elements, or of those at some places in the
+        list of elements: (m, k, n)."""
+        some = slice(None) if places is None else places
+        return np.asarray(self.coefficients(field)[some] @ self._at(points, some))
 
     def transposed(self, points: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What weights (m, k, n) of the values make of a field at the stencil: elements (l,), weights there (l, k, 5)."""
@@ -106,11 +114,11 @@ class Patches:
         members = np.flatnonzero(np.diff(to.indptr))
         return members, np.asarray(to[members] @ out.reshape(len(out), -1)).reshape(len(members), *out.shape[1:])
 
-    def _at(self, points: np.ndarray) -> np.ndarray:
+    def _at(self, points: np.ndarray, some: Any = slice(None)) -> np.ndarray:
         """Powers at local points (2, n) of the elements: (m, 8, n)."""
-        middle = self.geometry.parameters(STENCIL[:, :1], self.elements)
-        away = self.geometry.parameters(points, self.elements) - middle
-        return _powers(away / self.scale[:, :, None])
+        middle = self.geometry.parameters(STENCIL[:, :1], self.elements[some])
+        away = self.geometry.parameters(points, self.elements[some]) - middle
+        return _powers(away / self.scale[:, some, None])
 
 
 def _rows(

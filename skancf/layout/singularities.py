@@ -11,6 +11,7 @@ from skancf.errors import InputError, finite, shown, vector
 from skancf.functions import is_function
 from skancf.layout.geometry import Geometry
 from skancf.layout.places import NONE
+from skancf.showing import short
 from skancf.tolerances import SAME_POINT
 
 KINDS = ("force", "moment", "position", "part", "normal", "tilt", "mirror")
@@ -70,6 +71,8 @@ class Singularity:
     line: np.ndarray | None = None
     at_rest: bool = True
     moves: bool = False
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         kinds = (self.kinds,) if isinstance(self.kinds, str) else tuple(self.kinds)

@@ -28,6 +28,7 @@ from skancf.linear.constraints import Constraints
 from skancf.linear.matrix import BlockMatrix
 from skancf.linear.skew import SkewSolver
 from skancf.linear.solver import DirectSolver
+from skancf.showing import short
 from skancf.tolerances import CONDITION_HELD, CONTRADICTION, PASSED, ROUNDED_LEAST_SQUARES, SOFTEST_OF_BLOCK
 
 STIFFNESS = 1e3
@@ -251,6 +252,8 @@ class _OfRows:
 
     rows: sp.csr_matrix
     stiffness: np.ndarray
+
+    __repr__ = short
 
     def product(self, vector: np.ndarray) -> np.ndarray:
         return np.asarray(self.rows.T @ (self.stiffness * (self.rows @ vector)))

@@ -122,6 +122,8 @@ class _Sum:
     one: BlockMatrix
     other: BlockMatrix
 
+    __repr__ = short
+
     def product(self, vector: np.ndarray) -> np.ndarray:
         return self.one @ vector + self.other @ vector
 

@@ -13,6 +13,7 @@ from skancf.loads.moving import MovingForce, MovingLine
 from skancf.loads.point import DiskForce, PointForce
 from skancf.loads.pressure import FollowerPressure
 from skancf.loads.surface import Gravity, SurfaceLoad
+from skancf.loads.tables import Sampled, point_forces, sampled
 from skancf.loads.temperature import Temperature
 
 ALL = [
@@ -22,6 +23,6 @@ ALL = [
 
 __all__ = [
     "ALL", "DiskForce", "EdgeImpulse", "EdgeLoad", "EdgeMoment", "FollowerPressure", "Gravity", "Impulse", "LineLoad",
-    "Load", "MovingForce", "MovingLine", "PointForce", "PointMoment", "Singularity", "SurfaceLoad",
-    "Temperature",
+    "Load", "MovingForce", "MovingLine", "PointForce", "PointMoment", "Sampled", "Singularity", "SurfaceLoad",
+    "Temperature", "point_forces", "sampled",
 ]  # fmt: skip

@@ -10,6 +10,7 @@ from skancf.errors import vector
 from skancf.history import Case, History, check_history
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, places_of
+from skancf.showing import short
 from skancf.terms.blocks import OnElements
 from skancf.terms.protocols import Assembly
 
@@ -130,6 +131,9 @@ class Spread(NamedTuple):
     elements: np.ndarray
     points: np.ndarray
     forces: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
     def nodal(self, geometry: Geometry) -> np.ndarray:
         """Nodal forces (n_nodes, 4, 3) that do the same work."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.elements.quad_ancf import gauss
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.tolerances import ONE_PLACE
 
 STEPS, HALVINGS = 256, 60
@@ -19,6 +20,8 @@ class Pole:
     nodes: np.ndarray
     centre: np.ndarray
     plane: np.ndarray
+
+    __repr__ = short
 
     def fan(self, geometry: Geometry, radius: float, n: int, n_lines: int) -> tuple[np.ndarray, np.ndarray] | None:
         """Points (2, m) of the parameter plane under the disk and their shares of its area (m,).

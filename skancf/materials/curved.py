@@ -24,6 +24,7 @@ import numpy as np
 from skancf.errors import InputError, warn
 from skancf.materials.parallel import TRACE, area_at, curvature_at, principal_curvatures, strains_at, sums
 from skancf.materials.section import IN_PLANE, Section
+from skancf.showing import short
 from skancf.tolerances import ROUNDED_PLACE
 
 CURVED = 0.1
@@ -45,6 +46,9 @@ class Rates(NamedTuple):
     stretch: np.ndarray
     free: np.ndarray
     left: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 class CurvedSection:

@@ -17,6 +17,7 @@ from skancf.materials.point_law import PointLaw, is_point_law
 from skancf.materials.section import Section
 from skancf.materials.zone_laws import LawsOfZones, LinearAtPoints
 from skancf.materials.zones import Zone
+from skancf.showing import short
 
 
 @dataclass(frozen=True)
@@ -191,6 +192,9 @@ class Layers(NamedTuple):
     density: np.ndarray
     expansion: np.ndarray
     thinning: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
     @classmethod
     def of(cls, section: Section) -> "Layers":

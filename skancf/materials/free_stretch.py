@@ -27,6 +27,7 @@ import numpy as np
 from skancf.errors import InputError
 from skancf.materials.law import IN_PLANE
 from skancf.materials.point_law import PAIRS, PAIRS_3D, PointResponse
+from skancf.showing import short
 
 PLACES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 """Rows and columns of a tensor's six numbers."""
@@ -52,6 +53,8 @@ class FreeStretch:
     turn: np.ndarray
     volume: np.ndarray
     across: np.ndarray
+
+    __repr__ = short
 
     def respond(self, law: Callable[..., PointResponse], C: np.ndarray, *more: Any) -> PointResponse:
         """What a law then says of C (k, n), with a stress 33 of zero where k is 3; per undeformed volume."""

@@ -9,6 +9,7 @@ import numpy as np
 from skancf.errors import InputError
 from skancf.materials.law import IN_PLANE, OUT_OF_PLANE, SHEAR_CORRECTION, corrected, stiffness_of, thinning_of
 from skancf.materials.point_law import PAIRS, PAIRS_3D, PointLaw, PointResponse
+from skancf.showing import short
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +87,8 @@ class LawsOfZones:
     laws: tuple[PointLaw, ...]
     which: np.ndarray
     n_history = 0
+
+    __repr__ = short
 
     @property
     def shear_correction(self) -> float:

@@ -29,6 +29,9 @@ class Cells(NamedTuple):
     x: np.ndarray
     y: np.ndarray
 
+    def __repr__(self) -> str:
+        return short(self)
+
     def take(self, index: np.ndarray) -> "Cells":
         return Cells(*(part[index] for part in self))
 

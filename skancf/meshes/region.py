@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from skancf.arguments import plain, sequence
 from skancf.equality import by_value
 from skancf.errors import InputError, number, vector
-from skancf.showing import listed
+from skancf.showing import listed, short
 
 REGION = "regions, as stress_regions finds them or as in [Region((0.5, 0.5), (0.1, 0.1))]"
 
@@ -44,6 +44,8 @@ class Region:
     half_size: tuple[float, float]
     ratio: float = 4.0
     value: float | None = None
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

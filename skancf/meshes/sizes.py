@@ -81,6 +81,8 @@ class CellLine:
     h: np.ndarray
     s: np.ndarray
 
+    __repr__ = short
+
     @classmethod
     def of(cls, x: np.ndarray, h: np.ndarray) -> "CellLine":
         # The integral of 1/h over a linear piece is dx ln(b/a) / (b - a).

@@ -14,6 +14,7 @@ from skancf.output.tables import save_table
 from skancf.output.viewer import view
 from skancf.output.web import write_html
 from skancf.tabular import Columns
+from skancf.tensors import principal_directions, principal_stresses, signed_von_mises, tresca, von_mises
 
 __all__ = [
     "Columns",
@@ -30,11 +31,16 @@ __all__ = [
     "mesh_levels",
     "picture",
     "plot",
+    "principal_directions",
+    "principal_stresses",
     "read",
     "sample",
     "save_table",
+    "signed_von_mises",
     "spectrum_chart",
+    "tresca",
     "view",
+    "von_mises",
     "write",
     "write_html",
 ]

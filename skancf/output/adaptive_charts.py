@@ -63,6 +63,12 @@ def mesh_levels(
     ------
     InputError
         Without meshes, for another number of titles or values, and for values that are negative or all zero.
+
+    Examples
+    --------
+    >>> plate = sk.Rectangle(1.0, 1.0)
+    >>> tree = sk.meshes.quadtree(sk.meshes.uniform(plate, 2, 2), plate)
+    >>> panels = sk.output.mesh_levels([tree, tree.refined([0])])
     """
     from matplotlib.cm import ScalarMappable
 
@@ -173,6 +179,10 @@ def convergence(
     ------
     InputError
         For curves of two lengths, for curves without a positive value, and for a slope of zero.
+
+    Examples
+    --------
+    >>> axes = sk.output.convergence({"uniform": ([100, 400, 1600], [1e-2, 2.5e-3, 6e-4])}, slopes=[1.0])
     """
     texts(xlabel=xlabel, ylabel=ylabel, title=title)
     triangles: list[float] = [] if slopes is None else row("slopes", slopes).tolist()
@@ -222,6 +232,10 @@ def effectivity(
     ------
     InputError
         For curves of two lengths, x that is not positive, no curves at all, and a band that does not hold 1.
+
+    Examples
+    --------
+    >>> axes = sk.output.effectivity({"goal": ([100, 400, 1600], [0.93, 0.98, 1.01])})
     """
     texts(xlabel=xlabel, title=title)
     low, high = vector("band", band, 2).tolist()

@@ -60,6 +60,11 @@ def mesh_chart(
     Returns
     -------
     Path, or without a path the matplotlib axes
+
+    Examples
+    --------
+    >>> mesh = sk.meshes.uniform(sk.Rectangle(2.0, 1.0), 8, 4)
+    >>> axes = sk.output.mesh_chart(mesh, title="A coarse mesh")
     """
     drawable(mesh, surface)
     texts(title=title)
@@ -124,6 +129,18 @@ def field_chart(
     Returns
     -------
     Path, or without a path the matplotlib axes
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> deflection = sk.solve_linear(system).displacements[2]
+    >>> axes = sk.output.field_chart(system.mesh, deflection, label="w (m)")
     """
     drawable(mesh, surface)
     texts(label=label, title=title)
@@ -172,6 +189,11 @@ def histories_chart(
     Returns
     -------
     Path, or without a path the matplotlib axes, of several panels an array of them
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 101)
+    >>> axes = sk.output.histories_chart(times, {"tip": np.sin(9.0 * times)}, ylabel="deflection (m)")
     """
     texts(ylabel=ylabel, title=title, xlabel=xlabel)
     panels = panels_of(times, histories)

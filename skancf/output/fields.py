@@ -7,6 +7,8 @@ from skancf.materials import Section, SectionField
 from skancf.materials.heights import DEPTHS, Depth, Interface, depth_of
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import STRESSES, Solution
+from skancf.tensors import von_mises
+from skancf.units import Units
 
 STRAINS = tuple(name.replace("S", "E") for name in STRESSES)
 VECTORS = {"displacement": ("u", "m"), "velocity": ("v", "m/s")}
@@ -15,18 +17,6 @@ SHEAR = ("Q1", "Q2")
 ABOVE = 1e-9
 """Of the thickness."""
 NAMES = (*STRESSES, "mises", *STRAINS, *FORCES, *SHEAR, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3", "thickness")
-
-
-def von_mises(stress: np.ndarray) -> np.ndarray:
-    r"""Von Mises' equivalent of stresses in the order 11, 22, 33, 23, 13, 12: (..., 6) to (...), same unit.
-
-    .. math:: \sigma_v^2 = \tfrac12 [(S_{11} - S_{22})^2 + (S_{22} - S_{33})^2 + (S_{33} - S_{11})^2]
-                           + 3 (S_{23}^2 + S_{13}^2 + S_{12}^2)
-
-    Of the second Piola-Kirchhoff stress it is the usual one where strains are small, however large rotations are.
-    """
-    s11, s22, s33, s23, s13, s12 = np.moveaxis(stress, -1, 0)
-    return np.sqrt(0.5 * ((s11 - s22) ** 2 + (s22 - s33) ** 2 + (s33 - s11) ** 2) + 3 * (s23**2 + s13**2 + s12**2))
 
 
 def check_name(name: str) -> str:
@@ -56,12 +46,9 @@ def words(name: str) -> str:
     )
 
 
-def readable_unit(name: str, largest: float) -> tuple[float, str]:
-    """Factor and unit, with a prefix for stresses, that show values up to ``largest`` in few digits."""
-    if unit(name) != "Pa":
-        return 1.0, unit(name)
-    power = next((power for power in (9, 6, 3) if largest >= 10.0**power), 0)
-    return 10.0**-power, {9: "GPa", 6: "MPa", 3: "kPa", 0: "Pa"}[power]
+def readable_unit(name: str, largest: float, units: Units | None = None) -> tuple[float, str]:
+    """Factor and unit that show values up to ``largest``; stresses have a prefix for few digits where none was chosen."""
+    return (units or Units()).with_stress(largest).of(unit(name))
 
 
 def through(name: str) -> bool:

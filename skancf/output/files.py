@@ -11,10 +11,11 @@ from skancf.atomic import AnyPath, as_path, check_file, replacing
 from skancf.errors import InputError, number
 from skancf.materials import Section
 from skancf.output.collection import read_collection, write_collection
-from skancf.output.fields import values, von_mises
+from skancf.output.fields import values
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.progress import Bar, ShowProgress, check_progress, number_of
 from skancf.solution import Solution
+from skancf.tensors import von_mises
 
 FILE_ORDER = (0, 1, 2, 5, 3, 4)
 """Where the components 11, 22, 33, 12, 23, 13 of a file stand in the order 11, 22, 33, 23, 13, 12 of the library."""
@@ -87,6 +88,19 @@ def write(
     of the library has the shear in the order 23, 13, 12. Cell data ``element`` is the number of the element.
 
     The time of a state without one is its load factor if these increase, else its number.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> file = sk.output.write(sk.solve_linear(system), "plate.vtu")
+    >>> print(file.name)
+    plate.vtu
     """
     choice("cells", cells, ("flat", "curved"))
     check_progress(progress)
@@ -165,6 +179,19 @@ def read(path: AnyPath) -> Any:
     ------
     InputError
         For a file that is not there, or is no such file.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> mesh = sk.output.read(sk.output.write(sk.solve_linear(system), "plate.vtu"))
+    >>> print(mesh.point_data["displacement"].shape[1])
+    3
     """
     file = as_path("file", path)
     if not file.is_file():

@@ -33,6 +33,14 @@ def draw_cells(
     Returns
     -------
     matplotlib collection
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> figure, axes = plt.subplots(subplot_kw={"projection": "3d"})
+    >>> square = np.array([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]], float)
+    >>> cells = sk.output.draw_cells(axes, square, np.array([[0.2, 0.4, 0.8, 1.0]]))
+    >>> plt.close(figure)
     """
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 

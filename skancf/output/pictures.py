@@ -33,6 +33,19 @@ def picture(solution: Solution, path: AnyPath, **options: Any) -> Path:
         For a field, depth or file that cannot be.
     SkancfError
         On a machine that cannot draw; the message says what to install.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> file = sk.output.picture(sk.solve_linear(system), "plate.png", field="mises", scale=1e3, size=(350, 250))
+    >>> print(file.name)
+    plate.png
     """
     file, style = check_file(path, ".png"), Style(**options)
     frame = frame_of(solution, style)

@@ -66,7 +66,7 @@ def reel_of(states: Any) -> Reel:
     for k, state in enumerate(given):
         instance(f"states[{k}]", state, Solution, STATE)
     if not given:
-        raise InputError("states: there are none to show; give at least one")
+        raise InputError("states: the sequence is empty; give at least one")
     return _in_order(given)
 
 

@@ -28,6 +28,9 @@ class Grid(NamedTuple):
     cells: np.ndarray
     rim: np.ndarray
 
+    def __repr__(self) -> str:
+        return short(self)
+
 
 @dataclass(frozen=True)
 class SampledSurface:
@@ -68,6 +71,19 @@ class Samples(SampledSurface):
         Green-Lagrange strain in the local frame, order 11, 22, 33, 23, 13, 12, shear strains doubled.
     stress : (n, 6) array
         Second Piola-Kirchhoff stress in the local frame, same order (Pa).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.output.sample(sk.solve_linear(system), z="bottom")
+    >>> print(found.strain.shape[1], found.displacement.shape[1])
+    6 3
     """
 
     strain: np.ndarray
@@ -167,6 +183,19 @@ def sample(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> Samples
     ------
     InputError
         For subdivisions that are no positive whole number and a depth outside the plate.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.output.sample(sk.solve_linear(system), subdivisions=2, z="top")
+    >>> print(found.points.shape, found.stress.shape)
+    (324, 3) (324, 6)
     """
     strain, stress = sample_strain(solution, subdivisions, z)
     return Samples(**vars(sample_surface(solution, subdivisions, z)), strain=strain, stress=stress)

@@ -55,6 +55,12 @@ def spectrum_chart(
     ------
     InputError
         Without spectra, and for spectra that are zero everywhere.
+
+    Examples
+    --------
+    >>> times = np.linspace(0.0, 1.0, 1001)
+    >>> found = sk.spectrum(times, np.sin(2 * np.pi * 50.0 * times))
+    >>> axes = sk.output.spectrum_chart(found, limit=100.0)
     """
     texts(title=title, ylabel=ylabel)
     example = "a Spectrum, or labels and spectra, as in {'tip': sk.spectrum(times, values)}"

@@ -28,5 +28,11 @@ def save_table(path: AnyPath, columns: Mapping[str, Any]) -> Path:
     ------
     InputError
         For columns of different lengths, none at all, or a file that cannot be written.
+
+    Examples
+    --------
+    >>> file = sk.output.save_table("deflections.csv", {"n": [4, 8], "deflection": [1.02, 1.01]})
+    >>> print(file.read_text().splitlines()[0])
+    n,deflection
     """
     return Columns(columns).to_csv(path)

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from skancf.errors import SingularMatrix
+from skancf.showing import short
 from skancf.solving.loop import End
 from skancf.solving.status import Status
 
@@ -54,6 +55,8 @@ class Iteration:
     energies: list[float]
     residual: np.ndarray
     iterations: int
+
+    __repr__ = short
 
     @property
     def ok(self) -> bool:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skancf.errors import InputError, SingularMatrix, warn
 from skancf.problem import CHOICES
+from skancf.showing import short
 from skancf.statics.conditioned import is_loaded
 from skancf.statics.linear import small_change
 from skancf.system.linearised import Linearised
@@ -41,6 +42,8 @@ class Choice:
     theory: str
     share: float
     reason: str
+
+    __repr__ = short
 
 
 def choose(on: Callable[[Theory], System], tolerance: float) -> System:

@@ -7,6 +7,7 @@ import numpy as np
 from skancf.conditions.solver import curved, solver_at
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
+from skancf.showing import short
 from skancf.statics.corrections import StaticSystem, load_rate
 
 INVERSE_ITERATIONS = 12
@@ -23,6 +24,9 @@ class CriticalMode(NamedTuple):
     negative: int
     compliance: float = np.inf
     share: float = 1.0
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 def critical_mode(system: StaticSystem, solver: DirectSolver, state: Any, without_work: bool = False) -> CriticalMode:

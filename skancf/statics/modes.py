@@ -1,7 +1,7 @@
 """Small free vibrations about an equilibrium."""
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -12,11 +12,11 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 from skancf.arguments import whole
 from skancf.checks import Check
 from skancf.equality import by_value
-from skancf.errors import DidNotConverge, InputError, number, positive
+from skancf.errors import DidNotConverge, InputError, number
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.progress import Bar, ShowProgress, check_progress
-from skancf.showing import counted, in_a_notebook, in_brackets, passed, some, summary
+from skancf.showing import counted, in_a_notebook, in_brackets, passed, short, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments, require_same_mesh
 from skancf.statics.conditioned import conditions_in
@@ -34,6 +34,7 @@ from skancf.statics.eigen_checks import (
 )
 from skancf.statics.left_out import frequency_changes, warn_of_changes
 from skancf.statics.motions import Motions, motions_of
+from skancf.statics.shapes import moved_along, nth, swung_along
 from skancf.statics.tangents import state_tangent, warn_if_skew
 from skancf.statics.validity import warn_without_time
 from skancf.system.rigid import free_rigid_motions
@@ -148,7 +149,8 @@ class Modes(Tabular):
         --------
         >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3, 1e3), [sk.Clamp("left")])
         >>> modes = sk.modes(strip.on(sk.meshes.uniform(strip.surface, 4, 1)), 1)
-        >>> [round(float(abs(state.displacement((1.0, 0.0))[2]), 3) for state in modes.swing(0, size=0.1, frames=4)]
+        >>> swing = modes.swing(0, size=0.1, frames=4)
+        >>> [round(float(abs(state.displacement((1.0, 0.0))[2])), 3) for state in swing]
         [0.0, 0.1, 0.0, 0.1]
         """
         return swung_along(self.state, nth(self.shapes, i), size, frames)
@@ -245,6 +247,9 @@ class Pairs(NamedTuple):
     shapes: np.ndarray
     errors: np.ndarray
     allowed: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
     def of(self, order: Any) -> "Pairs":
         return Pairs(*(part[order] for part in self))
@@ -398,13 +403,6 @@ def lanczos(matrix: LinearOperator, **options: Any) -> tuple[np.ndarray, np.ndar
     return values, vectors.T
 
 
-def nth(shapes: np.ndarray, i: int) -> np.ndarray:
-    """One of some shapes; from the last one on where i is negative."""
-    if not -len(shapes) <= whole("i", i, least=-len(shapes)) < len(shapes):
-        raise InputError(f"i = {i}: there are {len(shapes)} modes, numbered from 0; ask for more by n")
-    return np.asarray(shapes[int(i)])
-
-
 def checked_count(n: int, constraints: Constraints) -> int:
     """n as a whole number from one to the number of free coordinates, or InputError."""
     n = whole("n", n, floats=True)
@@ -422,33 +420,3 @@ def check_tolerance(tolerance: float) -> float:
     if not 0 <= checked < 1:
         raise InputError(f"tolerance = {tolerance}: give the relative accuracy of the eigenvalues, less than one")
     return checked
-
-
-def _largest_inside(system: Any, mode: np.ndarray) -> float:
-    """Largest movement at the integration points: of single elements only slopes and twists of nodes may move."""
-    geometry = system.geometry
-    local = geometry.local(system.shell.nodal(mode))
-    inside = geometry.integration.gathered(
-        lambda points, e: np.einsum("ap,eai->epi", geometry.theory.position_table(points)[0], local[e])
-    )
-    return float(np.linalg.norm(inside, axis=2).max()) or 1.0
-
-
-MODE = "mode of arbitrary size"
-
-
-def moved_along(state: Solution, mode: np.ndarray, size: float | None) -> Solution:
-    """A state moved along a mode until its nodes moved by ``size`` at most; by default a tenth of the structure's extent."""
-    layout = state.system.layout
-    r = layout.positions(state.system.undeformed)
-    size = 0.1 * float(np.linalg.norm(np.ptp(r, axis=0))) if size is None else positive("size", size, "m")
-    largest = float(np.linalg.norm(layout.positions(mode), axis=1).max()) or _largest_inside(state.system, mode)
-    return Solution(state.system, state.q + size / largest * mode, load_factor=state.load_factor, note=MODE)
-
-
-def swung_along(state: Solution, mode: np.ndarray, size: float | None, frames: int) -> tuple[Solution, ...]:
-    """A period of a swing about a state along a mode, in equal parts; see :meth:`Modes.swing`."""
-    far = moved_along(state, mode, size)
-    n = whole("frames", frames, 2)
-    parts = np.sin(2 * np.pi * np.arange(n) / n)
-    return tuple(replace(far, q=state.q + part * (far.q - state.q)) for part in parts)

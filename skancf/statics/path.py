@@ -11,7 +11,7 @@ from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfErro
 from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
-from skancf.showing import FEW, counted, in_a_notebook, in_brackets, passed, span, summary
+from skancf.showing import FEW, counted, in_a_notebook, in_brackets, of_state, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
@@ -101,7 +101,7 @@ class PathResult(Tabular):
         loads = [solution.load_factor for solution in self.solutions]
         found = f"{counted(len(loads), 'equilibrium', 'equilibria')}, load factors {span(min(loads), max(loads))}"
         met = "".join(f"; {event}" for event in self.events[:FEW]) + ("; ..." if len(self.events) > FEW else "")
-        return f"PathResult: {self.status.value}, {found}, at the end {self.solution.said}{met}{passed(self.checks)}"
+        return f"PathResult: {self.status.value}, {found}; at the end: {of_state(self.solution)}{met}{passed(self.checks)}"
 
     def _table(self) -> dict[str, Column]:
         return {**states_of(self.solutions), "negative_pivots": (self.negative_pivots, "")}
@@ -224,7 +224,8 @@ def traced(
         raise InputError(f"control = {shown(control)}: give an ArcLength or a DisplacementControl")
     if not is_loaded(system, at.q, at.load_factor):
         raise InputError("no path: nothing loads the structure; give a load or a prescribed displacement")
-    with DirectSolver(system.pattern, system.constraints, backend) as solver, Bar("path", steps, progress) as bar:
+    most = steps if until is None else None
+    with DirectSolver(system.pattern, system.constraints, backend) as solver, Bar("path", most, progress) as bar:
         follower = Follower(system, solver, float(rtol), int(max_iterations), mixed)
         return _Run(system, control, follower, until, int(steps), bar).go(at)
 

@@ -19,6 +19,7 @@ import numpy as np
 from skancf.conditions.solver import curved, solver_at
 from skancf.history import Case
 from skancf.linear import BlockMatrix, DirectSolver, factor_shifted, soft_motions
+from skancf.showing import short
 from skancf.statics.conditioned import tangent_at
 from skancf.statics.corrections import StaticSystem, internal_force
 from skancf.statics.newton import NewtonResult, largest_turn
@@ -83,6 +84,8 @@ class _Flow:
     calm_enough: int
     unstable: NewtonResult | None = None
     pushes: int = 0
+
+    __repr__ = short
 
 
 class Relaxation:

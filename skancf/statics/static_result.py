@@ -6,7 +6,7 @@ from skancf.arguments import plain, whole
 from skancf.checks import Check
 from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, positive, warn
-from skancf.showing import counted, in_a_notebook, in_brackets, passed, summary
+from skancf.showing import counted, in_a_notebook, in_brackets, of_state, passed, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import OPEN, NewtonResult
@@ -98,7 +98,7 @@ class StaticResult(Tabular):
     @summary
     def __str__(self) -> str:
         steps = counted(len(self.path), "load step")
-        said = f"{self.status.value}, {self.solution.said}, {counted(self.iterations, 'iteration')} in {steps}"
+        said = f"{self.status.value}, {of_state(self.solution)}, {counted(self.iterations, 'iteration')} in {steps}"
         return f"StaticResult: {said}{passed(self.checks)}"
 
     def _table(self) -> dict[str, Column]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.history import Case
 from skancf.linear import BlockMatrix, SkewSolver
+from skancf.showing import short
 from skancf.tolerances import HELD_FORCE, RIGID, ROUNDED_COORDINATE
 
 
@@ -27,6 +28,8 @@ class Constraint:
     factor: float
     value: float
     origin: np.ndarray
+
+    __repr__ = short
 
     def correction(self, q: np.ndarray, load_factor: float, along: np.ndarray) -> float:
         """Change of the load factor that meets the equation, q moving by ``along`` with it; infinite where none does."""
@@ -51,6 +54,8 @@ class Pull:
     strength: float
     metric: BlockMatrix
     anchor: np.ndarray
+
+    __repr__ = short
 
     def force(self, q: np.ndarray) -> np.ndarray:
         return self.strength * (self.metric @ (q - self.anchor))

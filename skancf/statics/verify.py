@@ -137,6 +137,8 @@ class Balance:
     others: np.ndarray | None
     values: np.ndarray = field(default_factory=none)
 
+    __repr__ = short
+
     @classmethod
     def of_state(
         cls, system: Any, q: np.ndarray, load_factor: float, origin: np.ndarray, multipliers: np.ndarray | None = None

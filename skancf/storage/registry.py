@@ -48,7 +48,7 @@ RESULTS: dict[str, tuple[str, ...]] = {
     "dynamics.motion": ("Segment", "Step"),
     "dynamics.pulls": ("Pulls",),
     "adaptive": ("AdaptiveResult", "Level", "TheoryError"),
-    "storage.fields": ("StoredFields", "StoredState"),
+    "storage.stored": ("StoredFields", "StoredState"),
 }
 """Answers, by their rooms: kept as groups of arrays."""
 

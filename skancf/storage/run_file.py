@@ -14,8 +14,8 @@ from skancf.dynamics import Motion
 from skancf.errors import SkancfError, finite
 from skancf.solution import Solution
 from skancf.statics import BucklingResult, Modes, PathResult, StaticResult
+from skancf.storage.files import save
 from skancf.storage.problem_file import ProblemFile, read_problem
-from skancf.storage.save import save
 
 RESULT, TABLE, PICTURE, STATE, STATES = "result.h5", "table.csv", "picture.png", "state.vtu", "states.pvd"
 Columns = dict[str, Any]

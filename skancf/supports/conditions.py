@@ -20,6 +20,7 @@ from skancf.errors import InputError
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.geometry import Geometry
 from skancf.layout.singularities import Singularity, at_place
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 from skancf.theories.rows import Row, condition
 from skancf.tolerances import ONE_LINE
@@ -142,6 +143,9 @@ class SpotOfMesh(NamedTuple):
 
     geometry: Geometry
     node: int
+
+    def __repr__(self) -> str:
+        return short(self)
 
     @property
     def normal(self) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Systems built again from what they were built of, as copies, other processes and files need them."""
+"""Systems as values: compared, and built again from what they were built of for copies, other processes and files."""
 
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -13,7 +13,7 @@ from skancf.history import FULL, Case
 from skancf.layout import skfem_bridge
 from skancf.layout.layout import Layout
 from skancf.linear import BlockMatrix, Constraints
-from skancf.showing import counted, in_brackets, summary
+from skancf.showing import in_brackets, system_in_words
 from skancf.system.inertia import Inertia
 from skancf.system.rebuild import Rebuilt
 from skancf.system.unstressed import ByStrains, unstressed
@@ -68,6 +68,8 @@ class System(Rebuilt):
     588 36
     """
 
+    __repr__, __str__ = in_brackets, system_in_words
+
     def __init__(
         self, layout: Layout, shell: Shell, terms: Sequence[Term], constraints: Constraints, prescription: Prescription,
         problem: Any, conditions: Conditions,
@@ -82,13 +84,6 @@ class System(Rebuilt):
         self.others = Terms([term for term in terms if not term.load], layout.n_dofs, self.blocks)
         for term in self.terms:
             term.bind(self.blocks())
-
-    __repr__ = in_brackets
-
-    @summary
-    def __str__(self) -> str:
-        nodes, elements = (counted(n, what) for n, what in ((self.mesh.nvertices, "node"), (self.mesh.nelements, "element")))
-        return f"theory {self.geometry.theory.name}, {elements}, {nodes}, {counted(self.n_dofs, 'unknown')}"
 
     @property
     def n_dofs(self) -> int:

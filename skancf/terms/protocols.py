@@ -63,11 +63,17 @@ class Assembly(Protocol):
         """Energy of those stresses on the free strain of the temperature change, the largest it can have."""
 
     def section_forces(
-        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, *, small: bool = False
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        temperature: np.ndarray | None,
+        *,
+        small: bool = False,
+        elements: np.ndarray | None = None,
     ) -> np.ndarray:
-        """N and M in the local frame at points (2, n) of every element, (n_elements, 6, n).
+        """N and M in the local frame at points (2, n) of every element, or of some, (m,): (m, 6, n).
 
-        The temperature change is T0 and T1 there, (2, n_elements, n), or None; ``small``: to first order in it and in the
+        The temperature change is T0 and T1 there, (2, m, n), or None; ``small``: to first order in it and in the
         change of the undeformed state.
         """
 
@@ -77,10 +83,26 @@ class Assembly(Protocol):
         """Derivative (n_nodes, 4, 3) of the sum of weights (m, 6, n) times N and M at points (2, n) of elements (m,)."""
 
     def strains(
-        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        z: Any,
+        temperature: np.ndarray | None,
+        small: bool = False,
+        elements: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Strain in the local frame at a depth, or one for each place, (n_elements, n, 6), temperature and ``small`` as in
+        """Strain in the local frame at a depth, or one for each place, (m, n, 6), temperature, ``small`` and elements as in
         :meth:`section_forces`."""
+
+    def shear_forces(
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        temperature: np.ndarray | None,
+        small: bool = False,
+        elements: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Transverse shear forces of a theory that has shear strains, (m, 2, n), arguments as in :meth:`section_forces`."""
 
     def stress_of(
         self, strains: np.ndarray, section: Section, z: Any, temperature: np.ndarray | None = None, small: bool = False

@@ -167,9 +167,10 @@ class Shell(Term):
         initial = self.initial_stresses(case, small)
         return None if initial is None else self.force_of(q, initial)
 
-    def temperature(self, points: np.ndarray, case: Case) -> np.ndarray | None:
-        """Temperature change T0 and T1 at local points (2, n) of every element, (2, n_elements, n); None without one."""
-        return total(heat.temperature(points, case) for heat in self.heats)
+    def temperature(self, points: np.ndarray, case: Case, elements: np.ndarray | None = None) -> np.ndarray | None:
+        """Temperature change T0 and T1 at local points (2, n) of every element, or of some, (2, m, n); None without one."""
+        everywhere = total(heat.temperature(points, case) for heat in self.heats)
+        return everywhere if everywhere is None or elements is None else everywhere[:, elements]
 
     def thermal_energy(self, case: Case = FULL) -> float:
         """Strain energy of the undeformed state under the temperature change of a case (J), the largest it can cause."""
@@ -178,10 +179,13 @@ class Shell(Term):
         at_full = Case(time=case.time)
         return case.factor**2 * self.assembly.thermal_energy(lambda points: np.asarray(self.temperature(points, at_full)))
 
-    def section_forces(self, q: np.ndarray, points: np.ndarray, case: Case = FULL, small: bool = False) -> np.ndarray:
-        """N and M in the local frame at local points (2, n) of every element, (n_elements, 6, n), see
+    def section_forces(
+        self, q: np.ndarray, points: np.ndarray, case: Case = FULL, small: bool = False, elements: np.ndarray | None = None
+    ) -> np.ndarray:
+        """N and M in the local frame at local points (2, n) of every element, or of some, (m, 6, n), see
         :meth:`skancf.terms.protocols.Assembly.section_forces`."""
-        return self.assembly.section_forces(self.nodal(q), points, self.temperature(points, case), small=small)
+        heat = self.temperature(points, case, elements)
+        return self.assembly.section_forces(self.nodal(q), points, heat, small=small, elements=elements)
 
     def largest_turn(self, change: np.ndarray) -> float:
         """Largest change of a slope, r_x or r_y of a node, relative to the slope's undeformed length."""

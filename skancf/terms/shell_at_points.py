@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.elements.reference import CORNERS
 from skancf.history import FULL, Case
+from skancf.showing import short
 from skancf.terms.protocols import Assembly
 from skancf.terms.shell import Shell, total
 
@@ -22,6 +23,8 @@ class Extrapolated:
 
     answer: Any
     stresses: np.ndarray
+
+    __repr__ = short
 
 
 class ShellAtPoints(Shell):

@@ -13,6 +13,7 @@ from skancf.kernels.constants import BLOCK
 from skancf.linear import BlockPattern
 from skancf.meshes import uniform
 from skancf.problem import Problem
+from skancf.showing import short
 from skancf.vectors import rotation
 
 TURN = (0.7, -1.6, 1.1)
@@ -42,6 +43,8 @@ class Report:
 
     errors: dict[str, float] = field(default_factory=dict)
     unchanged: bool | None = None
+
+    __repr__ = short
 
     def add(self, what: str, error: float) -> None:
         self.errors[what] = max(error, self.errors.get(what, 0.0))

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from skancf.kernels.constants import AXES, R_X, R_Y, VECTORS
+from skancf.showing import short
 
 
 class Row(NamedTuple):
@@ -18,6 +19,9 @@ class Row(NamedTuple):
     a: np.ndarray
     value: Any = 0.0
     own: bool = False
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 class Spot(Protocol):

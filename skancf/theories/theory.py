@@ -1,7 +1,7 @@
 """What the rest of the library knows of a theory."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -143,6 +143,10 @@ class Theory(Protocol):
 
     def normal_rates(self, local: np.ndarray, rates: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
         """Its rate for rates of the local vectors, (n_elements, 3, n)."""
+
+    def bases(self, local: np.ndarray, points: np.ndarray, side: np.ndarray, z: Any) -> np.ndarray:
+        """Tangent vectors at a height z, or one for each place, along the reference square and across: columns of
+        (n_elements, n, 3, 3)."""
 
 
 def left_per_halving(theory: Theory) -> float:

@@ -17,7 +17,14 @@ BILINEAR = square_quadrature(2)
 """Points where the moments are taken, and their weights."""
 
 
-def shear_forces(system: System, q: np.ndarray, moments: np.ndarray, points: np.ndarray, case: Case = FULL) -> np.ndarray:
+def shear_forces(
+    system: System,
+    q: np.ndarray,
+    moments: np.ndarray,
+    points: np.ndarray,
+    case: Case = FULL,
+    elements: np.ndarray | None = None,
+) -> np.ndarray:
     r"""Transverse shear forces per length that balance the moments of a thin state: (n_elements, 2, n) (N/m).
 
     .. math::
@@ -38,6 +45,8 @@ def shear_forces(system: System, q: np.ndarray, moments: np.ndarray, points: np.
         Of the reference square.
     case : Case
         Of the loads: a temperature change and eccentric weight have moments of their own.
+    elements : (m,) int array, optional
+        Those of the moments; default all.
 
     Examples
     --------
@@ -52,8 +61,8 @@ def shear_forces(system: System, q: np.ndarray, moments: np.ndarray, points: np.
     >>> print(Q.shape)
     (36, 2, 1)
     """
-    Q = balancing(system.geometry, moments, points)
-    more = coupled(system, q, points, case)
+    Q = balancing(system.geometry, moments, points, elements)
+    more = coupled(system, q, points, case, elements)
     return Q if more is None else Q + more
 
 

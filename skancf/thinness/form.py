@@ -25,6 +25,7 @@ import numpy as np
 
 from skancf.history import FULL, Case
 from skancf.materials import Section
+from skancf.showing import short
 from skancf.system.linearised import Model
 from skancf.system.system import System
 from skancf.terms.load import LoadTerm
@@ -50,6 +51,8 @@ class Fields:
     Q: np.ndarray
     twisting: np.ndarray
     sliding: np.ndarray
+
+    __repr__ = short
 
 
 class ShearForm:

@@ -8,6 +8,7 @@ import numpy as np
 from skancf.history import FULL, Case
 from skancf.kernels.constants import R_X, R_Y, R
 from skancf.layout.singularities import Singularity, beside_each_other, nodes_at
+from skancf.showing import short
 from skancf.surfaces import normal
 from skancf.system.regularity import facets_of, singularities
 from skancf.system.system import System
@@ -57,6 +58,8 @@ class Rim:
     held: np.ndarray
     kinds: np.ndarray
     found: list[Singularity]
+
+    __repr__ = short
 
     @property
     def tilting(self) -> np.ndarray:

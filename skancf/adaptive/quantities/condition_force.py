@@ -8,6 +8,7 @@ import numpy as np
 from skancf.arguments import STATE, instance, plain, text
 from skancf.equality import by_value
 from skancf.errors import InputError, unit_vector
+from skancf.showing import short
 from skancf.solution import Solution
 
 
@@ -51,6 +52,8 @@ class ConditionForce:
     direction: tuple[float, float, float] | None = None
 
     unit: ClassVar[str] = "N"
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

@@ -14,6 +14,7 @@ from skancf.functions import is_function, true_at
 from skancf.history import Case
 from skancf.kernels.constants import AXES, FUNCTIONS
 from skancf.layout.geometry import Geometry
+from skancf.showing import short
 from skancf.terms.forms.fields import THICK, THIN, VELOCITY, Fields, Jet
 from skancf.theories.full.theory import D1, D2, R1, R2, D
 from skancf.theories.full.theory import jet_table as thick_table
@@ -44,6 +45,8 @@ class Chunk:
     points: np.ndarray
     weights: np.ndarray
     given: dict[str, np.ndarray]
+
+    __repr__ = short
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -25,6 +25,8 @@ from skancf.tolerances import ROUNDED_PLACE
 
 ALL, BENDING = slice(None), slice(3, N_IN_PLANE)
 """All strains, and those with slopes of the director."""
+SHEARED = [4, 3]
+"""The stresses 13 and 23."""
 
 
 class FullAssembly(CompiledAssembly):
@@ -91,24 +93,57 @@ class FullAssembly(CompiledAssembly):
         return free, laws, to_local, volume * weights * over_points(thicknesses)
 
     def section_forces(
-        self, q: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, small: bool = False
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        temperature: np.ndarray | None,
+        small: bool = False,
+        elements: np.ndarray | None = None,
     ) -> np.ndarray:
-        return self._resultants(lambda depth: self.strains(q, points, depth, temperature, small), points, temperature, small)
+        z, w, stress = self._through_thickness(
+            lambda depth: self.strains(q, points, depth, temperature, small, elements), points, temperature, small, elements
+        )
+        return self._resultants(z, w, stress, points, elements)
 
-    def bending_forces(self, q: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """The part of the section forces (n_elements, 6, n) that slopes of the director make."""
-        return self._resultants(lambda depth: self.bending_strains(q, points, depth), points)
+    def bending_forces(self, q: np.ndarray, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
+        """The part of the section forces (m, 6, n) that slopes of the director make."""
+        z, w, stress = self._through_thickness(
+            lambda depth: self.bending_strains(q, points, depth, elements), points, elements=elements
+        )
+        return self._resultants(z, w, stress, points, elements)
+
+    def shear_forces(
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        temperature: np.ndarray | None,
+        small: bool = False,
+        elements: np.ndarray | None = None,
+    ) -> np.ndarray:
+        z, w, stress = self._through_thickness(
+            lambda depth: self.strains(q, points, depth, temperature, small, elements), points, temperature, small, elements
+        )
+        b11, b22, b12 = np.moveaxis(self._curvature(points, elements), -1, 0)
+        t1, t2 = np.moveaxis(stress[..., SHEARED], -1, 0)
+        z, w = over_points(z), over_points(w)
+        across = [t1 - z * (b22 * t1 - b12 * t2), t2 - z * (b11 * t2 - b12 * t1)]
+        return np.stack([(w * part).sum(axis=0) for part in across], axis=1)
+
+    def _through_thickness(
+        self, strains: Callable[[Any], np.ndarray], points: np.ndarray, temperature: np.ndarray | None = None,
+        small: bool = False, elements: np.ndarray | None = None,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+        """Heights, their weights, and stresses (n_z, m, n, 6) there of strains (m, n, 6) at a depth."""
+        section = self.section.at(points, elements)
+        z, w, _ = section.through(self.resultant_points)
+        return z, w, np.stack([self.stress_of(strains(depth), section, depth, temperature, small) for depth in z])
 
     def _resultants(
-        self, strains: Callable[[Any], np.ndarray], points: np.ndarray, temperature: np.ndarray | None = None,
-        small: bool = False,
-    ) -> np.ndarray:  # fmt: skip
-        """N and M (n_elements, 6, n) at points of strains (n_elements, n, 6) at a depth."""
-        section = self.section.at(points)
-        z, w, _ = section.through(self.resultant_points)
-        stress = [self.stress_of(strains(depth), section, depth, temperature, small) for depth in z]
-        plane = np.stack(stress)[..., IN_PLANE]
-        plane = plane - over_points(z)[..., None] * np.einsum("epij,zepj->zepi", self._shorter(points), plane)
+        self, z: np.ndarray, w: np.ndarray, stress: np.ndarray, points: np.ndarray, elements: np.ndarray | None
+    ) -> np.ndarray:
+        """N and M (m, 6, n) of stresses through the thickness."""
+        plane = stress[..., IN_PLANE]
+        plane = plane - over_points(z)[..., None] * np.einsum("epij,zepj->zepi", self._shorter(points, elements), plane)
         return np.concatenate([np.einsum("zep,zepi->eip", over_points(w * z**k), plane) for k in (0, 1)], axis=1)
 
     def _shorter(self, points: np.ndarray, elements: np.ndarray | None = None) -> np.ndarray:
@@ -145,19 +180,26 @@ class FullAssembly(CompiledAssembly):
         return section.thermal_strain_of_one_director(z, *temperature)
 
     def strains(
-        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        z: Any,
+        temperature: np.ndarray | None,
+        small: bool = False,
+        elements: np.ndarray | None = None,
     ) -> np.ndarray:
-        return self._strains(q, points, z, ALL)
+        return self._strains(q, points, z, ALL, elements)
 
-    def bending_strains(self, q: np.ndarray, points: np.ndarray, z: Any) -> np.ndarray:
+    def bending_strains(self, q: np.ndarray, points: np.ndarray, z: Any, elements: np.ndarray | None = None) -> np.ndarray:
         """The part of :meth:`strains` that slopes of the director make."""
-        return self._strains(q, points, z, BENDING)
+        return self._strains(q, points, z, BENDING, elements)
 
-    def _strains(self, q: np.ndarray, points: np.ndarray, z: Any, part: slice) -> np.ndarray:
+    def _strains(self, q: np.ndarray, points: np.ndarray, z: Any, part: slice, elements: np.ndarray | None) -> np.ndarray:
         geometry, theory = self.geometry, self.geometry.theory
-        change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
-        jets = theory.jets(geometry.undeformed_local, points)
-        to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.asarray(z)[None])
+        before = geometry.undeformed_local[slice(None) if elements is None else elements]
+        change = theory.strains(geometry.local(q, elements), points) - theory.strains(before, points)
+        jets = theory.jets(before, points)
+        to_local, _ = covariant_to_local(jets, geometry.tangents(points, elements), np.asarray(z)[None])
         return np.einsum("vken,ekn->env", to_local[0][:, part], change[:, part], optimize=True)
 
 

@@ -193,26 +193,35 @@ class FullPointAssembly(AtPoints, FullAssembly):
         return square(found.stiffness, PAIRS, (1,))[0]
 
     def strains(
-        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        z: Any,
+        temperature: np.ndarray | None,
+        small: bool = False,
+        elements: np.ndarray | None = None,
     ) -> np.ndarray:
         if small and temperature is not None:
-            out = self.strains(q, points, z, None)
+            out = self.strains(q, points, z, None, elements=elements)
             if not np.iscomplexobj(out):  # in the undeformed state
-                section, heights = self._at(points)
-                held = self._held(section, heights, self._matrices(points)[1], *temperature)[2]
+                section, heights = self._at(points, elements)
+                held = self._held(section, heights, self._matrices(points, elements)[1], *temperature)[2]
                 out[..., THICKNESS] += (z - _middle(section)) * held
             return out
         geometry, theory = self.geometry, self.theory
-        change = theory.strains(geometry.local(q), points) - theory.strains(geometry.undeformed_local, points)
-        jets = theory.jets(geometry.undeformed_local, points)
-        to_local, _ = covariant_to_local(jets, geometry.tangents(points), np.array([z]))
+        before = geometry.undeformed_local[slice(None) if elements is None else elements]
+        change = theory.strains(geometry.local(q, elements), points) - theory.strains(before, points)
+        to_local, _ = covariant_to_local(theory.jets(before, points), geometry.tangents(points, elements), np.array([z]))
         out = np.einsum("vken,ekn->env", to_local[0], change, optimize=True)
-        out[..., THICKNESS] += (z - _middle(self.section.at(points))) * self._across(change, points, temperature)
+        arm = z - _middle(self.section.at(points, elements))
+        out[..., THICKNESS] += arm * self._across(change, points, temperature, elements)
         return out
 
-    def _across(self, change: np.ndarray, points: np.ndarray, temperature: np.ndarray | None) -> np.ndarray:
+    def _across(
+        self, change: np.ndarray, points: np.ndarray, temperature: np.ndarray | None, elements: np.ndarray | None = None
+    ) -> np.ndarray:
         """Factor of the strain across that is linear in z, (m, n), of strains (m, 14, n), complex ones too, at points."""
-        alpha, rates = self._across_with_rates(change.real, points, temperature)
+        alpha, rates = self._across_with_rates(change.real, points, temperature, elements)
         if not np.iscomplexobj(change):
             return alpha
         return np.asarray(alpha + 1j * np.einsum("ken,ekn->en", rates, change.imag))

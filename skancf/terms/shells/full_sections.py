@@ -9,6 +9,7 @@ from skancf.layout.geometry import Geometry
 from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.memory import require_shapes
+from skancf.showing import short
 from skancf.terms.shells.classes import classes, key_of, rounding_of
 from skancf.theories.full.theory import N_IN_PLANE, R1, R2, TERMS, Full, local_frame, section_stiffness
 from skancf.tolerances import ROUNDED_VALUE
@@ -44,6 +45,8 @@ class Sections:
     sampled: np.ndarray
     moments: np.ndarray
     areas: np.ndarray
+
+    __repr__ = short
 
 
 def build_sections(geometry: Geometry, section: Section | SectionsOnMesh) -> Sections:

@@ -233,11 +233,17 @@ class ThinAssembly(CompiledAssembly):
         return np.flatnonzero(self.sections.assumed[self.sections.shape[elements]] == 0)
 
     def strains(
-        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        z: Any,
+        temperature: np.ndarray | None,
+        small: bool = False,
+        elements: np.ndarray | None = None,
     ) -> np.ndarray:
-        parts, b = self.section_strains(q, points)
-        free = np.zeros(6) if temperature is None else self._free_in(self.section.at(points), z, temperature)
-        out, curved = free + np.zeros((*b.shape[:-1], 6), parts.dtype), self.curved_at(points)
+        parts, b = self.section_strains(q, points, elements)
+        free = np.zeros(6) if temperature is None else self._free_in(self.section.at(points, elements), z, temperature)
+        out, curved = free + np.zeros((*b.shape[:-1], 6), parts.dtype), self.curved_at(points, elements)
         elastic = curved.strain_at(b, z, parts, temperature) - out[:, :, IN_PLANE]
         out[:, :, IN_PLANE] += elastic
         # The others follow from S33 = S23 = S13 = 0.

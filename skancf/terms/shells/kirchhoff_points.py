@@ -158,11 +158,17 @@ class ThinPointAssembly(AtPoints, ThinAssembly):
         return square(found.stiffness, EVERY_PAIR, b.shape[:-1])
 
     def strains(
-        self, q: np.ndarray, points: np.ndarray, z: Any, temperature: np.ndarray | None, small: bool = False
+        self,
+        q: np.ndarray,
+        points: np.ndarray,
+        z: Any,
+        temperature: np.ndarray | None,
+        small: bool = False,
+        elements: np.ndarray | None = None,
     ) -> np.ndarray:
         if small and temperature is not None:
-            return super().strains(q, points, z, temperature)
-        (parts, b), section = self.section_strains(q, points), self.section.at(points)
+            return super().strains(q, points, z, temperature, elements=elements)
+        (parts, b), section = self.section_strains(q, points, elements), self.section.at(points, elements)
         out = np.zeros((*b.shape[:-1], 6), parts.dtype)
         if np.iscomplexobj(parts):  # a small change of the undeformed state
             out[..., IN_PLANE] = (strains_at(b, z)[..., :3, :] @ parts[..., None])[..., 0]

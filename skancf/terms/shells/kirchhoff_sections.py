@@ -9,6 +9,7 @@ from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.curved import CurvedSection
 from skancf.memory import require_shapes
+from skancf.showing import short
 from skancf.terms.shells.classes import classes, key_of, rounding_of
 from skancf.theories.kirchhoff.point import DOUBLED, dot, strain
 from skancf.theories.kirchhoff.theory import covariant_to_local, local_frame, rest_factors
@@ -58,6 +59,8 @@ class ThinSections:
     curvature: np.ndarray
     moments: np.ndarray
     areas: np.ndarray
+
+    __repr__ = short
 
 
 def build_thin_sections(geometry: Geometry, section: Section | SectionsOnMesh) -> ThinSections:

@@ -15,6 +15,7 @@ from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
 from skancf.materials.point_law import FINE, PointLaw, why
 from skancf.materials.zone_laws import LawsOfZones
+from skancf.showing import short
 from skancf.terms.protocols import Heat
 from skancf.terms.shells.shell import CompiledAssembly
 from skancf.tolerances import NO_CHANGE
@@ -58,6 +59,8 @@ class Answer:
     stress: np.ndarray
     law: np.ndarray
     code: np.ndarray
+
+    __repr__ = short
 
 
 class AtPoints(CompiledAssembly):

@@ -12,6 +12,7 @@ import numpy as np
 from skancf.compiled import INNER, OPTIONS, compiled
 from skancf.kernels.constants import AXES, CORNERS, FUNCTIONS, POINTS
 from skancf.kernels.gather import gather
+from skancf.showing import short
 from skancf.theories.full.nodes import N_POSITION
 from skancf.theories.full.point import in_plane
 from skancf.theories.full.theory import N_IN_PLANE, N_STRAINS
@@ -31,6 +32,9 @@ class Elements(NamedTuple):
     reference: np.ndarray
     law: np.ndarray
     sampled: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 class Tables(NamedTuple):
@@ -57,6 +61,9 @@ class Tables(NamedTuple):
     sample_rows: np.ndarray
     pairs: np.ndarray
     coupled: bool
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 @compiled(**INNER)

@@ -12,6 +12,7 @@ integrated through the thickness once per mesh, so a point costs the same for an
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -176,6 +177,11 @@ class Full(DirectorNodes):
     def normal_rates(self, local: np.ndarray, rates: np.ndarray, points: np.ndarray, side: np.ndarray) -> np.ndarray:
         """Rate of the director (n_elements, 3, n)."""
         return self.normals(rates, points, side)
+
+    def bases(self, local: np.ndarray, points: np.ndarray, side: np.ndarray, z: Any) -> np.ndarray:
+        """Tangent vectors at a height z, or one for each place, and the director: columns of (n_elements, n, 3, 3)."""
+        r1, r2, d1, d2, d = self.jets(local, points)
+        return np.moveaxis(np.stack([r1 + z * d1, r2 + z * d2, d]), (0, 1), (-1, -2))
 
     @cached_property
     def quadrature(self) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from skancf.compiled import INNER, OPTIONS, compiled
 from skancf.kernels.constants import AXES, FUNCTIONS, POINTS
 from skancf.kernels.gather import gather, scatter_force
 from skancf.kernels.panels import add_panel, set_panel
+from skancf.showing import short
 
 N_STRAINS, N_MEMBRANE = 6, 3
 N_JETS = 5
@@ -42,6 +43,9 @@ class Elements(NamedTuple):
     assumed: np.ndarray
     rest: np.ndarray
 
+    def __repr__(self) -> str:
+        return short(self)
+
 
 class Tables(NamedTuple):
     """What elements share: tables of each kind of integration points, the first of which are the Gauss points.
@@ -62,6 +66,9 @@ class Tables(NamedTuple):
     kept: np.ndarray
     fit: np.ndarray
     pairs: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 @compiled(**INNER)

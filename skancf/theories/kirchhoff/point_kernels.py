@@ -17,6 +17,7 @@ from skancf.compiled import INNER, OPTIONS, compiled
 from skancf.kernels.constants import AXES, FUNCTIONS, POINTS
 from skancf.kernels.gather import gather
 from skancf.kernels.panels import add_panel, set_panel
+from skancf.showing import short
 from skancf.theories.kirchhoff.kernels import (
     JETS,
     N_MEMBRANE,
@@ -43,6 +44,9 @@ class Places(NamedTuple):
     side: np.ndarray
     areas: np.ndarray
     rest: np.ndarray
+
+    def __repr__(self) -> str:
+        return short(self)
 
 
 @compiled(**INNER)

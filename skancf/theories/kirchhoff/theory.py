@@ -17,6 +17,7 @@ they are.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
@@ -158,6 +159,14 @@ class Kirchhoff(HermiteNodes):
         jet, moved = self.jets(local, points), self.jets(rates, points)
         n = unit_normal(jet) * side[:, None]
         return np.asarray(np.moveaxis(-sum(a * dot(n, v) for a, v in zip(dual(jet), moved[:2], strict=True)), 0, 1))
+
+    def bases(self, local: np.ndarray, points: np.ndarray, side: np.ndarray, z: Any) -> np.ndarray:
+        """Tangent vectors at a height z, or one for each place, and the unit normal: columns of (n_elements, n, 3, 3)."""
+        jet = self.jets(local, points)
+        n, duals = unit_normal(jet) * side[:, None], dual(jet)
+        r11, r22, r12 = (dot(n, jet[ab]) for ab in SECOND)
+        slopes = [-(one * duals[0] + two * duals[1]) for one, two in ((r11, r12), (r12, r22))]
+        return np.moveaxis(np.stack([jet[0] + z * slopes[0], jet[1] + z * slopes[1], n]), (0, 1), (-1, -2))
 
 
 def local_frame(jet: np.ndarray, first: np.ndarray, side: np.ndarray) -> np.ndarray:

@@ -12,11 +12,11 @@ from skancf.dynamics import Motion
 from skancf.errors import InputError, shown
 from skancf.problem import Problem
 from skancf.storage.describe import refuse
-from skancf.storage.fields import fields_of_result
 from skancf.storage.hdf5 import Getter, Putter, plain_value, put_plain
 from skancf.storage.registry import ANSWERS, KINDS, kind_of
 from skancf.storage.rows import ID
 from skancf.storage.sampled import Sampler
+from skancf.storage.stored import fields_of_result
 from skancf.system.system import System
 from skancf.version import __version__
 

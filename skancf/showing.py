@@ -123,6 +123,11 @@ def in_a_notebook(self: Any) -> str | None:
     return page
 
 
+def looked_at(self: Any, **options: Any) -> Any:
+    """Look at it in a window, or in a notebook on a page: see :func:`skancf.output.view`."""
+    return importlib.import_module("skancf.output").view(self, **options)
+
+
 # --- words that several results use ------------------------------------------------------------------------------------
 
 

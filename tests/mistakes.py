@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from mistaken_exchange import add_exchange
 from mistaken_problems import add_problems
 
 import skancf as sk
@@ -308,6 +309,7 @@ def calls(scene: Scene) -> dict[str, Call]:
     add_adaptive(add, s)
     add_output(add, s)
     add_problems(add, s)
+    add_exchange(add, s)
     return out
 
 

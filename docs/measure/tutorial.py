@@ -26,6 +26,7 @@ FRONT = DOCS / "index.rst"
 HOWTO = {page.stem: page for page in sorted((DOCS / "howto").glob("*.rst")) if page.stem != "index"}
 PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/((?:howto/)?\w+\.(?:png|gif))")
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
+DOWNLOAD = re.compile(r":download:`[^`<]*<(files/[\w.]+)>`")
 NUMBER = re.compile(r"-?\d+\.\d+|-?\d+")
 
 
@@ -52,6 +53,12 @@ def examples(page: Path) -> list[Example]:
         elif language == "none":
             found[-1] = found[-1]._replace(shown=body)
     return found
+
+
+def lay_out(page: Path, folder: Path) -> None:
+    """Copy the files that a page offers for download, and that its code reads, to a folder."""
+    for name in DOWNLOAD.findall(page.read_text(encoding="utf-8")):
+        shutil.copy(page.parent / name, folder)
 
 
 def run(found: list[Example]) -> list[str]:
@@ -90,6 +97,7 @@ def renew(page: Path) -> bool:
     found = examples(page)
     start = os.getcwd()
     with tempfile.TemporaryDirectory() as folder:
+        lay_out(page, Path(folder))
         os.chdir(folder)
         try:
             printed = run(found)

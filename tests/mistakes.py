@@ -605,7 +605,8 @@ def add_output(add: Any, s: Scene) -> None:
     add("effectivity", o.effectivity, curves=curve, path=png, band=(0.9, 1.1), xlabel="a", title="a", ax=s.flat_axes,
         takes=drawn, aliases=file)  # fmt: skip
     add("mesh_levels", o.mesh_levels, meshes=[s.plain], path=png, surface=s.surface, titles=["a"], values=[np.ones(4)],
-        label="a", ax=[s.flat_axes], aliases=file, takes=f"titles:none,values:none,{drawn}", kinds={"meshes": "any"})  # fmt: skip
+        label="a", ax=[s.flat_axes], aliases=file, takes=f"titles:none,values:none,{drawn}",
+        kinds={"meshes": "any"})  # fmt: skip
     add("spectrum_chart", o.spectrum_chart, spectra=s.spectrum, path=png, modes=[6.0], limit=20.0, title="a", ylabel="a",
         ax=s.flat_axes, aliases={"path": "file", "modes": "natural"}, takes=f"modes:none,limit:none,{drawn}")  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),

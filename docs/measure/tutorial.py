@@ -12,6 +12,7 @@ import contextlib
 import io
 import os
 import re
+import shutil
 import sys
 import tempfile
 import textwrap

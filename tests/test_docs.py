@@ -77,6 +77,7 @@ def test_every_tutorial_is_found_and_shows_a_picture():
         "rubber",
         "rubber_shells",
         "tapers_and_zones",
+        "saving",
     }
     assert pages <= set(tutorial.PAGES)
     assert all(tutorial.pictures(page) for page in tutorial.PAGES.values())

@@ -11,7 +11,7 @@ from skancf.errors import DidNotConverge, InputError, SingularMatrix, SkancfErro
 from skancf.history import Case
 from skancf.linear import DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
-from skancf.showing import FEW, counted, in_a_notebook, in_brackets, of_state, passed, span, summary
+from skancf.showing import FEW, counted, in_a_notebook, in_brackets, looked_at, of_state, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import End, Status, run_steps
 from skancf.statics.arguments import check_arguments
@@ -94,7 +94,7 @@ class PathResult(Tabular):
     message: str = ""
     checks: tuple[Check, ...] = ()
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:

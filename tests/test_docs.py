@@ -83,6 +83,7 @@ def test_every_tutorial_is_found_and_shows_a_picture():
         "results",
         "rubber_shells",
         "tapers_and_zones",
+        "saving",
         "exchange",
     }
     assert pages <= set(tutorial.PAGES)

@@ -14,6 +14,7 @@ from skancf.layout.around import require_inside
 from skancf.materials.heights import Interface
 from skancf.optional import needed
 from skancf.point_values import COMPONENTS, PointValues
+from skancf.showing import short
 from skancf.tabular import Column, Tabular
 from skancf.tensors import principal_stresses, von_mises
 
@@ -52,6 +53,8 @@ class Arc:
     radius: float
     start: float = 0.0
     end: float = 2 * np.pi
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)

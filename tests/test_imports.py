@@ -18,7 +18,8 @@ ROOMS = [
     "optional", "tabular", "columns", "history", "progress", "compiling", "compiled", "threads", "vectors", "tensors",
     "elements", "surfaces", "linear", "kernels", "solving", "materials", "meshes", "theories", "layout", "terms",
     "conditions", "supports", "loads", "system", "thinness", "problem", "testing", "recovered", "true_stress",
-    "local_fields", "point_values", "lines", "reactions", "solution", "statics", "dynamics", "adaptive", "output", "export",
+    "local_fields", "point_values", "lines", "reactions", "solution", "states", "statics", "dynamics", "adaptive",
+    "output", "export",
     "storage", "info", "cli", "__main__",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.

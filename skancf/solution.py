@@ -15,7 +15,7 @@ from skancf.lines import AtPlaces
 from skancf.local_fields import LocalFields
 from skancf.materials.heights import Depth, depth_of
 from skancf.reactions import Reactions
-from skancf.showing import in_a_notebook, in_brackets, state_in_words
+from skancf.showing import in_a_notebook, in_brackets, looked_at, state_in_words
 from skancf.system.linearised import Exact, Linearised, Model, Rate, Value
 from skancf.system.probe import normal_rates, normals, probe
 from skancf.system.system import System
@@ -73,7 +73,7 @@ class Solution(LocalFields, AtPlaces, Reactions):
     note: str = field(default="", kw_only=True)
     multipliers: np.ndarray | None = field(default=None, repr=False, kw_only=True)
 
-    __repr__, __str__, _repr_html_ = in_brackets, state_in_words, in_a_notebook
+    __repr__, __str__, _repr_html_, view = in_brackets, state_in_words, in_a_notebook, looked_at
 
     def __post_init__(self) -> None:
         plain(self)

@@ -152,8 +152,11 @@ NO_CHANGE = 1e-6
 """Of a strain between two states, relative to the strains: what is of third order in it is rounding of the energy."""
 PASSED = 1e-12
 """Of the answer of a linear solve with conditions, and of its multipliers: the last pass. Each gains a thousandfold."""
-SAMPLED_EXACTLY = 1e-12
-"""Of the largest value of a function: differences of a table of it that are rounding, and not worth a warning."""
+SAMPLED_EXACTLY = 1e-11
+"""Of the largest value of a function: differences of a table of it that are rounding, as those of a surface must be, which
+count against displacements."""
+SAMPLED, SAMPLED_AT_MOST = 1e-6, 1e-3
+"""The same of other functions: differences that a table should have, and those that it may have."""
 ROUNDED_LEAST_SQUARES = 1e-14
 """Of matrix and right-hand side: where an iteration for least squares ends."""
 CONTRADICTION = 1e-6

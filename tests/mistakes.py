@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
+from mistaken_exchange import add_exchange
 from mistaken_problems import add_problems
 
 import skancf as sk
@@ -105,6 +107,18 @@ class Scene:
         from matplotlib.figure import Figure
 
         return Figure().add_subplot(projection="3d")
+
+    @cached_property
+    def flat_axes(self) -> Any:
+        from matplotlib.figure import Figure
+
+        return Figure().add_subplot()
+
+    @cached_property
+    def plotter(self) -> Any:
+        import pyvista
+
+        return pyvista.Plotter(off_screen=True, window_size=(100, 80))
 
     @cached_property
     def vtu(self) -> Path:
@@ -307,6 +321,7 @@ def calls(scene: Scene) -> dict[str, Call]:
     add_adaptive(add, s)
     add_output(add, s)
     add_problems(add, s)
+    add_exchange(add, s)
     return out
 
 
@@ -445,10 +460,11 @@ def add_states(add: Any, s: Scene) -> None:
     for name in ("displacement", "position"):
         add(f"Solution.{name}", getattr(state, name), at=place, z=0.001, kinds={"at": "numbers"})
     add("Solution.rotation", state.rotation, at=place)
-    add("Solution.section_forces", state.section_forces, points=points, takes="points:none")
-    add("Solution.shear_forces", state.shear_forces, points=points, takes="points:none")
-    add("Solution.strains", state.strains, points=points, z=0.001)
-    add("Solution.stresses", state.stresses, points=points, z=0.001)
+    for name in ("section_forces", "recovered_section_forces", "shear_forces"):
+        add(f"Solution.{name}", getattr(state, name), points=points, elements=[0, 1], takes="points:none,elements:none")
+    for name in ("strains", "stresses", "recovered_strains", "recovered_stresses", "cauchy_stresses", "thickness_stretch"):
+        add(f"Solution.{name}", getattr(state, name), points=points, z=0.001, elements=[0, 1], takes="elements:none")
+    add_places(add, state, place)
     add("Solution.nodal_stresses", state.nodal_stresses, z=0.001)
     add("Solution.shear_share_of", state.shear_share_of, elements=np.ones(4, bool), takes="elements:none")
     add("Motion.at", s.motion.at, time=0.01)
@@ -466,6 +482,46 @@ def add_states(add: Any, s: Scene) -> None:
     add("BucklingResult.shape", s.buckled.shape, i=0, size=0.1, kinds={"size": "optional"})
     add("Spectrum.peaks", s.spectrum.peaks, count=1, prominence=0.1, takes="count:none")
     add("Spectrum.compare", s.spectrum.compare, natural=[6.0, 7.0], count=1, prominence=0.1, takes="count:none")
+
+
+def add_places(add: Any, state: Any, place: Any) -> None:
+    def along(start: Any, end: Any, n: Any, side: Any) -> Any:
+        return state.along(start, end, n=n, side=side).columns
+
+    def at(points: Any, side: Any) -> Any:
+        return state.at(points, side=side).columns
+
+    values, line = state.at(place), state.along((0.0, 0.5), (1.0, 0.5), n=3)
+    add("at columns", at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
+    add("Solution.at", state.at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
+    add("along", along, start=(0.0, 0.5), end=(1.0, 0.5), n=3, side=(0.0, 1.0), aliases={"start": "points", "end": "points"},
+        takes="side:none,n:half")  # fmt: skip
+    add("Solution.through_thickness", state.through_thickness, at=place, n=2, side=(1.0, 0.0), takes="side:none")
+    add("PointValues.stress", values.stress, z=0.001, frame="global", measure="cauchy")
+    add("PointValues.strain", values.strain, z=0.001)
+    add("PointValues.unit", values.unit, name="M11")
+    add("Line.plot", line.plot, axes=Figure().subplots(), units=sk.Units(), takes="units:none,axes:none")
+    add("Arc", sk.Arc, centre=(0.5, 0.5), radius=0.1, start=0.0, end=1.0)
+    add("Solution.reactions", state.reactions, where="left", takes="where:none")
+    add(
+        "Solution.reaction_moment", state.reaction_moment, where="left", about=(0.0, 0.0, 0.0), takes="where:none,about:none"
+    )
+    add("Solution.reactions_by_support", state.reactions_by_support, about=(0.0, 0.0, 0.0), takes="about:none")
+    add("envelope", sk.envelope, states=[state], quantity="u3", at=[place], takes="at:none,states:result",
+        kinds={"states": "state", "at": "numbers"})  # fmt: skip
+    add("envelope of a function", sk.envelope, states=[state], quantity=lambda state: state.load_factor,
+        takes="states:result", kinds={"states": "state", "quantity": "function"})  # fmt: skip
+    add("Strength", sk.Strength, tension=(3.0, 1.0), compression=(2.0, 1.0), shear=1.0, interaction=-0.4)
+    add("Strength.used", sk.Strength((3.0, 1.0), (2.0, 1.0), 1.0).used, stress=np.ones(3), criterion="tsai-hill")
+    add("utilisation", sk.utilisation, state=state, strength=1e6, criterion="tresca", at=[place],
+        takes="criterion:none,at:none", kinds={"at": "numbers"})  # fmt: skip
+    add("Units", sk.Units, length="mm", force="kN", time="ms", stress="MPa", energy="J", stated=("mm", "N", "s"),
+        takes="length:none,force:none,time:none,stress:none,energy:none")  # fmt: skip
+    add("Units.of", sk.Units().of, unit="N/m")
+    add("Units.table", sk.Units().table, table=values, takes="table:result")
+    for function in (sk.output.von_mises, sk.output.tresca, sk.output.principal_stresses, sk.output.principal_directions,
+                     sk.output.signed_von_mises):  # fmt: skip
+        add(function.__name__, function, stress=np.arange(12.0).reshape(2, 6))
 
 
 def add_adaptive(add: Any, s: Scene) -> None:
@@ -524,12 +580,13 @@ def add_adaptive(add: Any, s: Scene) -> None:
 def add_output(add: Any, s: Scene) -> None:
     o, file = sk.output, {"path": "file"}
     times, png = np.linspace(0.0, 1.0, 5), s.folder / "chart.png"
-    values = np.arange(9.0)
+    values, drawn = np.arange(9.0), "path:none,ax:none"
     add("sample", o.sample, solution=s.solution, subdivisions=1, z=0.001)
     add("write", o.write, states=s.solution, path=s.folder / "state.vtu", subdivisions=1, depths={"mid": 0.0},
-        progress=False, aliases={**file, "states": ".pvd"},
-        takes="depths:none", kinds={"depths": "mapping"})  # fmt: skip
+        progress=False, cells="flat", aliases={**file, "states": ".pvd"},
+        takes="depths:none,subdivisions:none", kinds={"depths": "mapping"})  # fmt: skip
     add("write many", o.write, states=[s.solution], path=s.folder / "states.pvd", subdivisions=1, depths={}, progress=False,
+        cells="flat",
         aliases={**file, "states": "state"},
         kinds={"states": "any"})  # fmt: skip
     add("read", o.read, path=s.vtu, aliases=file)
@@ -537,29 +594,43 @@ def add_output(add: Any, s: Scene) -> None:
     add("Columns", o.Columns, columns={"a": [1.0, 2.0]}, units={"a": "m"}, takes="units:none", kinds={"units": "mapping"})
     add("check_folder", o.check_folder, path=s.folder / "new", aliases={"path": "folder"}, takes="path:half")
     add("mesh_chart", o.mesh_chart, mesh=s.plain, path=png, surface=s.surface, regions=[s.region], points={"a": (0.5, 0.5)},
-        title="a", aliases=file, kinds={"regions": "items"})  # fmt: skip
+        title="a", ax=s.flat_axes, aliases=file, takes=drawn, kinds={"regions": "items"})  # fmt: skip
     add("field_chart", o.field_chart, mesh=s.plain, values=values, path=png, label="a", surface=s.surface, title="a",
-        limits=(0.0, 9.0), levels=5, show_mesh=True, aliases=file, takes="limits:none")  # fmt: skip
+        limits=(0.0, 9.0), levels=5, show_mesh=True, ax=s.flat_axes, aliases=file, takes=f"limits:none,{drawn}")  # fmt: skip
     add("histories_chart", o.histories_chart, times=times, histories={"a": times**2}, path=png, ylabel="a", title="a",
-        xlabel="a", aliases={"path": "file", "times": "'a'"})  # fmt: skip
+        xlabel="a", ax=s.flat_axes, takes=drawn, aliases={"path": "file", "times": "'a'"})  # fmt: skip
     curve = {"a": ([10.0, 100.0], [0.1, 0.01])}
     add("convergence", o.convergence, curves=curve, path=png, xlabel="a", ylabel="a", slopes=[1.0], title="a", aliases=file,
-        takes="slopes:none")  # fmt: skip
-    add("effectivity", o.effectivity, curves=curve, path=png, band=(0.9, 1.1), xlabel="a", title="a", aliases=file)
+        ax=s.flat_axes, takes=f"slopes:none,{drawn}")  # fmt: skip
+    add("effectivity", o.effectivity, curves=curve, path=png, band=(0.9, 1.1), xlabel="a", title="a", ax=s.flat_axes,
+        takes=drawn, aliases=file)  # fmt: skip
     add("mesh_levels", o.mesh_levels, meshes=[s.plain], path=png, surface=s.surface, titles=["a"], values=[np.ones(4)],
-        label="a", aliases=file, takes="titles:none,values:none", kinds={"meshes": "any"})  # fmt: skip
+        label="a", ax=[s.flat_axes], aliases=file, takes=f"titles:none,values:none,{drawn}", kinds={"meshes": "any"})  # fmt: skip
     add("spectrum_chart", o.spectrum_chart, spectra=s.spectrum, path=png, modes=[6.0], limit=20.0, title="a", ylabel="a",
-        aliases={"path": "file", "modes": "natural"}, takes="modes:none,limit:none")  # fmt: skip
+        ax=s.flat_axes, aliases={"path": "file", "modes": "natural"}, takes=f"modes:none,limit:none,{drawn}")  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),
         colours=np.ones((1, 4)), light=(0.5, -0.4, 0.8), stretch=(1.0, 1.0, 1.0))  # fmt: skip
+    add("plot", o.plot, solution=s.solution, plotter=s.plotter, off_screen=True, takes="plotter:none,off_screen:none")
+    add("write_html", o.write_html, states=s.solution, path=s.folder / "page.html", fields=["u3"], seconds_per_frame=0.1,
+        aliases=file, takes="fields:none", kinds={"states": "any"})  # fmt: skip
     from skancf.output.style import Style
 
     add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
-        show_undeformed=False, title="a", subdivisions=2, size=(300, 200),
-        takes="limits:none,subdivisions:none,z:none")  # fmt: skip
+        show_undeformed=False, title="a", subdivisions=2, size=(300, 200), units=sk.Units(),
+        takes="limits:none,subdivisions:none,z:none,units:none")  # fmt: skip
 
 
-SLOW = {"mesh_chart", "field_chart", "histories_chart", "convergence", "effectivity", "mesh_levels", "spectrum_chart"}
+SLOW = {
+    "mesh_chart",
+    "field_chart",
+    "histories_chart",
+    "convergence",
+    "effectivity",
+    "mesh_levels",
+    "spectrum_chart",
+    "plot",
+    "write_html",
+}
 """Calls of which a valid one takes a tenth of a second: of each argument's mistakes that may do, none is tried.
 
 Nor is one in nonlinear statics ("solved"), which takes long under huge loads.

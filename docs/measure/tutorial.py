@@ -12,12 +12,13 @@ import contextlib
 import io
 import os
 import re
-import shutil
 import sys
 import tempfile
 import textwrap
 from pathlib import Path
 from typing import NamedTuple
+
+from PIL import Image, ImageSequence
 
 DOCS = Path(__file__).resolve().parent.parent
 PAGES = {page.stem: page for page in [DOCS / "getting_started.rst", *sorted((DOCS / "tutorials").glob("*.rst"))]}
@@ -25,6 +26,7 @@ FRONT = DOCS / "index.rst"
 HOWTO = {page.stem: page for page in sorted((DOCS / "howto").glob("*.rst")) if page.stem != "index"}
 PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/((?:howto/)?\w+\.(?:png|gif))")
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
+DOWNLOAD = re.compile(r":download:`[^`<]*<(files/[\w.]+)>`")
 NUMBER = re.compile(r"-?\d+\.\d+|-?\d+")
 
 
@@ -53,6 +55,12 @@ def examples(page: Path) -> list[Example]:
     return found
 
 
+def lay_out(page: Path, folder: Path) -> None:
+    """Copy the files that a page offers for download, and that its code reads, to a folder."""
+    for name in DOWNLOAD.findall(page.read_text(encoding="utf-8")):
+        shutil.copy(page.parent / name, folder)
+
+
 def run(found: list[Example]) -> list[str]:
     """Run them one after the other, in the present folder; what each prints."""
     names: dict[str, object] = {"__name__": "__main__"}
@@ -73,24 +81,34 @@ def same(shown: str, printed: str) -> bool:
     return all(abs(float(a) - float(b)) <= (1.01 * 10.0 ** -len(a.partition(".")[2]) if "." in a else 0) for a, b in pairs)
 
 
+def keep_film(film: Image.Image, path: Path) -> None:
+    """Store a film in a few colours, the same in all of its pictures."""
+    frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(film)]
+    strip = Image.new("RGB", (film.width, film.height * len(frames)))
+    for k, frame in enumerate(frames):
+        strip.paste(frame, (0, k * film.height))
+    colours = strip.quantize(64, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few = [frame.quantize(palette=colours, dither=Image.Dither.NONE) for frame in frames]
+    few[0].save(path, save_all=True, append_images=few[1:], duration=film.info["duration"], loop=0, optimize=True)
+
+
 def renew(page: Path) -> bool:
     """Run a page, store its pictures, and report; whether it prints what it shows."""
-    from PIL import Image
-
     found = examples(page)
     start = os.getcwd()
     with tempfile.TemporaryDirectory() as folder:
+        lay_out(page, Path(folder))
         os.chdir(folder)
         try:
             printed = run(found)
         finally:
             os.chdir(start)
         for name in pictures(page):
-            made, kept = Path(folder) / Path(name).name, DOCS / "pictures" / name
-            if made.suffix == ".gif":
-                shutil.copyfile(made, kept)
-                continue
-            with Image.open(made) as picture:
+            kept = DOCS / "pictures" / name
+            with Image.open(Path(folder) / Path(name).name) as picture:
+                if kept.suffix == ".gif":
+                    keep_film(picture, kept)
+                    continue
                 flat = picture.convert("RGB")
                 flat.thumbnail((900, 900))
                 flat = flat.quantize(256, dither=Image.Dither.NONE)  # a third of the bytes

@@ -9,7 +9,7 @@ from skancf.checks import Check
 from skancf.equality import by_value
 from skancf.errors import warn
 from skancf.meshes import MeshQuadTree
-from skancf.showing import in_a_notebook, in_brackets, short, summary
+from skancf.showing import in_a_notebook, in_brackets, looked_at, short, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.tabular import Column, Tabular
@@ -145,7 +145,7 @@ class AdaptiveResult(Tabular):
     checks: tuple[Check, ...] = ()
     theory_error: TheoryError | None = None
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     def _table(self) -> dict[str, Column]:
         units = {"n_elements": "", "n_dofs": "", "n_hanging": "", "value": self.unit, "error": self.unit, "bar": self.unit,

@@ -46,8 +46,8 @@ class RigidVelocity:
     >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
     >>> thrown = sk.Problem(sk.Rectangle(0.3, 0.03), 0.001, steel)
     >>> system = thrown.on(sk.meshes.uniform(thrown.surface, 4, 1), "kirchhoff")
-    >>> spin = sk.RigidVelocity(spin=(0.0, 10.0, 0.0), about=(0.15, 0.015, 0.0))
-    >>> motion = sk.simulate(system, 0.02, velocity=spin, rtol=1e-2, progress=False)
+    >>> throw = sk.RigidVelocity(velocity=(1.0, 0.0, 2.0))
+    >>> motion = sk.simulate(system, 0.02, velocity=throw, rtol=1e-2, progress=False)
     >>> print(motion.status.value)
     finished
     """

@@ -16,7 +16,7 @@ from skancf.errors import DidNotConverge, InputError, number, shown
 from skancf.functions import measured
 from skancf.layout.layout import vectors
 from skancf.rows import Rows
-from skancf.showing import counted, in_a_notebook, in_brackets, passed, span, summary
+from skancf.showing import counted, in_a_notebook, in_brackets, looked_at, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.system.probe import probe
@@ -125,7 +125,7 @@ class Motion(Tabular):
     checks: tuple[Check, ...] = ()
     error: np.ndarray | None = None
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:

@@ -36,7 +36,7 @@ class Around(NamedTuple):
         return np.asarray((out.T / np.bincount(self.places, minlength=n)).T)
 
 
-def require_inside(geometry: Geometry, points: np.ndarray) -> None:
+def require_inside(geometry: Geometry, points: np.ndarray, name: str = "points") -> None:
     """InputError that names the points (2, n) that the surface does not hold."""
     inside = geometry.locate_inside(points)[0]
     if inside.all():
@@ -47,7 +47,7 @@ def require_inside(geometry: Geometry, points: np.ndarray) -> None:
     low, high = geometry.mesh.p.min(axis=1), geometry.mesh.p.max(axis=1)
     holes = ", openings left out" if len(geometry.openings) else ""
     raise InputError(
-        f"points: {len(wrong)} of {points.shape[1]} lie outside the surface: {named}{more}; in the parameter plane it "
+        f"{name}: {len(wrong)} of {points.shape[1]} lie outside the surface: {named}{more}; in the parameter plane it "
         f"reaches from ({low[0]:.6g}, {low[1]:.6g}) to ({high[0]:.6g}, {high[1]:.6g}){holes}"
     )
 

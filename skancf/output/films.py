@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from skancf.atomic import AnyPath, check_file, replacing
-from skancf.errors import InputError, SkancfError, positive, shown
+from skancf.errors import InputError, positive, shown
+from skancf.optional import needed
 from skancf.output.drawing import add_directions, draw, erase, look_at, unseen_plotter
 from skancf.output.frames import Survey, frame_of, survey
 from skancf.output.reels import series_of
@@ -102,14 +103,10 @@ def _few_colours(image: np.ndarray) -> Any:
 
 
 def _save_mp4(images: Iterator[np.ndarray], file: Path, seconds_per_frame: float, size: tuple[int, int]) -> None:
-    try:
-        from imageio_ffmpeg import write_frames
-    except ImportError as missing:
-        raise SkancfError("MP4 files need a package that is not installed: pip install 'skancf[view]'; or end the name in "
-                          ".gif") from missing  # fmt: skip
+    ffmpeg = needed("imageio_ffmpeg", "an MP4 film", "view")
     # The index at the front lets browsers begin before the whole file is there.
-    writer = write_frames(str(file), size, fps=1 / seconds_per_frame, codec="libx264", pix_fmt_out="yuv420p", quality=8,
-                          macro_block_size=2, output_params=["-movflags", "+faststart"])  # fmt: skip
+    writer = ffmpeg.write_frames(str(file), size, fps=1 / seconds_per_frame, codec="libx264", pix_fmt_out="yuv420p",
+                          quality=8, macro_block_size=2, output_params=["-movflags", "+faststart"])  # fmt: skip
     writer.send(None)
     try:
         for image in images:

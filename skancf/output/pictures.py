@@ -87,7 +87,7 @@ def plot(solution: Solution, plotter: Any = None, *, off_screen: bool | None = N
 
     Examples
     --------
-    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3), [sk.Clamp("left")],
+    >>> strip = sk.Problem(sk.Rectangle(1.0, 0.3), 0.01, sk.Isotropic(2e9, 0.3, 1e3), [sk.Clamp("left")],
     ...                    [sk.EdgeLoad("right", (0.0, 0.0, -1.0))])
     >>> solution = sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 6, 2)))
     >>> plotter = sk.output.plot(solution, off_screen=True, field="u3", size=(400, 300))

@@ -15,7 +15,7 @@ from skancf.equality import by_value
 from skancf.errors import InputError
 from skancf.linear import BlockMatrix, DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
-from skancf.showing import in_a_notebook, in_brackets, passed, some, summary
+from skancf.showing import in_a_notebook, in_brackets, looked_at, passed, some, summary
 from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.conditioned import curved, is_loaded
@@ -103,7 +103,7 @@ class BucklingResult(Tabular):
     note: str = ""
     checks: tuple[Check, ...] = ()
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:

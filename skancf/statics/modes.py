@@ -16,7 +16,7 @@ from skancf.errors import DidNotConverge, InputError, number
 from skancf.linear import BlockMatrix, Constraints, DirectSolver, factor_shifted
 from skancf.memory import require_much
 from skancf.progress import Bar, ShowProgress, check_progress
-from skancf.showing import counted, in_a_notebook, in_brackets, passed, short, some, summary
+from skancf.showing import counted, in_a_notebook, in_brackets, looked_at, passed, short, some, summary
 from skancf.solution import Solution
 from skancf.states import StateLike
 from skancf.statics.arguments import check_arguments, state_on_mesh
@@ -95,7 +95,7 @@ class Modes(Tabular):
     note: str = ""
     checks: tuple[Check, ...] = ()
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from skancf.checks import Check
 from skancf.equality import by_value
 from skancf.errors import DidNotConverge
-from skancf.showing import FEW, counted, in_a_notebook, in_brackets, of_state, passed, span, summary
+from skancf.showing import FEW, counted, in_a_notebook, in_brackets, looked_at, of_state, passed, span, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.events import Event
@@ -63,7 +63,7 @@ class PathResult(Tabular):
     message: str = ""
     checks: tuple[Check, ...] = ()
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:

@@ -6,7 +6,7 @@ from skancf.arguments import plain, whole
 from skancf.checks import Check
 from skancf.equality import by_value
 from skancf.errors import DidNotConverge, InputError, positive, warn
-from skancf.showing import counted, in_a_notebook, in_brackets, of_state, passed, summary
+from skancf.showing import counted, in_a_notebook, in_brackets, looked_at, of_state, passed, summary
 from skancf.solution import Solution
 from skancf.solving import Status
 from skancf.statics.newton import OPEN, NewtonResult
@@ -93,7 +93,7 @@ class StaticResult(Tabular):
     message: str = ""
     checks: tuple[Check, ...] = ()
 
-    __repr__, _repr_html_ = in_brackets, in_a_notebook
+    __repr__, _repr_html_, view = in_brackets, in_a_notebook, looked_at
 
     @summary
     def __str__(self) -> str:

@@ -37,7 +37,8 @@ def check_page(page: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int
     try:
         check_rendering()
     except SkancfError:
-        monkeypatch.setattr(output, "picture", lambda *_, **__: None)
+        for name in ("picture", "animation"):
+            monkeypatch.setattr(output, name, lambda *_, **__: None)
         pictures = []
     examples = tutorial.examples(page)
     printed = tutorial.run(examples)
@@ -79,6 +80,7 @@ def test_every_tutorial_is_found_and_shows_a_picture():
         "own_energy",
         "links_and_hinges",
         "rubber",
+        "results",
         "rubber_shells",
         "tapers_and_zones",
         "exchange",

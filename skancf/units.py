@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from skancf.arguments import text
 from skancf.errors import InputError, shown
+from skancf.showing import short
 from skancf.tabular import Columns, Tabular
 
 SIZES: dict[str, dict[str, float]] = {
@@ -62,6 +63,8 @@ class Units:
     stress: str | None = None
     energy: str | None = None
     stated: tuple[str, str, str] = ("m", "N", "s")
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         if not (isinstance(self.stated, tuple | list) and len(self.stated) == 3):

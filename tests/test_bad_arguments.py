@@ -45,12 +45,14 @@ ELSEWHERE = {
     "Remapped", "Spectrum", "TheoryError", "StaticResult", "Samples", "MeshQuadTree", "Status", "Envelope", "Utilisation",
     "CalculixDeck", "Printed",
     # Without arguments.
-    "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
+    "info", "AllElements", "EnergyMomentum", "ImplicitMidpoint", "Never", "StrainEnergy", "Trapezoidal", "ElementQuadANCF",
     "ElementQuadHermite", "Plane",
     # Its functions are asked on a mesh, see test_forms.py.
     "FormTerm",
     # By the arguments of Style.
     "picture", "animation",
+    # It opens windows, from the arguments of write_html.
+    "view",
 }  # fmt: skip
 
 

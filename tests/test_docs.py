@@ -80,6 +80,7 @@ def test_every_tutorial_is_found_and_shows_a_picture():
         "own_energy",
         "links_and_hinges",
         "rubber",
+        "results",
         "rubber_shells",
         "tapers_and_zones",
         "exchange",

@@ -463,7 +463,7 @@ def add_storage(add: Any, s: Scene) -> None:
     add("run_file", sk.run_file, path=text, folder=s.folder / "results", progress=False, takes="folder:none",
         aliases={"path": "file"})  # fmt: skip
     x = np.linspace(0.0, 1.0, 7)
-    add("Sampled", sk.storage.Sampled, x=x, y=x, values=np.ones((7, 7)), error=0.1)
+    add("Splined", sk.storage.Splined, x=x, y=x, values=np.ones((7, 7)), error=0.1)
 
 
 PROBLEM = """

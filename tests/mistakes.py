@@ -517,7 +517,10 @@ def add_places(add: Any, state: Any, place: Any) -> None:
     def at(points: Any, side: Any) -> Any:
         return state.at(points, side=side).columns
 
-    values, line = state.at(place), state.along((0.0, 0.5), (1.0, 0.5), n=3)
+    def draw_along(name: Any, axes: Any, units: Any) -> Any:
+        return state.along((0.0, 0.5), (1.0, 0.5), n=3).plot(name, axes=axes, units=units)
+
+    values = state.at(place)
     add("at columns", at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
     add("Solution.at", state.at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
     add("along", along, start=(0.0, 0.5), end=(1.0, 0.5), n=3, side=(0.0, 1.0), aliases={"start": "points", "end": "points"},
@@ -526,7 +529,7 @@ def add_places(add: Any, state: Any, place: Any) -> None:
     add("PointValues.stress", values.stress, z=0.001, frame="global", measure="cauchy")
     add("PointValues.strain", values.strain, z=0.001)
     add("PointValues.unit", values.unit, name="M11")
-    add("Line.plot", line.plot, axes=Figure().subplots(), units=sk.Units(), takes="units:none,axes:none")
+    add("draw along", draw_along, name="M11", axes=Figure().subplots(), units=sk.Units(), takes="units:none,axes:none")
     add("Arc", sk.Arc, centre=(0.5, 0.5), radius=0.1, start=0.0, end=1.0)
     add("Solution.reactions", state.reactions, where="left", takes="where:none")
     add(

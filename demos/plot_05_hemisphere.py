@@ -26,6 +26,7 @@ import argparse
 import os
 from math import pi, radians
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -60,7 +61,7 @@ QUARTER = sk.Problem(
 )
 
 
-def system_on(n: int, theory: sk.Kirchhoff | None = None) -> object:
+def system_on(n: int, theory: sk.Kirchhoff | None = None) -> Any:
     """n x n elements on the quarter."""
     return QUARTER.on(sk.meshes.uniform(SURFACE, n, n), theory or sk.Kirchhoff())
 

@@ -30,6 +30,7 @@ import os
 from itertools import pairwise
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -59,7 +60,7 @@ SURFACE = sk.CylinderSector(2540.0, LENGTH, ANGLE, start=pi / 2 - ANGLE / 2)
 CENTRE, ASIDE, DOWN = (LENGTH / 2, pi / 2), (LENGTH / 2, pi / 2 + ANGLE / 4), (0.0, 0.0, -1.0)
 
 
-def roof(thickness: float, n: int, disturbance: float = 0.0) -> object:
+def roof(thickness: float, n: int, disturbance: float = 0.0) -> Any:
     """The roof on n x n elements; a part of the load acts half-way to one of its supports besides."""
     loads = [sk.PointForce(CENTRE, (0.0, 0.0, -FORCE))]
     if disturbance:
@@ -73,7 +74,7 @@ def deflection(solution: sk.Solution) -> float:
     return -float(solution.displacement(CENTRE)[2])
 
 
-def follow(system: object, until: float | sk.DisplacementReached) -> sk.PathResult:
+def follow(system: Any, until: float | sk.DisplacementReached) -> sk.PathResult:
     """The path in steps of at most twice the first one, for smooth charts; it needs a third of them."""
     return sk.trace(system, sk.ArcLength(steps=sk.StepLength(largest=2.0)), until=until).unwrap()
 
@@ -161,7 +162,7 @@ def draw_path(axes: plt.Axes, path: sk.PathResult) -> None:
         axes.plot(deflection(event.solution), FORCE * event.load_factor, ls="", ms=7, zorder=5, **MARKS[event.kind])
 
 
-def legend(axes: plt.Axes, *others: Line2D, **where: object) -> None:
+def legend(axes: plt.Axes, *others: Line2D, **where: Any) -> None:
     lines = [Line2D([], [], label="stable", **STABLE), Line2D([], [], label="unstable", **UNSTABLE)]
     lines += [Line2D([], [], ls="", ms=7, label=kind, **mark) for kind, mark in MARKS.items()]
     axes.legend(handles=[*lines, *others], frameon=False, **where)

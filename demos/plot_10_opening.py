@@ -35,6 +35,7 @@ import argparse
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -118,7 +119,7 @@ def patch(side: float) -> sk.meshes.Region:
     return sk.meshes.Region((CORNER[0] - side / 2, CORNER[1] + side / 2), (side / 2, side / 2), ratio=2.0)
 
 
-def on_patch(case: Case, side: float, **options: object) -> sk.AdaptiveResult:
+def on_patch(case: Case, side: float, **options: Any) -> sk.AdaptiveResult:
     """The mean over a patch."""
     mesh = sk.meshes.refined_in(COARSE, [patch(side)], levels=round(np.log2(CELL / side)))
     mean = sk.SectionForce(case.component, within=((CORNER[0] - side, CORNER[0]), (CORNER[1], CORNER[1] + side)))

@@ -73,7 +73,8 @@ def pinch(solution: sk.Solution) -> tuple[float, float]:
 
 def curve(n: int) -> tuple[np.ndarray, sk.Solution]:
     """Displacements at A and B for the loads of the published table, (20, 2), each solved from the one before."""
-    system, state, rows = system_on(n), None, []
+    system, rows = system_on(n), []
+    state: Any = None
     for factor in PUBLISHED[:, 0]:
         state = sk.solve(system, load_factor=factor, start=state).unwrap()
         rows.append(pinch(state))

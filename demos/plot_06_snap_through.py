@@ -90,7 +90,7 @@ def follow(system: Any, until: float | sk.DisplacementReached) -> sk.PathResult:
 
 def three_controls(n: int) -> sk.StaticResult:
     """Prints how far load, displacement and path control come, for both roofs; returns the load steps of the thick one."""
-    results = {}
+    results: dict[str, dict[str, Any]] = {}
     print("roof   control        status           P / 3000  deflection")
     for name, thickness in (("thick", THICK), ("thin", THIN)):
         system = roof(thickness, n)
@@ -109,7 +109,7 @@ def three_controls(n: int) -> sk.StaticResult:
     assert results["thin"]["displacement"].status.name == "TURNED_BACK"
     for name in results:
         ends = [deflection(results[name][control].solution) for control in ("relaxed", "path")]
-        assert np.isclose(*ends, rtol=1e-4), (name, ends)
+        assert np.isclose(ends[0], ends[1], rtol=1e-4), (name, ends)
     return results["thick"]["load"]
 
 
@@ -131,13 +131,17 @@ def distance_to_published(path: sk.PathResult) -> float:
 # %%
 # Pictures
 # --------
-STABLE, UNSTABLE = {"color": "#0072B2", "lw": 2}, {"color": "#D55E00", "lw": 1.8, "ls": "--"}
-MARKS = {"limit point": {"marker": "^", "color": "black"}, "bifurcation": {"marker": "D", "color": "#009E73"}}
+STABLE: dict[str, Any] = {"color": "#0072B2", "lw": 2}
+UNSTABLE: dict[str, Any] = {"color": "#D55E00", "lw": 1.8, "ls": "--"}
+MARKS: dict[str, dict[str, Any]] = {
+    "limit point": {"marker": "^", "color": "black"}, "bifurcation": {"marker": "D", "color": "#009E73"},
+}  # fmt: skip
 
 
 def with_events(path: sk.PathResult) -> list[tuple[float, float, int | None]]:
     """Deflection, load and number of negative eigenvalues along the path; None at events, put between their neighbours."""
-    states = [(state, int(pivots)) for state, pivots in zip(path.solutions, path.negative_pivots, strict=True)]
+    known = zip(path.solutions, path.negative_pivots, strict=True)
+    states: list[tuple[sk.Solution, int | None]] = [(state, int(pivots)) for state, pivots in known]
     for event in path.events:
 
         def detour(k: int, q: np.ndarray = event.solution.q) -> float:
@@ -157,7 +161,9 @@ def draw_path(axes: plt.Axes, path: sk.PathResult) -> None:
     for k, (a, b) in enumerate(pairwise(points)):
         known = [pivots for pivots in (a[2], b[2]) if pivots is not None]
         stable = bool(known) and not any(known)
-        axes.plot(*curve(np.linspace(*length[k : k + 2], 12)).T, **(STABLE if stable else {**UNSTABLE, "ls": (0, (2.5, 1))}))
+        axes.plot(
+            *curve(np.linspace(length[k], length[k + 1], 12)).T, **(STABLE if stable else {**UNSTABLE, "ls": (0, (2.5, 1))})
+        )
     for event in path.events:
         axes.plot(deflection(event.solution), FORCE * event.load_factor, ls="", ms=7, zorder=5, **MARKS[event.kind])
 

@@ -47,7 +47,7 @@ SIDE, THICKNESS, YOUNG, POISSON, DENSITY = 10.0, 0.05, 200e9, 0.3, 8000.0
 BENDING = YOUNG * THICKNESS**3 / 12 / (1 - POISSON**2)
 UNIT = np.sqrt(BENDING / (DENSITY * THICKNESS)) / SIDE**2  # of omega, 1/s
 SURFACE = sk.Rectangle(SIDE, SIDE)
-SUPPORTS = {"free": [], "clamped": [sk.Clamp("boundary")], "held at the corners": [sk.Pin("corners")]}
+SUPPORTS: dict[str, list[Any]] = {"free": [], "clamped": [sk.Clamp("boundary")], "held at the corners": [sk.Pin("corners")]}
 CONVERGED = {
     "free": (13.46820, 19.59614, 24.27020, 34.80089, 34.80089),
     "clamped": (35.98519, 73.39385, 73.39385, 108.2165, 131.5808),

@@ -214,18 +214,18 @@ def main(size: str = "full", out: str = "out") -> dict[str, np.ndarray]:
               f"theory {case.exponent:.4f}")  # fmt: skip
     study = {}
     for name, case in CASES.items():
-        results = {
+        both = {
             "adaptive": on_patch(case, sides[0], rtol=RTOL / strict),
             "uniform": on_patch(case, sides[0], marking=sk.AllElements(), rtol=RTOL / strict, max_dofs=uniform_dofs),
         }
-        study[name] = results["adaptive"].corrected, results
-        for how, result in results.items():
+        study[name] = both["adaptive"].corrected, both
+        for how, result in both.items():
             print(f"\n{name}, patch of {sides[0]:g} m, {how}:\n{result.table()}\n{result}")
     draw(found, sides, study, folder)
 
     assert all(result.ok for results in found.values() for result in results)
-    for name, (truth, results) in study.items():
-        assert results["adaptive"].ok and abs(means[name][0] - truth) < 1.5 * found[name][0].error_bar, name
+    for name, (truth, both) in study.items():
+        assert both["adaptive"].ok and abs(means[name][0] - truth) < 1.5 * found[name][0].error_bar, name
     for name, case in CASES.items():
         assert abs(growth(sides, means[name])[-1] - case.exponent) < 0.05, (name, growth(sides, means[name]))
     assert (means["tension"] > means["bending"]).all()

@@ -161,7 +161,7 @@ def draw_flight(motions: dict[str, sk.Motion], file: Path) -> None:
     for axes, (name, motion) in zip(panels, motions.items(), strict=True):
         for state in list(motion.states)[::4]:
             place = np.pad(along, ((0, 0), (0, 1))) + state.displacement(along)
-            axes.plot(place[:, 0], place[:, 2], color=plt.colormaps["viridis"](0.92 * state.time / END), lw=2)
+            axes.plot(place[:, 0], place[:, 2], color=plt.colormaps["viridis"](0.92 * (state.time or 0.0) / END), lw=2)
         until = motion.ledger.times[-1]
         axes.set(xlabel="x (m)", aspect="equal", title=f"{name}, every 4 ms until {1000 * until:.0f} ms")
         axes.grid(color="#e8e8e8")

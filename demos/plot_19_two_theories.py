@@ -121,7 +121,7 @@ def full_tangent(u, v, w):
 #         - n \, (\Delta n \cdot \delta m)\bigr) / |m| .
 
 
-def surface(r: np.ndarray) -> dict[str, np.ndarray]:
+def surface(r: Any) -> dict[str, np.ndarray]:
     """What a state of the surface is."""
     m = cross(grad(r)[:, 0], grad(r)[:, 1])
     n = m / np.sqrt(dot(m, m))

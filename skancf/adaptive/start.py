@@ -28,7 +28,7 @@ def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
         For a surface without bounds.
     """
     bounds = bounds_of(problem.surface)
-    lengths = [s * (high - low) for s, (low, high) in zip(stretch(problem.surface), bounds, strict=True)]
+    lengths = [s * (high - low) for s, (low, high) in zip(stretch(problem.surface), bounds, strict=True)]  # type: ignore[arg-type]
     wide = np.sqrt(lengths[0] / lengths[1])
     rows, closed = [], closed_bounds(problem.surface)
     for axis, (low, high) in enumerate(bounds):
@@ -38,7 +38,7 @@ def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
         sides = getattr(quantity, "within", None) or ((), ())
         held = [*_held(problem, axis), *map(float, sides[axis]), *lines_of(problem.zones, axis, closed)]
         rows.append(row_through(low, high, count, held, _loaded(problem, axis)))
-    return tensor(problem.surface, *rows)
+    return tensor(problem.surface, *rows)  # type: ignore[arg-type]
 
 
 def _held(problem: Problem, axis: int) -> list[float]:

@@ -15,7 +15,7 @@ DOCS    = $(VENV)/.docs-ready
 # Tests of a file mostly stay in one process, which makes what they share once.
 PARALLEL = -n $(JOBS) --dist worksteal
 
-.PHONY: help demo test cover fuzz lint types docs peers bench bars guard check kernels clean
+.PHONY: help demo test cover fuzz lint types dist versions docs peers bench bars guard check kernels clean
 
 help:
 	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
@@ -29,7 +29,9 @@ help:
 	@echo "make bars    are error bars right, and not too large? Scenes with known answers (half an hour)"
 	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s)"
 	@echo "             BASE=COMMIT: more than 5 % slower than that commit? both measured in turns (under 5 minutes)"
-	@echo "make check   lint and types"
+	@echo "make check   lint and types, of the package and of the demos"
+	@echo "make dist    build sdist and wheel into dist/, look into them, and run the wheel in a clean environment"
+	@echo "make versions run chosen tests with the oldest supported versions of all dependencies, and with the newest"
 	@echo "make kernels forget the compiled kernels (after an edit of a constant that one uses from a file without kernels)"
 	@echo "make clean   remove the virtual environment, caches and $(OUT)/"
 
@@ -64,6 +66,7 @@ lint: $(READY)
 
 types: $(READY)
 	$(BIN)/python -m mypy
+	$(BIN)/python -m mypy --allow-untyped-defs --allow-incomplete-defs demos
 
 check: lint types
 
@@ -73,6 +76,13 @@ docs: $(DOCS)
 
 site: $(DOCS)
 	$(BIN)/python docs/check_site.py
+
+dist: $(READY)
+	$(BIN)/python .ci/wheel.py build
+	$(BIN)/python .ci/wheel.py try
+
+versions: dist
+	$(BIN)/python .ci/wheel.py versions
 
 peers: $(READY)
 	$(BIN)/python -m benchmarks.setup_peers
@@ -90,5 +100,5 @@ kernels:
 	find skancf -name '*.nb[ic]' -delete
 
 clean:
-	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .coverage docs/_build docs/gallery docs/api/generated skancf.egg-info
+	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .coverage dist docs/_build docs/gallery docs/api/generated skancf.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -10,7 +10,7 @@ from pathlib import Path
 from benchmarks import charts
 from benchmarks.analysis import TARGETS, Compared, Curve, compared
 from benchmarks.parts import parts
-from benchmarks.rst import literal, machine, number, table, title
+from benchmarks.rst import chart, literal, machine, number, table, title
 
 OUT = Path(__file__).resolve().parent.parent / "docs" / "results"
 
@@ -74,7 +74,7 @@ def section(found: Compared, folder: Path) -> str:
     else:
         text += f"The reference series are uncertain by {scene.uncertainty('thin'):.1e}.\n\n"
     text += "\n\n".join(dict.fromkeys(q.source for q in scene.quantities.values())) + "\n\n"
-    text += f".. image:: {scene.name}.png\n   :alt: {scene.title}: error against time and degrees of freedom\n\n"
+    text += chart(f"{scene.name}.png", f"{scene.title}: error against time and degrees of freedom")
     apart = [curve.label for curve in found.curves if curve.module in found.stored.get("apart", ())]
     if apart:
         text += f"Measured by themselves after the others, not in turns with them: {'; '.join(apart)}.\n\n"
@@ -96,7 +96,7 @@ def page(folder: Path) -> Iterator[str]:
         charts.summary(scenes, folder / "summary.png")
         versions = {name: version for found in scenes for name, version in found.stored["versions"].items()}
         yield machine({**scenes[0].stored, "versions": versions}) + "\n\n"
-        yield ".. image:: summary.png\n   :alt: time of the fastest peer over ours, by scene and accuracy\n\n"
+        yield chart("summary.png", "time of the fastest peer over ours, by scene and accuracy")
         yield overview(scenes)
     yield from (section(found, folder) for found in scenes)
     yield from parts(folder)

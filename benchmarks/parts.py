@@ -8,7 +8,7 @@ from typing import Any
 from benchmarks import charts
 from benchmarks.bars import assessment
 from benchmarks.machine import RESULTS
-from benchmarks.rst import machine, table, title
+from benchmarks.rst import chart, machine, table, title
 
 
 def kernels(stored: dict[str, Any], folder: Path) -> str:
@@ -49,7 +49,7 @@ def growth(stored: dict[str, Any], folder: Path) -> str:
     rows = []
     for kind, name in (("seconds", "time"), ("memory_gb", "memory")):
         charts.growth(stored, kind, folder / f"growth_{kind}.png")
-        text += f".. image:: growth_{kind}.png\n   :alt: {name} of each part of an iteration against unknowns\n\n"
+        text += chart(f"growth_{kind}.png", f"{name} of each part of an iteration against unknowns")
         for part, limit in stored["limits"].items():
             fits = [run["exponents"][kind][part] for run in stored["runs"]]
             cells = [f"{fit['exponent']:.2f} ({fit['from']} to {fit['to']})" if fit else "too small" for fit in fits]

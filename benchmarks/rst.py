@@ -15,6 +15,11 @@ def table(header: list[str], rows: list[list[str]], caption: str = "") -> str:
     return "\n".join(lines) + "\n\n"
 
 
+def chart(file: str, alt: str) -> str:
+    """A picture that keeps its size on a phone and scrolls there."""
+    return f".. container:: wide-chart\n\n   .. image:: {file}\n      :alt: {alt}\n\n"
+
+
 def number(seconds: float | None) -> str:
     return "" if seconds is None else f"{seconds:.3g}"
 

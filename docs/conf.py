@@ -44,8 +44,6 @@ extensions = [
 exclude_patterns = ["_build", "measure", "_templates"]
 templates_path = ["_templates"]
 source_suffix = {".rst": "restructuredtext"}
-# Toctrees end with a pattern that finds new pages; that there are none is no fault.
-suppress_warnings = ["toc.empty_glob"]
 
 html_theme = "pydata_sphinx_theme"
 html_context = {"default_mode": "auto"}
@@ -55,7 +53,7 @@ html_favicon = "_static/logo.svg"
 # MathJax with all its extensions and drawn letters is one file, so that a page asks no other machine for anything.
 html_static_path = ["_static", str(resources.files("sphinx-mathjax-offline") / "static/mathjax/tex-svg-full.js")]
 mathjax_path = "tex-svg-full.js"
-html_search_scorer = "_static/scorer.js"
+html_search_scorer = str(HERE / "_static" / "scorer.js")
 html_css_files = ["site.css"]
 html_theme_options = {
     "logo": {"text": "skancf", "alt_text": "skancf, first page"},
@@ -114,19 +112,27 @@ def keep_units(app: object, what: str, name: str, obj: object, options: object, 
     lines[:] = [re.sub(r"^(\s*)([A-Za-z]\.)$", r"\1\\\2", line) for line in lines]
 
 
-def fold_pictures(app: object, docname: str, source: list[str]) -> None:
-    """Code that only draws, below the heading "Pictures" of an example, is folded up."""
-    if docname.startswith("gallery/plot_"):
-        source[0] = re.sub(
-            r"(\nPictures\n-+\n(?:(?!\.\. code-block)[^\n]*\n)*?)\.\. code-block:: Python\n((?:(?: {4}[^\n]*)?\n)+)",
-            lambda found: (
-                f"{found[1]}.. dropdown:: Code that draws\n\n    .. code-block:: Python\n{textwrap.indent(found[2], '    ')}"
-            ),
-            source[0],
-        )
+def tidy_example(app: object, docname: str, source: list[str]) -> None:
+    """Pages of examples: code below the heading "Pictures" only draws and is folded up; charts scroll on a phone."""
+    if not docname.startswith("gallery/plot_"):
+        return
+    text = re.sub(
+        r"(\nPictures\n-+\n(?:(?!\.\. code-block)[^\n]*\n)*?)\.\. code-block:: Python\n((?:(?: {4}[^\n]*)?\n)+)",
+        lambda found: (
+            f"{found[1]}.. dropdown:: Code that draws\n\n    .. code-block:: Python\n{textwrap.indent(found[2], '    ')}"
+        ),
+        source[0],
+    )
+    title = re.search(r"\n([^\n]+)\n=+\n", text)[1]
+    text = re.sub(r":alt: plot [^\n]*", lambda _: f":alt: Charts of the example: {title}", text)
+    source[0] = re.sub(
+        r"\n\.\. image-sg::[^\n]*\n(?: {3}:[^\n]*\n)+",
+        lambda found: f"\n.. container:: wide-chart\n{textwrap.indent(found[0], '    ')}",
+        text,
+    )
 
 
 def setup(app: object) -> None:
     # Before napoleon, which moves such lines behind the name of a parameter.
     app.connect("autodoc-process-docstring", keep_units, priority=100)
-    app.connect("source-read", fold_pictures)
+    app.connect("source-read", tidy_example)

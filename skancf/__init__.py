@@ -73,6 +73,7 @@ from skancf.dynamics import (
     spectrum,
 )
 from skancf.elements import ElementQuadANCF, ElementQuadHermite, through_thickness
+from skancf.envelopes import Envelope, envelope
 from skancf.errors import DidNotConverge, InputError, NoLimit, NotEnoughMemory, SingularMatrix, SkancfError
 from skancf.history import Case, Path, Pulse, Ramp, Table
 from skancf.lines import Arc
@@ -123,6 +124,7 @@ from skancf.statics import (
     trace,
 )
 from skancf.storage import load, read_problem, run_file, save
+from skancf.strength import Strength, Utilisation, utilisation
 from skancf.supports import (
     Clamp,
     Dashpot,
@@ -148,10 +150,12 @@ from skancf.surfaces import (
     SphereSector,
 )
 from skancf.theories import Full, Kirchhoff
+from skancf.units import Units
 from skancf.version import __version__
 
 if TYPE_CHECKING:
     from skancf import export, output, testing
+    from skancf.about import info
     from skancf.materials import Hyperelastic, MooneyRivlin, NeoHooke, Ogden
     from skancf.terms.forms import FormTerm
 
@@ -189,6 +193,7 @@ __all__ = [
     "ElementQuadHermite",
     "EnergyBalance",
     "EnergyMomentum",
+    "Envelope",
     "Even",
     "FixedFraction",
     "FixedStep",
@@ -261,12 +266,15 @@ __all__ = [
     "Status",
     "StepLength",
     "StrainEnergy",
+    "Strength",
     "SurfaceLoad",
     "Symmetry",
     "Table",
     "Temperature",
     "TheoryError",
     "Trapezoidal",
+    "Units",
+    "Utilisation",
     "Zone",
     "__version__",
     "adapt",
@@ -274,9 +282,11 @@ __all__ = [
     "buckling",
     "conditions",
     "dynamics",
+    "envelope",
     "export",
     "find_regions",
     "goal_estimate",
+    "info",
     "load",
     "loads",
     "materials",
@@ -308,6 +318,7 @@ __all__ = [
     "through_thickness",
     "trace",
     "transfer",
+    "utilisation",
 ]  # fmt: skip
 
 
@@ -323,6 +334,8 @@ def __getattr__(name: str) -> Any:
     """Some are loaded when they are first used: many runs show nothing, and few have rubber, forms or tests of terms."""
     if name in ("export", "output", "testing"):
         return importlib.import_module(f"skancf.{name}")
+    if name == "info":
+        return importlib.import_module("skancf.about").info
     if name == "FormTerm":
         return importlib.import_module("skancf.terms.forms").FormTerm
     if name in RUBBERS:

@@ -50,7 +50,7 @@ def columns(
     """
     table = _table(name, table)
     known = {str(title): title for title in _titles(name, table)}
-    other = mapping("titles", titles or {}, "names and titles of columns, as in {'fx': 'Force X'}")
+    other = mapping("titles", {} if titles is None else titles, "names and titles of columns, as in {'fx': 'Force X'}")
     for column in other:
         if column not in (*wanted, *optional):
             raise InputError(f"titles: {shown(column)} is not asked for; the names are {', '.join((*wanted, *optional))}")

@@ -6,19 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import plain, whole
+from skancf.arguments import instance, plain, whole
 from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import called
 from skancf.layout.around import require_inside
-from skancf.materials.heights import Interface
+from skancf.materials.heights import ABOVE, Interface
 from skancf.optional import needed
 from skancf.point_values import COMPONENTS, PointValues
+from skancf.showing import short
 from skancf.tabular import Column, Tabular
 from skancf.tensors import principal_stresses, von_mises
+from skancf.units import Units
 
-ABOVE = 1e-9
-"""Of the thickness: a little above an interface the law is that of the upper layer."""
 PIECES = 8
 """Of a curve between two points, to find its length."""
 
@@ -53,6 +53,8 @@ class Arc:
     start: float = 0.0
     end: float = 2 * np.pi
 
+    __repr__ = short
+
     def __post_init__(self) -> None:
         plain(self)
         vector("centre", self.centre, 2)
@@ -80,10 +82,10 @@ class Line(PointValues):
 
     s: np.ndarray = None  # type: ignore[assignment]
 
-    def _table(self) -> dict[str, Column]:
-        return {"s": (self.s, "m"), **super()._table()}
+    def _makers(self) -> dict[str, tuple[Callable[[], np.ndarray], str]]:
+        return {"s": (lambda: self.s, "m"), **super()._makers()}
 
-    def plot(self, *names: str, axes: Any = None) -> Any:
+    def plot(self, *names: str, axes: Any = None, units: Units | None = None) -> Any:
         """Draw columns of the table over the arc length.
 
         Parameters
@@ -92,6 +94,8 @@ class Line(PointValues):
             Columns of one unit, such as ``"M11", "M22"``. Default: von Mises' stress at both faces.
         axes : matplotlib axes, optional
             Where to draw. Default: new ones.
+        units : Units, optional
+            To show. Default: m, N and Pa.
 
         Returns
         -------
@@ -113,24 +117,28 @@ class Line(PointValues):
         >>> axes.get_xlabel()
         's [m]'
         """
-        table = self._table()
+        units = instance(
+            "units", Units() if units is None else units, Units, "names of units, as in sk.Units(length='mm', stress='MPa')"
+        )
         chosen = names or ("mises_top", "mises_bottom")
         for name in chosen:
-            if not isinstance(name, str) or name not in table:
-                raise InputError(f"names: {shown(name)} is no column; there are {', '.join(table)}")
-        units = {table[name][1] for name in chosen}
-        if len(units) > 1:
-            raise InputError(f"names = {chosen}: they have different units, {', '.join(sorted(units))}; draw each in "
+            self._known(name)
+        drawn = {self.unit(name) for name in chosen}
+        if len(drawn) > 1:
+            raise InputError(f"names = {chosen}: they have different units, {', '.join(sorted(drawn))}; draw each in "
                              "axes of its own")  # fmt: skip
         if axes is None:
             axes = needed("matplotlib.pyplot", "plot", "view").subplots(layout="constrained")[1]
-        elif not hasattr(axes, "plot"):
+        elif isinstance(axes, type) or not hasattr(axes, "get_xlabel"):
             raise InputError(f"axes = {shown(axes)}: give axes of matplotlib, as plt.subplots() makes them")
+        (along, length), (factor, unit) = units.of("m"), units.of(drawn.pop())
         for name in chosen:
-            axes.plot(self.s, table[name][0], label=name)
-        unit = units.pop()
-        axes.set(xlabel="s [m]", ylabel=f"{', '.join(chosen)} [{unit}]" if unit else ", ".join(chosen))
-        axes.legend()
+            axes.plot(along * self.s, factor * self[name], label=name)
+        # The legend names several curves.
+        named = (*chosen, f"[{unit}]" if unit else "") if len(chosen) == 1 else (f"[{unit}]" if unit else "",)
+        axes.set(xlabel=f"s [{length}]", ylabel=" ".join(named).strip())
+        if len(chosen) > 1:
+            axes.legend()
         if self.state.note:
             axes.set_title(self.state.note)
         return axes
@@ -153,6 +161,8 @@ class Profile(Tabular):
     z: np.ndarray
     layer: np.ndarray
     stress: np.ndarray
+
+    __repr__ = short
 
     def _table(self) -> dict[str, Column]:
         table: dict[str, Column] = {"z": (self.z, "m"), "layer": (self.layer, "")}
@@ -197,9 +207,9 @@ class AtPlaces:
         ...                    [sk.EdgeLoad("right", (0, 0, 10.0))])
         >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 1)))
         >>> values = solution.at([(0.0, 0.1), (0.5, 0.1)])
-        >>> np.round(values.M[:, 0], 6) + 0.0
+        >>> np.round(values.M[:, 0], 3) + 0.0
         array([-10.,  -5.])
-        >>> np.round(values.stress("bottom").max_principal / 1e3, 3)
+        >>> np.round(values.stress("bottom").max_principal / 1e3, 1)
         array([600., 300.])
         """
         return PointValues(self, *_checked(self.system, points, side))
@@ -233,7 +243,7 @@ class AtPlaces:
         ...                    [sk.EdgeLoad("right", (0, 0, 10.0))])
         >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 1)))
         >>> line = solution.along((0, 0.1), (1, 0.1), n=5)
-        >>> np.round(line.M[:, 0], 6) + 0.0
+        >>> np.round(line.M[:, 0], 3) + 0.0
         array([-10. ,  -7.5,  -5. ,  -2.5,   0. ])
         """
         surface = self.system.geometry.surface
@@ -298,13 +308,19 @@ class AtPlaces:
 MOST_POINTS = 1_000_000
 
 
+def checked_points(system: Any, points: Any, name: str = "points") -> np.ndarray:
+    """Points (n, 2) that the surface holds."""
+    array = finite(name, points)
+    if array.ndim not in (1, 2) or array.shape[-1] != 2 or not array.size:
+        raise InputError(f"{name} of shape {array.shape}: give a point (x, y) of the parameter plane, or a list of them")
+    array = array.reshape(-1, 2)
+    require_inside(system.geometry, array.T, name)
+    return array
+
+
 def _checked(system: Any, points: Any, side: Any) -> tuple[np.ndarray, np.ndarray | None]:
     """Points (n, 2) that the surface holds, and a direction."""
-    array = finite("points", points)
-    if array.ndim not in (1, 2) or array.shape[-1] != 2 or not array.size:
-        raise InputError(f"points of shape {array.shape}: give a point (x, y) of the parameter plane, or a list of them")
-    array = array.reshape(-1, 2)
-    require_inside(system.geometry, array.T)
+    array = checked_points(system, points)
     if side is None:
         return array, None
     way = vector("side", side, 2)

@@ -55,6 +55,7 @@ class LocalFields(TrueStresses):
             Without z in a state that is bent, or of a laminate, and for a depth outside the plate.
         """
         assembly, nodal, inside = self.system.assembly, self.system.shell.nodal, self._inside(points)
+        elements = self._some(elements)
         depth = depth_of(self._section(points, elements), self._chosen(z, points, elements))
         heat = self._heat(inside, elements)
         return self._of_state(lambda q: assembly.strains(nodal(q), inside, depth, heat, self.linear, elements))
@@ -70,6 +71,7 @@ class LocalFields(TrueStresses):
     def _stresses_of(
         self, strains: Callable[..., np.ndarray], points: np.ndarray, z: Depth | None, elements: Elements
     ) -> np.ndarray:
+        elements = self._some(elements)
         section, z = self._section(points, elements), self._chosen(z, points, elements)
         depth, heat = depth_of(section, z), self._heat(self._inside(points), elements)
         strain = strains(points, z, elements)
@@ -89,7 +91,6 @@ class LocalFields(TrueStresses):
 
     def _section(self, points: np.ndarray, elements: Elements) -> Section:
         """At points (2, n) of every element, or of some."""
-        elements = self._some(elements)
         section: Section = self.system.assembly.section.at(self._inside(points), elements)
         return section
 
@@ -98,7 +99,13 @@ class LocalFields(TrueStresses):
         if elements is None:
             return None
         numbers, last = finite("elements", elements), self.system.geometry.n_elements - 1
-        if numbers.ndim != 1 or (numbers != np.round(numbers)).any() or (numbers < 0).any() or (numbers > last).any():
+        if (
+            numbers.ndim != 1
+            or not numbers.size
+            or (numbers != np.round(numbers)).any()
+            or (numbers < 0).any()
+            or (numbers > last).any()
+        ):
             raise InputError(f"elements = {shown(elements)}: give numbers of elements from 0 to {last} in a list")
         return numbers.astype(int)
 
@@ -144,6 +151,7 @@ class LocalFields(TrueStresses):
 
     def recovered_strains(self, points: np.ndarray, z: Depth | None = None, elements: Elements = None) -> np.ndarray:
         """Strain as :meth:`strains`, in theory `full` with curvatures as :meth:`recovered_section_forces` has them."""
+        elements = self._some(elements)
         z, inside = self._chosen(z, points, elements), self._inside(points)
         strains = self.strains(points, z, elements)
         return np.asarray(strains + self._of_state(lambda q: strain_excess(self.system, q, inside, z, elements)))

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from skancf.arguments import choice
+from skancf.errors import InputError, shown
 from skancf.layout.around import Around, elements_around
 from skancf.materials.heights import Depth, depth_of
+from skancf.showing import short
 from skancf.system.frames import frames, turns
 from skancf.tabular import Column, Tabular
 from skancf.tensors import (
@@ -26,6 +28,11 @@ from skancf.tensors import (
 COMPONENTS = ("11", "22", "33", "23", "13", "12")
 GLOBAL = ("xx", "yy", "zz", "yz", "xz", "xy")
 FACES = ("top", "bottom")
+IN_PLANE = (0, 1, 5)
+EQUIVALENTS = {
+    "max_principal": "max_principal", "min_principal": "min_principal", "mises": "von_mises", "tresca": "tresca",
+}  # fmt: skip
+"""Columns of equivalent stresses, and what :class:`Stresses` calls them."""
 MOST, LEAST = 128, 16
 """Pairs of a point and an element that are evaluated together: each element at all points."""
 STENCIL_COST = 5
@@ -44,6 +51,8 @@ class Stresses(Tabular):
 
     components: np.ndarray
     frame: str
+
+    __repr__ = short
 
     @property
     def tensors(self) -> np.ndarray:
@@ -252,24 +261,62 @@ class PointValues(Tabular):
         values = np.concatenate(parts)
         return self.around.means(values[np.argsort(order)], len(self.points))
 
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column of the table by its name, (n,)."""
+        return np.asarray(self._makers()[self._known(name)][0]())
+
+    def unit(self, name: str) -> str:
+        """The unit of a column."""
+        return self._makers()[self._known(name)][1]
+
+    def _known(self, name: Any, called: str = "name") -> str:
+        if not isinstance(name, str) or name not in self._makers():
+            raise InputError(f"{called} = {shown(name)}: is no column; there are {', '.join(self._makers())}")
+        return name
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units by name of the column; empty for numbers without one."""
+        return {name: unit for name, (_, unit) in self._makers().items()}
+
     def _table(self) -> dict[str, Column]:
-        table: dict[str, Column] = {"x": (self.x, ""), "y": (self.y, "")}
+        return {name: (make(), unit) for name, (make, unit) in self._makers().items()}
+
+    def _makers(self) -> dict[str, tuple[Callable[[], np.ndarray], str]]:
+        """Functions that give the columns, and their units."""
+        out: dict[str, tuple[Callable[[], np.ndarray], str]] = {"x": (lambda: self.x, ""), "y": (lambda: self.y, "")}
         for names, unit, values in (
-            (("X", "Y", "Z"), "m", self.positions),
-            (("u1", "u2", "u3"), "m", self.displacements),
-            (("rotation",), "rad", self.rotations[:, None]),
-            (("N11", "N22", "N12"), "N/m", self.N),
-            (("M11", "M22", "M12"), "N", self.M),
-            (("Q1", "Q2"), "N/m", self.Q),
+            (("X", "Y", "Z"), "m", lambda: self.positions),
+            (("u1", "u2", "u3"), "m", lambda: self.displacements),
+            (("rotation",), "rad", lambda: self.rotations[:, None]),
+            (("N11", "N22", "N12"), "N/m", lambda: self.N),
+            (("M11", "M22", "M12"), "N", lambda: self.M),
+            (("Q1", "Q2"), "N/m", lambda: self.Q),
         ):
-            table |= {name: (column, unit) for name, column in zip(names, values.T, strict=True)}
+            out |= {name: (partial(_column, values, k), unit) for k, name in enumerate(names)}
         for face in FACES:
-            stress = self.stress(face)
-            columns = {f"S{COMPONENTS[k]}": stress.components[:, k] for k in (0, 1, 5)}
-            columns |= {
-                "max_principal": stress.max_principal,
-                "min_principal": stress.min_principal,
-                "mises": stress.von_mises,
-            }
-            table |= {f"{name}_{face}": (column, "Pa") for name, column in columns.items()}
-        return table
+            for k in IN_PLANE:
+                out[f"S{COMPONENTS[k]}_{face}"] = (partial(_column, partial(self._face, face), k), "Pa")
+            for name, attribute in EQUIVALENTS.items():
+                out[f"{name}_{face}"] = (partial(self._equivalent, face, attribute), "Pa")
+        return out
+
+    @cached_property
+    def _faces(self) -> dict[str, Stresses]:
+        """Stresses that columns have asked for."""
+        return {}
+
+    def _stresses(self, face: str) -> Stresses:
+        if face not in self._faces:
+            self._faces[face] = self.stress(face)
+        return self._faces[face]
+
+    def _face(self, face: str) -> np.ndarray:
+        return self._stresses(face).components
+
+    def _equivalent(self, face: str, name: str) -> np.ndarray:
+        return np.asarray(getattr(self._stresses(face), name))
+
+
+def _column(values: Callable[[], np.ndarray], k: int) -> np.ndarray:
+    return np.asarray(values()[:, k])

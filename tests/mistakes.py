@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
+from mistaken_exchange import add_exchange
 from mistaken_problems import add_problems
 
 import skancf as sk
@@ -315,9 +317,11 @@ def calls(scene: Scene) -> dict[str, Call]:
     add_meshes(add, s)
     add_solvers(add, s)
     add_states(add, s)
+    add_storage(add, s)
     add_adaptive(add, s)
     add_output(add, s)
     add_problems(add, s)
+    add_exchange(add, s)
     return out
 
 
@@ -427,9 +431,9 @@ def add_solvers(add: Any, s: Scene) -> None:
     add("simulate steps", sk.simulate, system=s.system, t_end=0.01, rtol=1e-1, steps=sk.FixedStep(0.01), outputs=[0.0, 0.01],
         rule=sk.GeneralizedAlpha(), follow=sk.Follow(), checkpoint=None, progress=False, takes="steps:none,rule:none,"
         "follow:none,checkpoint:none", kinds={"checkpoint": "file"}, aliases={"checkpoint": "folder"})  # fmt: skip
-    add("read_motion", sk.read_motion, system=s.system, folder=s.run)
+    add("read_motion", sk.read_motion, system=s.system, folder=s.run, in_memory=False)
     add("Case", sk.Case, factor=1.0, time=0.5, takes="time:none")
-    add("Checkpoint", sk.Checkpoint, folder=s.folder / "other", every=10)
+    add("Checkpoint", sk.Checkpoint, folder=s.folder / "other", every=10, in_memory=True)
     t = np.linspace(0.0, 1.0, 33)
     add("spectrum", sk.spectrum, times=t, values=np.sin(20 * t), window="hann", detrend="linear", begin=0.0, end=1.0,
         padding=4, kinds={"begin": "optional", "end": "optional"}, aliases={"begin": "times", "end": "times"})  # fmt: skip
@@ -447,6 +451,31 @@ def add_solvers(add: Any, s: Scene) -> None:
     add("RigidVelocity", sk.RigidVelocity, velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0), about=(0.0, 0.0, 0.0))
 
 
+def add_storage(add: Any, s: Scene) -> None:
+    add("sk.save", sk.save, thing=s.solution, path=s.folder / "solution.h5", what="all", aliases={"path": "file"},
+        takes="thing:problem,thing:system,thing:mesh,thing:result,thing:surface,thing:load")  # fmt: skip
+    kept = sk.save(s.solution, s.folder / "kept.h5")
+    add("sk.load", sk.load, path=kept, aliases={"path": "file"})
+    text = s.folder / "problem.toml"
+    text.write_text(PROBLEM)
+    add("read_problem", sk.read_problem, path=text, aliases={"path": "file"})
+    add("run_file", sk.run_file, path=text, folder=s.folder / "results", progress=False, takes="folder:none",
+        aliases={"path": "file"})  # fmt: skip
+    x = np.linspace(0.0, 1.0, 7)
+    add("Sampled", sk.storage.Sampled, x=x, y=x, values=np.ones((7, 7)), error=0.1)
+
+
+PROBLEM = """
+thickness = 0.01
+surface = {type = "Rectangle", length_x = 1.0, length_y = 1.0}
+material = {type = "Isotropic", young = 1e7, poisson = 0.3, density = 1e3}
+supports = [{type = "Clamp", where = "left"}]
+mesh = {type = "uniform", nx = 2, ny = 2}
+theory = "kirchhoff"
+analysis = {type = "modes", n = 1}
+"""
+
+
 def add_states(add: Any, s: Scene) -> None:
     state, place = s.solution, (0.5, 0.5)
     add("Solution", sk.Solution, system=s.system, q=state.q, velocity=0 * state.q, time=0.1, load_factor=1.0, linear=False,
@@ -456,10 +485,11 @@ def add_states(add: Any, s: Scene) -> None:
     for name in ("displacement", "position"):
         add(f"Solution.{name}", getattr(state, name), at=place, z=0.001, kinds={"at": "numbers"})
     add("Solution.rotation", state.rotation, at=place)
-    add("Solution.section_forces", state.section_forces, points=points, takes="points:none")
-    add("Solution.shear_forces", state.shear_forces, points=points, takes="points:none")
-    add("Solution.strains", state.strains, points=points, z=0.001)
-    add("Solution.stresses", state.stresses, points=points, z=0.001)
+    for name in ("section_forces", "recovered_section_forces", "shear_forces"):
+        add(f"Solution.{name}", getattr(state, name), points=points, elements=[0, 1], takes="points:none,elements:none")
+    for name in ("strains", "stresses", "recovered_strains", "recovered_stresses", "cauchy_stresses", "thickness_stretch"):
+        add(f"Solution.{name}", getattr(state, name), points=points, z=0.001, elements=[0, 1], takes="elements:none")
+    add_places(add, state, place)
     add("Solution.nodal_stresses", state.nodal_stresses, z=0.001)
     add("Solution.shear_share_of", state.shear_share_of, elements=np.ones(4, bool), takes="elements:none")
     add("Motion.at", s.motion.at, time=0.01)
@@ -477,6 +507,46 @@ def add_states(add: Any, s: Scene) -> None:
     add("BucklingResult.shape", s.buckled.shape, i=0, size=0.1, kinds={"size": "optional"})
     add("Spectrum.peaks", s.spectrum.peaks, count=1, prominence=0.1, takes="count:none")
     add("Spectrum.compare", s.spectrum.compare, natural=[6.0, 7.0], count=1, prominence=0.1, takes="count:none")
+
+
+def add_places(add: Any, state: Any, place: Any) -> None:
+    def along(start: Any, end: Any, n: Any, side: Any) -> Any:
+        return state.along(start, end, n=n, side=side).columns
+
+    def at(points: Any, side: Any) -> Any:
+        return state.at(points, side=side).columns
+
+    values, line = state.at(place), state.along((0.0, 0.5), (1.0, 0.5), n=3)
+    add("at columns", at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
+    add("Solution.at", state.at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
+    add("along", along, start=(0.0, 0.5), end=(1.0, 0.5), n=3, side=(0.0, 1.0), aliases={"start": "points", "end": "points"},
+        takes="side:none,n:half")  # fmt: skip
+    add("Solution.through_thickness", state.through_thickness, at=place, n=2, side=(1.0, 0.0), takes="side:none")
+    add("PointValues.stress", values.stress, z=0.001, frame="global", measure="cauchy")
+    add("PointValues.strain", values.strain, z=0.001)
+    add("PointValues.unit", values.unit, name="M11")
+    add("Line.plot", line.plot, axes=Figure().subplots(), units=sk.Units(), takes="units:none,axes:none")
+    add("Arc", sk.Arc, centre=(0.5, 0.5), radius=0.1, start=0.0, end=1.0)
+    add("Solution.reactions", state.reactions, where="left", takes="where:none")
+    add(
+        "Solution.reaction_moment", state.reaction_moment, where="left", about=(0.0, 0.0, 0.0), takes="where:none,about:none"
+    )
+    add("Solution.reactions_by_support", state.reactions_by_support, about=(0.0, 0.0, 0.0), takes="about:none")
+    add("envelope", sk.envelope, states=[state], quantity="u3", at=[place], takes="at:none,states:result",
+        kinds={"states": "state", "at": "numbers"})  # fmt: skip
+    add("envelope of a function", sk.envelope, states=[state], quantity=lambda state: state.load_factor,
+        takes="states:result", kinds={"states": "state", "quantity": "function"})  # fmt: skip
+    add("Strength", sk.Strength, tension=(3.0, 1.0), compression=(2.0, 1.0), shear=1.0, interaction=-0.4)
+    add("Strength.used", sk.Strength((3.0, 1.0), (2.0, 1.0), 1.0).used, stress=np.ones(3), criterion="tsai-hill")
+    add("utilisation", sk.utilisation, state=state, strength=1e6, criterion="tresca", at=[place],
+        takes="criterion:none,at:none", kinds={"at": "numbers"})  # fmt: skip
+    add("Units", sk.Units, length="mm", force="kN", time="ms", stress="MPa", energy="J", stated=("mm", "N", "s"),
+        takes="length:none,force:none,time:none,stress:none,energy:none")  # fmt: skip
+    add("Units.of", sk.Units().of, unit="N/m")
+    add("Units.table", sk.Units().table, table=values, takes="table:result")
+    for function in (sk.output.von_mises, sk.output.tresca, sk.output.principal_stresses, sk.output.principal_directions,
+                     sk.output.signed_von_mises):  # fmt: skip
+        add(function.__name__, function, stress=np.arange(12.0).reshape(2, 6))
 
 
 def add_adaptive(add: Any, s: Scene) -> None:
@@ -584,8 +654,8 @@ def add_output(add: Any, s: Scene) -> None:
     from skancf.output.style import Style
 
     add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
-        show_undeformed=False, title="a", subdivisions=2, size=(300, 200),
-        takes="limits:none,subdivisions:none,z:none")  # fmt: skip
+        show_undeformed=False, title="a", subdivisions=2, size=(300, 200), units=sk.Units(),
+        takes="limits:none,subdivisions:none,z:none,units:none")  # fmt: skip
 
 
 SLOW = {

@@ -17,7 +17,7 @@ needs_ccx = pytest.mark.skipif(
 )
 STEEL = sk.Isotropic(210e9, 0.3, 7800.0, expansion=1.2e-5)
 SQUARE = sk.Rectangle(1.0, 1.0)
-PLY = sk.Orthotropic((177e9, 10.8e9, 10.8e9), (0.3, 0.3, 0.4), (7.6e9, 7.6e9, 8.5e9), 1600.0)
+PLY = sk.Orthotropic([177e9, 10.8e9, 10.8e9], (0.3, 0.3, 0.4), (7.6e9, 7.6e9, 8.5e9), 1600.0)
 WEIGHT = [sk.SurfaceLoad((0.0, 0.0, -1e3))]
 
 

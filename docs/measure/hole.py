@@ -18,29 +18,40 @@ HOWLAND = 3.133
 
 
 def make(path: Path, at_hole: float = 0.03, away: float = 0.2) -> None:
-    """Elements of these sizes; those at the hole follow its outline by chords."""
+    """Elements of these sizes; the hole becomes a polygon."""
     import gmsh
 
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     geometry = gmsh.model.occ
-    plate, disk = geometry.addRectangle(0, 0, 0, LENGTH, WIDTH), geometry.addDisk(LENGTH / 2, WIDTH / 2, 0, RADIUS, RADIUS)
+    middle = LENGTH / 2, WIDTH / 2, 0
+    plate = geometry.addRectangle(0, 0, 0, LENGTH, WIDTH)
+    disk = geometry.addDisk(*middle, RADIUS, RADIUS)
     geometry.cut([(2, plate)], [(2, disk)])
     geometry.synchronize()
+
+    # The names of edges, and of the plate.
     for _, curve in gmsh.model.getEntities(1):
         x, y, _ = geometry.getCenterOfMass(1, curve)
         sides = {"left": x, "right": LENGTH - x, "bottom": y, "top": WIDTH - y}
-        name, distance = min(sides.items(), key=lambda item: item[1])
-        gmsh.model.addPhysicalGroup(1, [curve], name=name if distance < 1e-6 else "hole")
-    gmsh.model.addPhysicalGroup(2, [tag for _, tag in gmsh.model.getEntities(2)], name="plate")
+        on = [name for name, distance in sides.items() if abs(distance) < 1e-6]
+        gmsh.model.addPhysicalGroup(1, [curve], name=on[0] if on else "hole")
+    gmsh.model.addPhysicalGroup(2, [plate], name="plate")
+
+    # Small elements at the hole.
     ball = gmsh.model.mesh.field.add("Ball")
-    for name, value in {"XCenter": LENGTH / 2, "YCenter": WIDTH / 2, "Radius": 1.2 * RADIUS, "Thickness": 0.4,
-                        "VIn": at_hole, "VOut": away}.items():  # fmt: skip
+    sizes = {"XCenter": middle[0], "YCenter": middle[1], "Radius": 1.2 * RADIUS,
+             "Thickness": 0.4, "VIn": at_hole, "VOut": away}  # fmt: skip
+    for name, value in sizes.items():
         gmsh.model.mesh.field.setNumber(ball, name, value)
     gmsh.model.mesh.field.setAsBackgroundMesh(ball)
-    for name, value in {"MeshSizeExtendFromBoundary": 0, "MeshSizeFromPoints": 0, "Algorithm": 8, "RecombineAll": 1,
-                        "RecombinationAlgorithm": 2, "MshFileVersion": 4.1}.items():  # fmt: skip
-        gmsh.option.setNumber(f"Mesh.{name}", value)
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+    gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
+
+    # Quadrilaterals only.
+    gmsh.option.setNumber("Mesh.Algorithm", 8)
+    gmsh.option.setNumber("Mesh.RecombineAll", 1)
+    gmsh.option.setNumber("Mesh.RecombinationAlgorithm", 2)
     gmsh.model.mesh.generate(2)
     path.parent.mkdir(parents=True, exist_ok=True)
     gmsh.write(str(path))

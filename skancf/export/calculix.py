@@ -170,11 +170,12 @@ class Deck:
 
     def _sections(self) -> Iterator[str]:
         heated, weighs = self.forces.temperature is not None, self.forces.acceleration is not None
-        materials: dict[Any, str] = {}
+        materials: dict[int, str] = {}
         for k, group in enumerate(self.groups, 1):
-            if group.material not in materials:
-                materials[group.material] = f"M{len(materials) + 1}"
-                yield from cards(group.material, materials[group.material], weighs, heated)
+            own = id(group.material)  # a law that was given lists has no hash
+            if own not in materials:
+                materials[own] = f"M{len(materials) + 1}"
+                yield from cards(group.material, materials[own], weighs, heated)
             yield f"*ELSET,ELSET=G{k}"
             yield from _rows(group.elements + group.layer * self.bricks.system.geometry.n_elements + 1)
             option = ""
@@ -182,7 +183,7 @@ class Deck:
                 yield f"*ORIENTATION,NAME=O{k},SYSTEM=RECTANGULAR"
                 yield ",".join(f"{v:.9g}" for v in group.axes.ravel())
                 option = f",ORIENTATION=O{k}"
-            yield f"*SOLID SECTION,ELSET=G{k},MATERIAL={materials[group.material]}{option}"
+            yield f"*SOLID SECTION,ELSET=G{k},MATERIAL={materials[own]}{option}"
 
     def _dummies(self) -> list[float]:
         """Values of equations that are not zero: each is the displacement of a node of its own."""

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from skancf.arguments import instance, text, whole
+from skancf.arguments import text, whole
 from skancf.atomic import AnyPath, as_path
 from skancf.errors import InputError, SkancfError, finite, positive
 from skancf.export.bricks import Bricks
-from skancf.solution import Solution
+from skancf.states import solution_of
 from skancf.tolerances import SEVEN_DIGITS
 
 
@@ -28,6 +28,12 @@ class Printed(NamedTuple):
         Numbers of the nodes in the deck.
     displacements : (n, 3) array
         In m.
+
+    Examples
+    --------
+    >>> table = sk.export.Printed(1.0, np.array([7]), np.array([[0.0, 0.0, -2.5e-3]]))
+    >>> table.displacements[table.nodes == 7]
+    array([[ 0.    ,  0.    , -0.0025]])
     """
 
     time: float
@@ -83,6 +89,15 @@ class CalculixDeck:
     bricks : Bricks
         Its nodes and elements.
     nonlinear : bool
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.02, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> deck = sk.export.calculix(plate.on(sk.meshes.uniform(plate.surface, 4, 4)), "plate.inp")
+    >>> deck
+    CalculixDeck('plate.inp', 16 bricks, 155 nodes)
+    >>> deck.run().displacement((1.0, 0.5))    # doctest: +SKIP
+    array([-2.1e-07, -1.0e-20, -1.2e-03])
     """
 
     path: Path
@@ -166,6 +181,15 @@ class CalculixResult:
     deck : CalculixDeck
     displacements : (n_nodes, 3) array
         Of the nodes of the bricks (m), in the order of the deck.
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.02, sk.Isotropic(70e9, 0.3, 2700.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> deck = sk.export.calculix(plate.on(sk.meshes.uniform(plate.surface, 4, 4)), "plate.inp")
+    >>> moved = np.zeros((deck.n_nodes, 3))
+    >>> moved[:, 2] = deck.bricks.points[:, 0] ** 2
+    >>> sk.export.CalculixResult(deck, moved).displacement((0.6, 0.5)).round(3)
+    array([0.  , 0.  , 0.36])
     """
 
     deck: CalculixDeck
@@ -195,7 +219,7 @@ class CalculixResult:
         InputError
             For what is no solution.
         """
-        found = instance("solution", solution, Solution, "a Solution, for example sk.solve(system).solution")
+        found = solution_of("solution", solution)
         own = self._of_lines()
         apart = found.displacement(self.deck.bricks.at.T) - own
         largest = np.linalg.norm(own, axis=1).max()

@@ -6,7 +6,7 @@ import numpy as np
 
 from skancf.errors import InputError
 from skancf.layout.geometry import Geometry
-from skancf.tolerances import BESIDE
+from skancf.tolerances import ABOUT_A_PLACE
 
 DIAGONALS = np.array([[1.0, 1.0, -1.0, -1.0], [1.0, -1.0, 1.0, -1.0]])
 SHOWN = 3
@@ -36,7 +36,7 @@ class Around(NamedTuple):
         return np.asarray((out.T / np.bincount(self.places, minlength=n)).T)
 
 
-def require_inside(geometry: Geometry, points: np.ndarray) -> None:
+def require_inside(geometry: Geometry, points: np.ndarray, name: str = "points") -> None:
     """InputError that names the points (2, n) that the surface does not hold."""
     inside = geometry.locate_inside(points)[0]
     if inside.all():
@@ -47,7 +47,7 @@ def require_inside(geometry: Geometry, points: np.ndarray) -> None:
     low, high = geometry.mesh.p.min(axis=1), geometry.mesh.p.max(axis=1)
     holes = ", openings left out" if len(geometry.openings) else ""
     raise InputError(
-        f"points: {len(wrong)} of {points.shape[1]} lie outside the surface: {named}{more}; in the parameter plane it "
+        f"{name}: {len(wrong)} of {points.shape[1]} lie outside the surface: {named}{more}; in the parameter plane it "
         f"reaches from ({low[0]:.6g}, {low[1]:.6g}) to ({high[0]:.6g}, {high[1]:.6g}){holes}"
     )
 
@@ -64,7 +64,7 @@ def elements_around(geometry: Geometry, points: np.ndarray, side: np.ndarray | N
     first = geometry.locate_all(points)[0]
     size = np.ptp(geometry.mesh.p[:, geometry.mesh.t[:, first]], axis=1)
     ways = DIAGONALS if side is None else (side / np.abs(side).max())[:, None]
-    away = (BESIDE * ways[:, None] * size[:, :, None]).reshape(2, -1)
+    away = (ABOUT_A_PLACE * ways[:, None] * size[:, :, None]).reshape(2, -1)
     moved = np.repeat(points, ways.shape[1], axis=1) + away
     inside, elements, _ = geometry.locate_inside(moved)
     place = np.repeat(np.arange(points.shape[1]), ways.shape[1])[inside]

@@ -9,7 +9,7 @@ import numpy as np
 
 from skancf.arguments import text
 from skancf.columns import columns
-from skancf.errors import InputError, shown
+from skancf.errors import InputError, finite, shown
 from skancf.history import History, check_history
 from skancf.loads.moment import PointMoment
 from skancf.loads.point import PointForce
@@ -121,6 +121,12 @@ class Sampled:
     values : (1, n) or (3, n) array
     vector : bool
         Whether it returns three components.
+
+    Examples
+    --------
+    >>> heat = sk.loads.sampled({"x": [0.0, 1.0, 0.0], "y": [0.0, 0.0, 1.0], "T (K)": [0.0, 10.0, 30.0]}, "T")
+    >>> heat(np.array([0.5, 0.0]), np.array([0.5, 0.5]))
+    array([20., 15.])
     """
 
     x: np.ndarray
@@ -161,7 +167,11 @@ class Sampled:
         return LinearNDInterpolator(np.column_stack([self.x, self.y]), self.values.T, rescale=True)
 
     def __call__(self, x: Any, y: Any) -> np.ndarray:
-        x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+        x, y = finite("x", x), finite("y", y)
+        try:
+            x, y = np.broadcast_arrays(x, y)
+        except ValueError as wrong:
+            raise InputError(f"x and y of shapes {x.shape} and {y.shape}: give as many of both") from wrong
         points = np.column_stack([x.ravel(), y.ravel()])
         found = self._function(points)
         lost = np.isnan(found).any(axis=1)

@@ -16,7 +16,6 @@ from skancf.meshes.coarse import forest_of
 from skancf.meshes.forest import DEEPEST, Leaves
 from skancf.meshes.names import Names
 from skancf.meshes.snap import onto_bounds, onto_lines
-from skancf.showing import short
 from skancf.surfaces import Surface, closed_directions
 from skancf.surfaces.checks import require_surface
 from skancf.tolerances import ONE_PLACE
@@ -271,8 +270,6 @@ class _Meeting:
     seam: np.ndarray
     nodes: np.ndarray
     ends: np.ndarray
-
-    __repr__ = short
 
     @classmethod
     def of(cls, mesh: MeshQuadTree) -> "_Meeting":

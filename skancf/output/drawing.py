@@ -62,7 +62,7 @@ def draw(plotter: Any, frame: Frame, style: Style, limits: tuple[float, float]) 
 
     height = panel_size(plotter)[1]
     font, width = max(6, round(height / 72)), max(1.0, height / 550)
-    factor, shown_unit = readable_unit(style.field, max(abs(limit) for limit in limits))
+    factor, shown_unit = readable_unit(style.field, max(abs(limit) for limit in limits), style.units)
     low, high = factor * limits[0], factor * limits[1]
     cells = np.column_stack([np.full(len(frame.cells), 4), frame.cells])
     surface = pyvista.PolyData(frame.points, cells.ravel())

@@ -4,17 +4,16 @@ import numpy as np
 
 from skancf.errors import InputError, number, shown
 from skancf.materials import Section, SectionField
-from skancf.materials.heights import DEPTHS, Depth, Interface, depth_of
+from skancf.materials.heights import ABOVE, DEPTHS, Depth, Interface, depth_of
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import STRESSES, Solution
 from skancf.tensors import von_mises
+from skancf.units import Units
 
 STRAINS = tuple(name.replace("S", "E") for name in STRESSES)
 VECTORS = {"displacement": ("u", "m"), "velocity": ("v", "m/s")}
 FORCES = ("N11", "N22", "N12", "M11", "M22", "M12")
 SHEAR = ("Q1", "Q2")
-ABOVE = 1e-9
-"""Of the thickness."""
 NAMES = (*STRESSES, "mises", *STRAINS, *FORCES, *SHEAR, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3", "thickness")
 
 
@@ -45,12 +44,9 @@ def words(name: str) -> str:
     )
 
 
-def readable_unit(name: str, largest: float) -> tuple[float, str]:
-    """Factor and unit, with a prefix for stresses, that show values up to ``largest`` in few digits."""
-    if unit(name) != "Pa":
-        return 1.0, unit(name)
-    power = next((power for power in (9, 6, 3) if largest >= 10.0**power), 0)
-    return 10.0**-power, {9: "GPa", 6: "MPa", 3: "kPa", 0: "Pa"}[power]
+def readable_unit(name: str, largest: float, units: Units | None = None) -> tuple[float, str]:
+    """Factor and unit that show values up to ``largest``; stresses have a prefix for few digits where none was chosen."""
+    return (units or Units()).with_stress(largest).of(unit(name))
 
 
 def through(name: str) -> bool:

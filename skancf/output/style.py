@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.arguments import choice, flag, texts, whole
+from skancf.arguments import choice, flag, instance, texts, whole
 from skancf.errors import InputError, number, vector
 from skancf.materials.heights import DEPTHS, Depth
 from skancf.output.fields import check_name, words
 from skancf.output.sampling import grid
 from skancf.showing import short
 from skancf.solution import Solution
+from skancf.units import Units
 
 MOST_PIXELS = 16_384
 """In one direction; graphics drivers draw no larger pictures."""
@@ -47,6 +48,8 @@ class Style:
         Cells along an element's edge. Default: by the number of elements.
     size : (2,) tuple of int
         Pixels.
+    units : Units, optional
+        Of the colour bar. Default: those of SI, stresses with a prefix.
 
     Examples
     --------
@@ -64,6 +67,7 @@ class Style:
     title: str | None = None
     subdivisions: int | None = None
     size: tuple[int, int] = (1400, 1000)
+    units: Units | None = None
 
     __repr__ = short
 
@@ -83,6 +87,8 @@ class Style:
         for name in ("show_mesh", "show_undeformed"):
             flag(name, getattr(self, name))
         texts(title=self.title)
+        if self.units is not None:
+            instance("units", self.units, Units, "names of units, as in sk.Units(length='mm', stress='MPa')")
         for pixels in vector("size", self.size, 2):
             whole("size", pixels, most=MOST_PIXELS, floats=True)
 

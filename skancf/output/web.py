@@ -204,7 +204,7 @@ class _Described:
                 whole = np.rint((part - low) * (65535 / (high - low) if high > low else 0.0))
                 row["values"][f"{name} {face}"] = self.blob.add(whole.astype("<u2"))
         largest = max(abs(limit) for pairs in limits.values() for pair in pairs for limit in pair)
-        factor, unit = readable_unit(name, largest)
+        factor, unit = readable_unit(name, largest, self.show.style.units)
         short = {"displacement": "u", "velocity": "v"}.get(name, name)
         return {"name": name, "words": words(name), "short": short, "unit": unit, "factor": factor, "faces": through(name),
                 "signed": signed(name), "limits": limits, "stored": stored}  # fmt: skip

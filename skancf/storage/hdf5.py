@@ -13,6 +13,7 @@ import numpy as np
 import skfem
 from skfem.generic_utils import OrientedBoundary
 
+from skancf.errors import InputError
 from skancf.meshes import MeshQuadTree
 from skancf.meshes.quadtree_file import tree_arrays, tree_of
 from skancf.rows import Rows
@@ -22,8 +23,9 @@ from skancf.storage.registry import ANSWERS, KINDS, class_named, fields_of, kind
 from skancf.storage.rows import FileRows
 from skancf.system.build import rebuilt
 from skancf.system.system import System
+from skancf.tolerances import ONE_PLACE
 
-TYPE, NAME = "type", "name"
+TYPE, NAME, MOVE = "type", "name", "_moved"
 ROWS = ("Step", "MeshEvent")
 """Classes of numbers only, of which many are kept as columns."""
 CHUNK = 2**20
@@ -211,7 +213,28 @@ class Getter:
         values = {name: self.member(group, name) for name in fields_of(cls)}
         if values.get("status") is not None:
             values["status"] = Status[values["status"]]
+        if kind in MOVED:
+            _move(values)
         return cls(**{name: value for name, value in values.items() if value is not None})
+
+
+MOVED = ("Solution", "Segment")
+"""Classes whose coordinates ``q`` are those of a system."""
+
+
+def _move(values: dict[str, Any]) -> None:
+    """Keep the displacements where the system is the same to rounding and not to the last bit: with a surface that is kept
+    as a table, or on another machine."""
+    moved = getattr(values["system"], MOVE, None)
+    if moved is None:
+        return
+    small, q = values.get("small"), values["q"]
+    if small is not None:
+        values["q"] = values["system"].undeformed + small
+    elif isinstance(q, FileRows):
+        q.moved = moved
+    else:
+        values["q"] = q + moved
 
 
 def plain_value(value: Any) -> Any:
@@ -265,7 +288,13 @@ def _system(getter: Getter, group: Any) -> System:
     problem, mesh, theory, choice, state = (
         getter.member(group, name) for name in ("problem", "mesh", "theory", "choice", "state")
     )
-    return rebuilt(problem, mesh, theory, state, choice)
+    system = rebuilt(problem, mesh, theory, state, choice)
+    kept, made = getter.get(group["undeformed"]), system.undeformed
+    if kept.shape != made.shape or np.abs(system.layout.positions(kept - made)).max() > ONE_PLACE * np.abs(made).max():
+        raise InputError("the surface and the mesh of the file do not make the undeformed state that is in it")
+    if not np.array_equal(kept, made):
+        setattr(system, MOVE, made - kept)
+    return system
 
 
 READERS: dict[str, Callable[[Getter, Any], Any]] = {

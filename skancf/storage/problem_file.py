@@ -12,10 +12,12 @@ import skfem
 
 from skancf import meshes
 from skancf.adaptive import adapt
+from skancf.arguments import flag, whole
 from skancf.atomic import AnyPath, as_path, reason
 from skancf.dynamics import simulate
 from skancf.equality import by_value
 from skancf.errors import InputError, shown
+from skancf.meshes.forest import DEEPEST
 from skancf.problem import Problem
 from skancf.statics import buckling, modes, solve, solve_linear, trace
 from skancf.storage.describe import arguments, build, known, made, told
@@ -200,7 +202,8 @@ def _mesh(table: Mapping[str, Any], problem: Problem, folder: Path) -> skfem.Mes
         return _mesh_in_file(options, folder, where)
     function = MESHES[kind]
     given = arguments(function, options, where, {}, GIVEN, ("quadtree", "refined"))
-    is_tree, times = given.pop("quadtree", False), given.pop("refined", 0)
+    is_tree = told(where, flag, {"name": "quadtree", "value": given.pop("quadtree", False)})
+    times = told(where, whole, {"name": "refined", "value": given.pop("refined", 0), "least": 0, "most": DEEPEST})
     given |= {"zones": problem.zones} if "zones" in signature(function).parameters else {}
     mesh = told(where, function, {"surface": problem.surface, **given})
     if is_tree:

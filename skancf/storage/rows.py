@@ -19,6 +19,8 @@ class FileRows(Rows):
         super().__init__(shape, dtype)
         self.path, self.name, self.file_id = path, name, file_id
         self._dataset: Any = None
+        self.moved: np.ndarray | float = 0.0
+        """Added to each row."""
 
     @classmethod
     def of(cls, dataset: Any) -> "FileRows":
@@ -41,8 +43,8 @@ class FileRows(Rows):
             dataset = self._open()
             step = int(numbers[1] - numbers[0]) if len(numbers) > 1 else 1
             if step > 0 and (np.diff(numbers) == step).all():
-                return np.asarray(dataset[int(numbers[0]) : int(numbers[-1]) + 1 : step])
-            return np.stack([dataset[int(k)] for k in numbers])
+                return np.asarray(dataset[int(numbers[0]) : int(numbers[-1]) + 1 : step] + self.moved)
+            return np.stack([dataset[int(k)] + self.moved for k in numbers])
         except (OSError, KeyError, RuntimeError, ValueError) as wrong:
             if isinstance(wrong, InputError):
                 raise

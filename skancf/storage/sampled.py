@@ -14,14 +14,12 @@ from skancf.functions import values_at
 from skancf.history import Table
 from skancf.supports import DrivenClamp
 from skancf.surfaces import MappedSurface
-from skancf.tolerances import SAMPLED_EXACTLY, TINY
+from skancf.tolerances import SAMPLED, SAMPLED_AT_MOST, SAMPLED_EXACTLY, TINY
 
 ORDER = 5
 """Of the splines between the samples."""
-SAMPLES, MOMENTS = 65, 2001
-"""In each direction of the parameter plane; over time."""
-SMOOTH = 1e-3
-"""Largest difference from the function between its samples, relative to its largest value, that a table may have."""
+SAMPLES, MOMENTS = (65, 129, 257), 2001
+"""In each direction of the parameter plane, as few of these as will do; over time."""
 
 
 @by_value
@@ -121,28 +119,35 @@ class Sampler:
         between = 0.5 * (times[1:] + times[:-1])
         exact, values = (np.array([function(float(t)) for t in part], dtype=float) for part in (between, times))
         table = Table(times.tolist(), values.tolist(), kind="smooth")
-        error = self._error(np.array([table(t) for t in between]), exact)
+        error = _error(np.array([table(t) for t in between]), exact)
         return table if self._close(owner, name, error) else None
 
     def _over_place(self, owner: Any, name: str, function: Any, bounds: Any) -> Sampled | None:
         if bounds is None:
             return None
-        x, y = (np.linspace(low, high, SAMPLES) for low, high in bounds)
-        values = _on_grid(function, x, y)
-        if values is None:
-            return None
-        table = Sampled(x, y, values)
-        halves = [0.5 * (line[1:] + line[:-1]) for line in (x, y)]
-        error = self._error(_on_grid(table, *halves), _on_grid(function, *halves))
-        return Sampled(x, y, values, error) if self._close(owner, name, error) else None
+        wanted, allowed = (SAMPLED_EXACTLY,) * 2 if isinstance(owner, MappedSurface) else (SAMPLED, SAMPLED_AT_MOST)
+        table = None
+        for n in SAMPLES:
+            x, y = (np.linspace(low, high, n) for low, high in bounds)
+            values = _on_grid(function, x, y)
+            if values is None:
+                return None
+            halves = [0.5 * (line[1:] + line[:-1]) for line in (x, y)]
+            error = _error(_on_grid(Sampled(x, y, values), *halves), _on_grid(function, *halves))
+            table = Sampled(x, y, values, error)
+            if error <= wanted:
+                break
+        return table if table and self._close(owner, name, table.error, allowed) else None
 
-    def _error(self, near: Any, exact: Any) -> float:
-        return float(np.abs(near - exact).max() / max(np.abs(exact).max(), TINY))
-
-    def _close(self, owner: Any, name: str, error: float) -> bool:
-        if error > SAMPLED_EXACTLY:
+    def _close(self, owner: Any, name: str, error: float, allowed: float = SAMPLED_AT_MOST) -> bool:
+        if error <= allowed:
             self.said.append(f"{type(owner).__name__}.{name}, with an error of {error:.1e} of its largest value")
-        return error <= SMOOTH
+        return error <= allowed
+
+
+def _error(near: Any, exact: Any) -> float:
+    """Largest difference, relative to the largest value."""
+    return float(np.abs(near - exact).max() / max(np.abs(exact).max(), TINY))
 
 
 def _on_grid(function: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray | None:

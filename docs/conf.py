@@ -53,7 +53,7 @@ html_favicon = "_static/logo.svg"
 # MathJax with all its extensions and drawn letters is one file, so that a page asks no other machine for anything.
 html_static_path = ["_static", str(resources.files("sphinx-mathjax-offline") / "static/mathjax/tex-svg-full.js")]
 mathjax_path = "tex-svg-full.js"
-html_search_scorer = "_static/scorer.js"
+html_search_scorer = str(HERE / "_static" / "scorer.js")
 html_css_files = ["site.css"]
 html_theme_options = {
     "logo": {"text": "skancf", "alt_text": "skancf, first page"},

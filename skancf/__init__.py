@@ -155,6 +155,7 @@ from skancf.version import __version__
 
 if TYPE_CHECKING:
     from skancf import export, output, testing
+    from skancf.about import info
     from skancf.materials import Hyperelastic, MooneyRivlin, NeoHooke, Ogden
     from skancf.terms.forms import FormTerm
 
@@ -285,6 +286,7 @@ __all__ = [
     "export",
     "find_regions",
     "goal_estimate",
+    "info",
     "load",
     "loads",
     "materials",
@@ -332,6 +334,8 @@ def __getattr__(name: str) -> Any:
     """Some are loaded when they are first used: many runs show nothing, and few have rubber, forms or tests of terms."""
     if name in ("export", "output", "testing"):
         return importlib.import_module(f"skancf.{name}")
+    if name == "info":
+        return importlib.import_module("skancf.about").info
     if name == "FormTerm":
         return importlib.import_module("skancf.terms.forms").FormTerm
     if name in RUBBERS:

@@ -33,11 +33,13 @@ class Announcer(event.Listener, Line):
         Functions compiled since the last sum, of those that are called from Python.
     seconds : float
         How long they took.
+    total : int
+        Functions compiled in this process.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        self.kernels, self.seconds = 0, 0.0
+        self.kernels, self.seconds, self.total = 0, 0.0, 0
         self._depth, self._begun, self._ended = 0, 0.0, 0.0
         self._wide, self._told = 0, False
         self._thread: threading.Thread | None = None
@@ -68,7 +70,7 @@ class Announcer(event.Listener, Line):
             return
         self._ended = time.perf_counter()
         took = self._ended - self._begun
-        self.kernels, self.seconds = self.kernels + 1, self.seconds + took
+        self.kernels, self.seconds, self.total = self.kernels + 1, self.seconds + took, self.total + 1
         logger.info("compiled %s in %.1f s", _name(event), took)
         # What the user prints next is to begin a line of its own.
         self._clear()

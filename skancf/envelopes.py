@@ -10,6 +10,7 @@ from skancf.errors import InputError, shown
 from skancf.functions import measured
 from skancf.lines import checked_points
 from skancf.point_values import PointValues
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.tabular import Column, Tabular
 
@@ -44,6 +45,8 @@ class Envelope(Tabular):
     unit: str = ""
     points: np.ndarray | None = None
     n_states: int = 0
+
+    __repr__ = short
 
     @property
     def largest(self) -> np.ndarray:

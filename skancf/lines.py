@@ -11,15 +11,14 @@ from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import called
 from skancf.layout.around import require_inside
-from skancf.materials.heights import Interface
+from skancf.materials.heights import ABOVE, Interface
 from skancf.optional import needed
 from skancf.point_values import COMPONENTS, PointValues
+from skancf.showing import short
 from skancf.tabular import Column, Tabular
 from skancf.tensors import principal_stresses, von_mises
 from skancf.units import Units
 
-ABOVE = 1e-9
-"""Of the thickness: a little above an interface the law is that of the upper layer."""
 PIECES = 8
 """Of a curve between two points, to find its length."""
 
@@ -53,6 +52,8 @@ class Arc:
     radius: float
     start: float = 0.0
     end: float = 2 * np.pi
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         plain(self)
@@ -133,8 +134,11 @@ class Line(PointValues):
         (along, length), (factor, unit) = units.of("m"), units.of(drawn.pop())
         for name in chosen:
             axes.plot(along * self.s, factor * self[name], label=name)
-        axes.set(xlabel=f"s [{length}]", ylabel=f"{', '.join(chosen)} [{unit}]" if unit else ", ".join(chosen))
-        axes.legend()
+        # The legend names several curves.
+        named = (*chosen, f"[{unit}]" if unit else "") if len(chosen) == 1 else (f"[{unit}]" if unit else "",)
+        axes.set(xlabel=f"s [{length}]", ylabel=" ".join(named).strip())
+        if len(chosen) > 1:
+            axes.legend()
         if self.state.note:
             axes.set_title(self.state.note)
         return axes
@@ -157,6 +161,8 @@ class Profile(Tabular):
     z: np.ndarray
     layer: np.ndarray
     stress: np.ndarray
+
+    __repr__ = short
 
     def _table(self) -> dict[str, Column]:
         table: dict[str, Column] = {"z": (self.z, "m"), "layer": (self.layer, "")}
@@ -201,9 +207,9 @@ class AtPlaces:
         ...                    [sk.EdgeLoad("right", (0, 0, 10.0))])
         >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 1)))
         >>> values = solution.at([(0.0, 0.1), (0.5, 0.1)])
-        >>> np.round(values.M[:, 0], 6) + 0.0
+        >>> np.round(values.M[:, 0], 3) + 0.0
         array([-10.,  -5.])
-        >>> np.round(values.stress("bottom").max_principal / 1e3, 3)
+        >>> np.round(values.stress("bottom").max_principal / 1e3, 1)
         array([600., 300.])
         """
         return PointValues(self, *_checked(self.system, points, side))
@@ -237,7 +243,7 @@ class AtPlaces:
         ...                    [sk.EdgeLoad("right", (0, 0, 10.0))])
         >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 1)))
         >>> line = solution.along((0, 0.1), (1, 0.1), n=5)
-        >>> np.round(line.M[:, 0], 6) + 0.0
+        >>> np.round(line.M[:, 0], 3) + 0.0
         array([-10. ,  -7.5,  -5. ,  -2.5,   0. ])
         """
         surface = self.system.geometry.surface

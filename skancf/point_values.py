@@ -11,6 +11,7 @@ from skancf.arguments import choice
 from skancf.errors import InputError, shown
 from skancf.layout.around import Around, elements_around
 from skancf.materials.heights import Depth, depth_of
+from skancf.showing import short
 from skancf.system.frames import frames, turns
 from skancf.tabular import Column, Tabular
 from skancf.tensors import (
@@ -50,6 +51,8 @@ class Stresses(Tabular):
 
     components: np.ndarray
     frame: str
+
+    __repr__ = short
 
     @property
     def tensors(self) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 
 from skancf.errors import InputError, vector
 from skancf.layout.constrain import shares_of_supports
+from skancf.showing import short
 from skancf.tabular import Column, Tabular
 from skancf.terms.springs import Springs
 from skancf.vectors import cross, sum_of_cross
@@ -34,6 +35,8 @@ class SupportReactions(Tabular):
     forces: np.ndarray
     moments: np.ndarray
     points: np.ndarray
+
+    __repr__ = short
 
     @property
     def total_force(self) -> np.ndarray:

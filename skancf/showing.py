@@ -19,8 +19,8 @@ FEW = 6
 """Numbers of an array, and items of a list, that are all shown."""
 LONG, WHOLE = 240, 960
 """Characters of one field, and of a whole object, before the rest is left out."""
-NOTEBOOK = "skancf.output.notebook"
-"""Draws pictures, so it is the last room, and is loaded when a notebook first asks for one."""
+NOTEBOOK, VIEWER = "skancf.output.notebook", "skancf.output.viewer"
+"""They draw, so they are of the last room, and are loaded when a notebook or the user first asks for that."""
 
 
 def short(self: Any) -> str:
@@ -92,13 +92,13 @@ def summary(method: Callable[[Any], str]) -> Callable[[Any], str]:
     """Decorates a ``__str__`` that says what a person wants to know; an object that is not whole shows its fields."""
 
     @wraps(method)
-    def __str__(self: Any) -> str:
+    def words(self: Any) -> str:
         try:
             return method(self)
         except Exception:
             return short(self)
 
-    return __str__
+    return words
 
 
 def in_brackets(self: Any) -> str:
@@ -125,7 +125,7 @@ def in_a_notebook(self: Any) -> str | None:
 
 def looked_at(self: Any, **options: Any) -> Any:
     """Look at it in a window, or in a notebook on a page: see :func:`skancf.output.view`."""
-    return importlib.import_module("skancf.output").view(self, **options)
+    return importlib.import_module(VIEWER).view(self, **options)
 
 
 # --- words that several results use ------------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from skancf.lines import ABOVE, checked_points
 from skancf.materials import Laminate
 from skancf.materials.heights import Interface
 from skancf.point_values import PointValues
+from skancf.showing import short
 from skancf.solution import Solution
 from skancf.tabular import Column, Tabular
 from skancf.tensors import tresca, turned, von_mises
@@ -50,6 +51,8 @@ class Strength:
     compression: tuple[float, float]
     shear: float
     interaction: float = -0.5
+
+    __repr__ = short
 
     def __post_init__(self) -> None:
         for name in ("tension", "compression"):
@@ -125,6 +128,8 @@ class Utilisation(Tabular):
     z: np.ndarray
     layer: np.ndarray
 
+    __repr__ = short
+
     @property
     def governing(self) -> dict[str, Any]:
         """The largest value, with its place, height and layer."""
@@ -172,7 +177,7 @@ def utilisation(state: Solution, strength: Any, *, criterion: str | None = None,
     ...                    [sk.EdgeLoad("right", (0, 0, 1000.0))])
     >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 4, 1)))
     >>> found = sk.utilisation(solution, 240e6)
-    >>> round(found.governing["value"], 6), found.governing["place"][0]
+    >>> round(found.governing["value"], 4), found.governing["place"][0]
     (0.25, 0.0)
     """
     instance("state", state, Solution, STATE)

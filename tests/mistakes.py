@@ -109,6 +109,18 @@ class Scene:
         return Figure().add_subplot(projection="3d")
 
     @cached_property
+    def flat_axes(self) -> Any:
+        from matplotlib.figure import Figure
+
+        return Figure().add_subplot()
+
+    @cached_property
+    def plotter(self) -> Any:
+        import pyvista
+
+        return pyvista.Plotter(off_screen=True, window_size=(100, 80))
+
+    @cached_property
     def vtu(self) -> Path:
         return sk.output.write(self.solution, self.folder / "kept.vtu", subdivisions=1)
 
@@ -306,6 +318,7 @@ def calls(scene: Scene) -> dict[str, Call]:
     add_meshes(add, s)
     add_solvers(add, s)
     add_states(add, s)
+    add_storage(add, s)
     add_adaptive(add, s)
     add_output(add, s)
     add_problems(add, s)
@@ -419,9 +432,9 @@ def add_solvers(add: Any, s: Scene) -> None:
     add("simulate steps", sk.simulate, system=s.system, t_end=0.01, rtol=1e-1, steps=sk.FixedStep(0.01), outputs=[0.0, 0.01],
         rule=sk.GeneralizedAlpha(), follow=sk.Follow(), checkpoint=None, progress=False, takes="steps:none,rule:none,"
         "follow:none,checkpoint:none", kinds={"checkpoint": "file"}, aliases={"checkpoint": "folder"})  # fmt: skip
-    add("read_motion", sk.read_motion, system=s.system, folder=s.run)
+    add("read_motion", sk.read_motion, system=s.system, folder=s.run, in_memory=False)
     add("Case", sk.Case, factor=1.0, time=0.5, takes="time:none")
-    add("Checkpoint", sk.Checkpoint, folder=s.folder / "other", every=10)
+    add("Checkpoint", sk.Checkpoint, folder=s.folder / "other", every=10, in_memory=True)
     t = np.linspace(0.0, 1.0, 33)
     add("spectrum", sk.spectrum, times=t, values=np.sin(20 * t), window="hann", detrend="linear", begin=0.0, end=1.0,
         padding=4, kinds={"begin": "optional", "end": "optional"}, aliases={"begin": "times", "end": "times"})  # fmt: skip
@@ -437,6 +450,31 @@ def add_solvers(add: Any, s: Scene) -> None:
     add("NewtonCount", sk.NewtonCount, dt=0.1, iterations=5, largest=0.1, smallest=1e-3, takes="largest:inf")
     add("GeneralizedAlpha", sk.GeneralizedAlpha, rho_inf=0.5)
     add("RigidVelocity", sk.RigidVelocity, velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0), about=(0.0, 0.0, 0.0))
+
+
+def add_storage(add: Any, s: Scene) -> None:
+    add("sk.save", sk.save, thing=s.solution, path=s.folder / "solution.h5", what="all", aliases={"path": "file"},
+        takes="thing:problem,thing:system,thing:mesh,thing:result,thing:surface,thing:load")  # fmt: skip
+    kept = sk.save(s.solution, s.folder / "kept.h5")
+    add("sk.load", sk.load, path=kept, aliases={"path": "file"})
+    text = s.folder / "problem.toml"
+    text.write_text(PROBLEM)
+    add("read_problem", sk.read_problem, path=text, aliases={"path": "file"})
+    add("run_file", sk.run_file, path=text, folder=s.folder / "results", progress=False, takes="folder:none",
+        aliases={"path": "file"})  # fmt: skip
+    x = np.linspace(0.0, 1.0, 7)
+    add("Sampled", sk.storage.Sampled, x=x, y=x, values=np.ones((7, 7)), error=0.1)
+
+
+PROBLEM = """
+thickness = 0.01
+surface = {type = "Rectangle", length_x = 1.0, length_y = 1.0}
+material = {type = "Isotropic", young = 1e7, poisson = 0.3, density = 1e3}
+supports = [{type = "Clamp", where = "left"}]
+mesh = {type = "uniform", nx = 2, ny = 2}
+theory = "kirchhoff"
+analysis = {type = "modes", n = 1}
+"""
 
 
 def add_states(add: Any, s: Scene) -> None:
@@ -568,12 +606,13 @@ def add_adaptive(add: Any, s: Scene) -> None:
 def add_output(add: Any, s: Scene) -> None:
     o, file = sk.output, {"path": "file"}
     times, png = np.linspace(0.0, 1.0, 5), s.folder / "chart.png"
-    values = np.arange(9.0)
+    values, drawn = np.arange(9.0), "path:none,ax:none"
     add("sample", o.sample, solution=s.solution, subdivisions=1, z=0.001)
     add("write", o.write, states=s.solution, path=s.folder / "state.vtu", subdivisions=1, depths={"mid": 0.0},
-        progress=False, aliases={**file, "states": ".pvd"},
-        takes="depths:none", kinds={"depths": "mapping"})  # fmt: skip
+        progress=False, cells="flat", aliases={**file, "states": ".pvd"},
+        takes="depths:none,subdivisions:none", kinds={"depths": "mapping"})  # fmt: skip
     add("write many", o.write, states=[s.solution], path=s.folder / "states.pvd", subdivisions=1, depths={}, progress=False,
+        cells="flat",
         aliases={**file, "states": "state"},
         kinds={"states": "any"})  # fmt: skip
     add("read", o.read, path=s.vtu, aliases=file)
@@ -581,29 +620,44 @@ def add_output(add: Any, s: Scene) -> None:
     add("Columns", o.Columns, columns={"a": [1.0, 2.0]}, units={"a": "m"}, takes="units:none", kinds={"units": "mapping"})
     add("check_folder", o.check_folder, path=s.folder / "new", aliases={"path": "folder"}, takes="path:half")
     add("mesh_chart", o.mesh_chart, mesh=s.plain, path=png, surface=s.surface, regions=[s.region], points={"a": (0.5, 0.5)},
-        title="a", aliases=file, kinds={"regions": "items"})  # fmt: skip
+        title="a", ax=s.flat_axes, aliases=file, takes=drawn, kinds={"regions": "items"})  # fmt: skip
     add("field_chart", o.field_chart, mesh=s.plain, values=values, path=png, label="a", surface=s.surface, title="a",
-        limits=(0.0, 9.0), levels=5, show_mesh=True, aliases=file, takes="limits:none")  # fmt: skip
+        limits=(0.0, 9.0), levels=5, show_mesh=True, ax=s.flat_axes, aliases=file, takes=f"limits:none,{drawn}")  # fmt: skip
     add("histories_chart", o.histories_chart, times=times, histories={"a": times**2}, path=png, ylabel="a", title="a",
-        xlabel="a", aliases={"path": "file", "times": "'a'"})  # fmt: skip
+        xlabel="a", ax=s.flat_axes, takes=drawn, aliases={"path": "file", "times": "'a'"})  # fmt: skip
     curve = {"a": ([10.0, 100.0], [0.1, 0.01])}
     add("convergence", o.convergence, curves=curve, path=png, xlabel="a", ylabel="a", slopes=[1.0], title="a", aliases=file,
-        takes="slopes:none")  # fmt: skip
-    add("effectivity", o.effectivity, curves=curve, path=png, band=(0.9, 1.1), xlabel="a", title="a", aliases=file)
+        ax=s.flat_axes, takes=f"slopes:none,{drawn}")  # fmt: skip
+    add("effectivity", o.effectivity, curves=curve, path=png, band=(0.9, 1.1), xlabel="a", title="a", ax=s.flat_axes,
+        takes=drawn, aliases=file)  # fmt: skip
     add("mesh_levels", o.mesh_levels, meshes=[s.plain], path=png, surface=s.surface, titles=["a"], values=[np.ones(4)],
-        label="a", aliases=file, takes="titles:none,values:none", kinds={"meshes": "any"})  # fmt: skip
+        label="a", ax=[s.flat_axes], aliases=file, takes=f"titles:none,values:none,{drawn}",
+        kinds={"meshes": "any"})  # fmt: skip
     add("spectrum_chart", o.spectrum_chart, spectra=s.spectrum, path=png, modes=[6.0], limit=20.0, title="a", ylabel="a",
-        aliases={"path": "file", "modes": "natural"}, takes="modes:none,limit:none")  # fmt: skip
+        ax=s.flat_axes, aliases={"path": "file", "modes": "natural"}, takes=f"modes:none,limit:none,{drawn}")  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),
         colours=np.ones((1, 4)), light=(0.5, -0.4, 0.8), stretch=(1.0, 1.0, 1.0))  # fmt: skip
+    add("plot", o.plot, solution=s.solution, plotter=s.plotter, off_screen=True, takes="plotter:none,off_screen:none")
+    add("write_html", o.write_html, states=s.solution, path=s.folder / "page.html", fields=["u3"], seconds_per_frame=0.1,
+        aliases=file, takes="fields:none", kinds={"states": "any"})  # fmt: skip
     from skancf.output.style import Style
 
     add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,
-        show_undeformed=False, title="a", subdivisions=2, size=(300, 200),
-        takes="limits:none,subdivisions:none,z:none")  # fmt: skip
+        show_undeformed=False, title="a", subdivisions=2, size=(300, 200), units=sk.Units(),
+        takes="limits:none,subdivisions:none,z:none,units:none")  # fmt: skip
 
 
-SLOW = {"mesh_chart", "field_chart", "histories_chart", "convergence", "effectivity", "mesh_levels", "spectrum_chart"}
+SLOW = {
+    "mesh_chart",
+    "field_chart",
+    "histories_chart",
+    "convergence",
+    "effectivity",
+    "mesh_levels",
+    "spectrum_chart",
+    "plot",
+    "write_html",
+}
 """Calls of which a valid one takes a tenth of a second: of each argument's mistakes that may do, none is tried.
 
 Nor is one in nonlinear statics ("solved"), which takes long under huge loads.

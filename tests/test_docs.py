@@ -2,6 +2,7 @@
 
 import ast
 import importlib.util
+import logging
 import re
 import shutil
 from pathlib import Path
@@ -27,6 +28,18 @@ def load(path: Path) -> ModuleType:
 tutorial = load(DOCS / "measure" / "tutorial.py")
 
 
+@pytest.fixture(autouse=True)
+def log_as_before():
+    """A page may set up logging, and what it sets up ends with it."""
+    root, newton = logging.getLogger(), logging.getLogger("skancf.statics.newton")
+    handlers, levels = list(root.handlers), (root.level, newton.level)
+    yield
+    root.handlers[:] = handlers
+    root.setLevel(levels[0])
+    newton.setLevel(levels[1])
+    newton.propagate = True
+
+
 def check_page(page: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
     """Its code prints what it shows and makes its pictures; how many outputs it has."""
     monkeypatch.chdir(folder)
@@ -37,7 +50,8 @@ def check_page(page: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int
     try:
         check_rendering()
     except SkancfError:
-        monkeypatch.setattr(output, "picture", lambda *_, **__: None)
+        for name in ("picture", "animation"):
+            monkeypatch.setattr(output, name, lambda *_, **__: None)
         pictures = []
     examples = tutorial.examples(page)
     printed = tutorial.run(examples)
@@ -79,9 +93,13 @@ def test_every_tutorial_is_found_and_shows_a_picture():
         "own_energy",
         "links_and_hinges",
         "rubber",
+        "results",
         "rubber_shells",
         "tapers_and_zones",
+        "saving",
         "exchange",
+        "command_line",
+        "progress",
     }
     assert pages <= set(tutorial.PAGES)
     assert all(tutorial.pictures(page) for page in tutorial.PAGES.values())

@@ -18,8 +18,8 @@ ROOMS = [
     "optional", "tabular", "units", "columns", "history", "progress", "compiling", "compiled", "threads", "vectors",
     "tensors", "elements", "surfaces", "linear", "kernels", "solving", "materials", "meshes", "theories", "layout", "terms",
     "conditions", "supports", "loads", "system", "thinness", "problem", "testing", "recovered", "true_stress",
-    "local_fields", "point_values", "lines", "reactions", "solution", "statics", "dynamics", "envelopes", "strength",
-    "adaptive", "output", "export", "storage", "info", "cli", "__main__",
+    "local_fields", "point_values", "lines", "reactions", "solution", "states", "statics", "dynamics", "envelopes",
+    "strength", "adaptive", "output", "export", "storage", "about", "cli", "__main__",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.name != "__init__.py")
@@ -51,8 +51,8 @@ def loaded_by_name(source: str) -> Iterator[str]:
 
 
 DOTTED = re.compile(r"skancf(\.[a-z]\w*)+")
-WHEN_ASKED = {("showing", "output.notebook")}
-"""A room that every object shows itself by, and pictures of objects, which a notebook asks for."""
+WHEN_ASKED = {("showing", "output.notebook"), ("showing", "output.viewer")}
+"""A room that every object shows itself by, and pictures of objects, which a notebook or the user asks for."""
 
 
 def forbidden(room: str, source: str) -> list[str]:

@@ -206,7 +206,8 @@ def test_lines_are_drawn():
 
     line = bent(3.0).along((0, 0.1), (1, 0.1), n=5)
     axes = line.plot("M11", "M22", axes=Figure().subplots())
-    assert axes.get_ylabel() == "M11, M22 [N]" and len(axes.lines) == 2
+    assert axes.get_ylabel() == "[N]" and len(axes.lines) == 2 and axes.get_legend()
+    assert line.plot("u3", axes=Figure().subplots(), units=sk.Units(length="mm")).get_ylabel() == "u3 [mm]"
     assert np.array_equal(axes.lines[0].get_ydata(), line.M[:, 0])
     with pytest.raises(sk.InputError, match="they have different units, N, m"):
         line.plot("M11", "u3")

@@ -12,12 +12,15 @@ import contextlib
 import io
 import os
 import re
+import shlex
 import shutil
 import sys
 import tempfile
 import textwrap
 from pathlib import Path
 from typing import NamedTuple
+
+from PIL import Image, ImageSequence
 
 DOCS = Path(__file__).resolve().parent.parent
 PAGES = {page.stem: page for page in [DOCS / "getting_started.rst", *sorted((DOCS / "tutorials").glob("*.rst"))]}
@@ -43,12 +46,22 @@ def pictures(page: Path) -> list[str]:
 
 
 def examples(page: Path) -> list[Example]:
-    """The Python blocks of a page; a block of plain text is what the one before it prints."""
+    """The Python blocks of a page; a block of plain text is what the one before it prints.
+
+    A block of a terminal that begins with the command ``skancf`` runs it, and shows below what that prints.
+    """
     text, found = page.read_text(encoding="utf-8"), []
     for match in BLOCK.finditer(text):
         language, body = match[1], textwrap.dedent(match[2]).strip("\n") + "\n"
         if language == "python":
             found.append(Example(body, "", text[: match.start(2)].count("\n") + 1))
+        elif language == "console" and body.startswith("$ skancf "):
+            command, _, shown = body.partition("\n")
+            code = (
+                "import contextlib\nimport sys\n\nfrom skancf.cli import main\n\n"
+                f"with contextlib.redirect_stderr(sys.stdout):\n    main({shlex.split(command)[2:]})\n"
+            )
+            found.append(Example(code, shown, text[: match.start(2)].count("\n") + 1))
         elif language == "none":
             found[-1] = found[-1]._replace(shown=body)
     return found
@@ -80,10 +93,19 @@ def same(shown: str, printed: str) -> bool:
     return all(abs(float(a) - float(b)) <= (1.01 * 10.0 ** -len(a.partition(".")[2]) if "." in a else 0) for a, b in pairs)
 
 
+def keep_film(film: Image.Image, path: Path) -> None:
+    """Store a film in a few colours, the same in all of its pictures."""
+    frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(film)]
+    strip = Image.new("RGB", (film.width, film.height * len(frames)))
+    for k, frame in enumerate(frames):
+        strip.paste(frame, (0, k * film.height))
+    colours = strip.quantize(64, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few = [frame.quantize(palette=colours, dither=Image.Dither.NONE) for frame in frames]
+    few[0].save(path, save_all=True, append_images=few[1:], duration=film.info["duration"], loop=0, optimize=True)
+
+
 def renew(page: Path) -> bool:
     """Run a page, store its pictures, and report; whether it prints what it shows."""
-    from PIL import Image
-
     found = examples(page)
     start = os.getcwd()
     with tempfile.TemporaryDirectory() as folder:
@@ -94,11 +116,11 @@ def renew(page: Path) -> bool:
         finally:
             os.chdir(start)
         for name in pictures(page):
-            made, kept = Path(folder) / Path(name).name, DOCS / "pictures" / name
-            if made.suffix == ".gif":
-                shutil.copyfile(made, kept)
-                continue
-            with Image.open(made) as picture:
+            kept = DOCS / "pictures" / name
+            with Image.open(Path(folder) / Path(name).name) as picture:
+                if kept.suffix == ".gif":
+                    keep_film(picture, kept)
+                    continue
                 flat = picture.convert("RGB")
                 flat.thumbnail((900, 900))
                 flat = flat.quantize(256, dither=Image.Dither.NONE)  # a third of the bytes

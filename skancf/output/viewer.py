@@ -15,6 +15,7 @@ from skancf.errors import SkancfError
 from skancf.output.drawing import DARK, Drawn, add_directions, draw, erase, look_at, new_plotter
 from skancf.output.shows import FACES, Show
 from skancf.output.web import page_of
+from skancf.progress import in_notebook
 
 NO_SCREEN = (
     "view: there is no screen to open a window on; take backend='page' for a page that any browser opens, write it with "
@@ -189,12 +190,6 @@ def view(states: Any, *, backend: str = "auto", fields: Sequence[str] | None = N
     if not in_notebook():
         page.open()
     return page
-
-
-def in_notebook() -> bool:
-    """Whether results are shown as pages by a notebook."""
-    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-    return type(shell).__name__ == "ZMQInteractiveShell"
 
 
 def has_screen() -> bool:

@@ -125,7 +125,7 @@ class Sampler:
     def _over_place(self, owner: Any, name: str, function: Any, bounds: Any) -> Sampled | None:
         if bounds is None:
             return None
-        is_surface = isinstance(owner, MappedSurface)
+        wanted, allowed = (SAMPLED_EXACTLY,) * 2 if isinstance(owner, MappedSurface) else (SAMPLED, SAMPLED_AT_MOST)
         table = None
         for n in SAMPLES:
             x, y = (np.linspace(low, high, n) for low, high in bounds)
@@ -135,13 +135,9 @@ class Sampler:
             halves = [0.5 * (line[1:] + line[:-1]) for line in (x, y)]
             error = _error(_on_grid(Sampled(x, y, values), *halves), _on_grid(function, *halves))
             table = Sampled(x, y, values, error)
-            if error <= (SAMPLED_EXACTLY if is_surface else SAMPLED):
+            if error <= wanted:
                 break
-        return (
-            table
-            if table and self._close(owner, name, table.error, SAMPLED_EXACTLY if is_surface else SAMPLED_AT_MOST)
-            else None
-        )
+        return table if table and self._close(owner, name, table.error, allowed) else None
 
     def _close(self, owner: Any, name: str, error: float, allowed: float = SAMPLED_AT_MOST) -> bool:
         if error <= allowed:

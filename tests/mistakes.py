@@ -186,7 +186,7 @@ MAY_BE: dict[str, set[str]] = {
     "items": {"empty", "none", "nothing"},
     "mapping": {"dict", "none"},
     "file": {"text", "word", "empty text", "long name"},
-    "state": {"solution", "none"},
+    "state": {"solution", "result", "none"},
     "mesh": {"mesh"},
     "problem": {"problem"},
     "system": {"system"},

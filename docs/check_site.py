@@ -27,7 +27,7 @@ WIDTHS = (1400, 400)
 QUERIES = {
     "hole": "howto/plate_with_hole",
     "gmsh": "howto/gmsh",
-    "stress along a line": "howto/stress_along_line",
+    "stress along a line": "howto/stress_along_a_line",
     "pandas": "howto/csv_and_pandas",
     "csv": "howto/csv_and_pandas",
     "animation": "howto/animation",
@@ -51,7 +51,7 @@ QUERIES = {
     "damping": "howto/damping",
     "moving load": "howto/moving_load",
     "calculix": "howto/check_with_calculix",
-    "logging": "tutorials/progress",
+    "logging": "howto/logging_and_progress",
 }
 """What is typed, and the page that must be among the first three hits."""
 
@@ -103,7 +103,7 @@ while (texts.nextNode()) {
     const element = texts.currentNode.parentElement;
     if (!texts.currentNode.data.trim() || told.has(element) || !seen(element)) continue;
     told.add(element);
-    if (element.closest('svg, mjx-container, script, style, .headerlink')) continue;
+    if (element.closest('svg, mjx-container, script, style, .headerlink, .search-button__kbd-shortcut')) continue;
     const style = getComputedStyle(element), size = parseFloat(style.fontSize);
     if (style.visibility === 'hidden' || style.opacity === '0') continue;
     const over = background(element), [r, g, b, a = 1] = channels(style.color);

@@ -55,6 +55,7 @@ html_static_path = ["_static", str(resources.files("sphinx-mathjax-offline") / "
 mathjax_path = "tex-svg-full.js"
 html_search_scorer = str(HERE / "_static" / "scorer.js")
 html_css_files = ["site.css"]
+html_js_files = ["wide_formulas.js"]
 html_theme_options = {
     "logo": {"text": "skancf", "alt_text": "skancf, first page"},
     "navbar_align": "left",

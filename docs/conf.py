@@ -44,6 +44,8 @@ extensions = [
 exclude_patterns = ["_build", "measure", "_templates"]
 templates_path = ["_templates"]
 source_suffix = {".rst": "restructuredtext"}
+# Words that tell a type, as x in "function of x", are taken for references, and some find two targets.
+suppress_warnings = ["ref.python"]
 
 html_theme = "pydata_sphinx_theme"
 html_context = {"default_mode": "auto"}

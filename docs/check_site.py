@@ -242,6 +242,8 @@ def search(driver: Any, address: str, pages: list[str]) -> Iterator[str]:
         found = hits(driver, address, query)
         if not found or not all(text.strip() for _, text in found):
             yield f"search for {query!r}: no hits, or hits without a snippet: {found}"
+        elif len({page for page, _ in found}) < len(found):
+            yield f"search for {query!r}: a page is shown twice: {[page for page, _ in found]}"
         elif f"{wanted}.html" in pages and wanted not in [page for page, _ in found]:
             yield f"search for {query!r}: {wanted} is not among {[page for page, _ in found]}"
 

@@ -59,7 +59,7 @@ AUDIT = """
 const dark = arguments[0], found = [];
 const say = (what, element) => found.push(`${what}: <${element.tagName.toLowerCase()} class="${element.className}"> `
     + (element.textContent || element.getAttribute('src') || '').trim().slice(0, 50));
-const article = document.querySelector('.bd-article, .bd-main') || document.body;
+const article = document.querySelector('.bd-article') || document.body;
 const seen = element => element.getClientRects().length > 0;
 
 if (!dark) {
@@ -73,7 +73,7 @@ if (!dark) {
         if (!image.complete || image.naturalWidth === 0) { if (seen(image)) say('an image that is not there', image); }
         if (!image.alt && !image.closest('.sphx-glr-thumbcontainer')) say('no alternative text', image);
     }
-    for (const element of article.querySelectorAll('pre, table, mjx-container, img, svg, dt.sig')) {
+    for (const element of article.querySelectorAll('pre, table, img, svg, dt.sig')) {
         if (!seen(element)) continue;
         const right = element.getBoundingClientRect().left + Math.max(element.scrollWidth || 0, element.clientWidth || 0);
         for (let box = element; box; box = box.parentElement) {
@@ -228,7 +228,7 @@ def hits(driver: Any, address: str, query: str) -> list[tuple[str, str]]:
         time.sleep(0.1)
         shown = driver.execute_script(
             "return [...document.querySelectorAll('#search-results .search > li')].slice(0, 3).map(hit => "
-            "[hit.querySelector('a').href, (hit.querySelector('p.context') || {}).textContent || ''])"
+            "[hit.querySelector('a').href, (hit.querySelector('p.context, span') || {}).textContent || ''])"
         )
         if len(shown) == 3 and all(snippet for _, snippet in shown):
             break

@@ -11,7 +11,7 @@ from skancf.elements.quad_ancf import gauss
 from skancf.errors import InputError, finite, number, positive, shown, vector
 from skancf.functions import called
 from skancf.layout.around import require_inside
-from skancf.materials.heights import Interface
+from skancf.materials.heights import ABOVE, Interface
 from skancf.optional import needed
 from skancf.point_values import COMPONENTS, PointValues
 from skancf.showing import short
@@ -19,8 +19,6 @@ from skancf.tabular import Column, Tabular
 from skancf.tensors import principal_stresses, von_mises
 from skancf.units import Units
 
-ABOVE = 1e-9
-"""Of the thickness: a little above an interface the law is that of the upper layer."""
 PIECES = 8
 """Of a curve between two points, to find its length."""
 

@@ -11,6 +11,7 @@ from typing import Any
 from skancf.arguments import flag
 from skancf.errors import InputError, shown
 from skancf.functions import called
+from skancf.showing import short, summary
 
 DELAY = 1.0
 """Seconds after which work counts as long: shorter work shows no bar."""
@@ -54,11 +55,14 @@ class Progress:
     total: float | None
     note: str = ""
 
+    __repr__ = short
+
     @property
     def share(self) -> float | None:
         """The part that is done, from 0 to 1; None where the end is not known."""
         return min(1.0, max(0.0, self.done / self.total)) if self.total else None
 
+    @summary
     def __str__(self) -> str:
         far = f"{self.done:g}" if self.share is None else f"{self.share:.0%}"
         return f"{self.what}: {far}{', ' + self.note if self.note else ''}"

@@ -92,13 +92,13 @@ def summary(method: Callable[[Any], str]) -> Callable[[Any], str]:
     """Decorates a ``__str__`` that says what a person wants to know; an object that is not whole shows its fields."""
 
     @wraps(method)
-    def __str__(self: Any) -> str:
+    def words(self: Any) -> str:
         try:
             return method(self)
         except Exception:
             return short(self)
 
-    return __str__
+    return words
 
 
 def in_brackets(self: Any) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from skancf.atomic import AnyPath, check_file, replacing
 from skancf.errors import InputError, shown
 from skancf.optional import needed
+from skancf.showing import summary
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -136,6 +137,7 @@ class Columns(Tabular):
     def _table(self) -> Mapping[str, Column]:
         return self._content
 
+    @summary
     def __repr__(self) -> str:
         titles = [f"{name} [{unit}]" if unit else str(name) for name, (_, unit) in self._content.items()]
         return f"Columns({len(next(iter(self._content.values()))[0])} rows: {', '.join(titles)})"

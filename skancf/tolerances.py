@@ -11,10 +11,12 @@ import numpy as np
 ONE_PLACE = 1e-9
 """Of the extent in which places lie: two that are closer are one, and lengths that differ less are equal. Sums of some
 thousand lengths round by less, and no element is that small."""
+SAME_UNIT = 1e-12
+"""Of the size of a unit: two that differ by less are one."""
 SAME_POINT = 1e-8
 """Of the extent of the mesh: a point that was given, or found by the inverse of a map, is at a node that is closer."""
-BESIDE = 1e-6
-"""Of an element: elements that meet at a place are looked for so far beside it; one that is closer to an edge is on it."""
+ABOUT_A_PLACE = 1e-6
+"""Of an element: elements that meet at a place are looked for this far from it; a place closer to an edge is on the edge."""
 SEVEN_DIGITS = 1e-6
 """Of the extent, a side or a cell: coordinates that were written with seven digits are one if they are closer, unless
 elements are that small."""

@@ -7,6 +7,7 @@ from skancf.arguments import text
 from skancf.errors import InputError, shown
 from skancf.showing import short
 from skancf.tabular import Columns, Tabular
+from skancf.tolerances import SAME_UNIT
 
 SIZES: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
@@ -117,7 +118,7 @@ class Units:
         if kind in ("length", "force", "time"):
             return self.stated[("length", "force", "time").index(kind)]
         L, F, _ = self.stated
-        usual = (name for name, known in SIZES[kind].items() if abs(known - size) <= 1e-12 * size)
+        usual = (name for name, known in SIZES[kind].items() if abs(known - size) <= SAME_UNIT * size)
         return next(usual, f"{F}/{L}2" if kind == "stress" else f"{F} {L}")
 
     def table(self, table: Tabular) -> Columns:

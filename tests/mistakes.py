@@ -318,6 +318,7 @@ def calls(scene: Scene) -> dict[str, Call]:
     add_meshes(add, s)
     add_solvers(add, s)
     add_states(add, s)
+    add_storage(add, s)
     add_adaptive(add, s)
     add_output(add, s)
     add_problems(add, s)
@@ -431,9 +432,9 @@ def add_solvers(add: Any, s: Scene) -> None:
     add("simulate steps", sk.simulate, system=s.system, t_end=0.01, rtol=1e-1, steps=sk.FixedStep(0.01), outputs=[0.0, 0.01],
         rule=sk.GeneralizedAlpha(), follow=sk.Follow(), checkpoint=None, progress=False, takes="steps:none,rule:none,"
         "follow:none,checkpoint:none", kinds={"checkpoint": "file"}, aliases={"checkpoint": "folder"})  # fmt: skip
-    add("read_motion", sk.read_motion, system=s.system, folder=s.run)
+    add("read_motion", sk.read_motion, system=s.system, folder=s.run, in_memory=False)
     add("Case", sk.Case, factor=1.0, time=0.5, takes="time:none")
-    add("Checkpoint", sk.Checkpoint, folder=s.folder / "other", every=10)
+    add("Checkpoint", sk.Checkpoint, folder=s.folder / "other", every=10, in_memory=True)
     t = np.linspace(0.0, 1.0, 33)
     add("spectrum", sk.spectrum, times=t, values=np.sin(20 * t), window="hann", detrend="linear", begin=0.0, end=1.0,
         padding=4, kinds={"begin": "optional", "end": "optional"}, aliases={"begin": "times", "end": "times"})  # fmt: skip
@@ -449,6 +450,31 @@ def add_solvers(add: Any, s: Scene) -> None:
     add("NewtonCount", sk.NewtonCount, dt=0.1, iterations=5, largest=0.1, smallest=1e-3, takes="largest:inf")
     add("GeneralizedAlpha", sk.GeneralizedAlpha, rho_inf=0.5)
     add("RigidVelocity", sk.RigidVelocity, velocity=(0.0, 0.0, 0.0), spin=(0.0, 0.0, 0.0), about=(0.0, 0.0, 0.0))
+
+
+def add_storage(add: Any, s: Scene) -> None:
+    add("sk.save", sk.save, thing=s.solution, path=s.folder / "solution.h5", what="all", aliases={"path": "file"},
+        takes="thing:problem,thing:system,thing:mesh,thing:result,thing:surface,thing:load")  # fmt: skip
+    kept = sk.save(s.solution, s.folder / "kept.h5")
+    add("sk.load", sk.load, path=kept, aliases={"path": "file"})
+    text = s.folder / "problem.toml"
+    text.write_text(PROBLEM)
+    add("read_problem", sk.read_problem, path=text, aliases={"path": "file"})
+    add("run_file", sk.run_file, path=text, folder=s.folder / "results", progress=False, takes="folder:none",
+        aliases={"path": "file"})  # fmt: skip
+    x = np.linspace(0.0, 1.0, 7)
+    add("Sampled", sk.storage.Sampled, x=x, y=x, values=np.ones((7, 7)), error=0.1)
+
+
+PROBLEM = """
+thickness = 0.01
+surface = {type = "Rectangle", length_x = 1.0, length_y = 1.0}
+material = {type = "Isotropic", young = 1e7, poisson = 0.3, density = 1e3}
+supports = [{type = "Clamp", where = "left"}]
+mesh = {type = "uniform", nx = 2, ny = 2}
+theory = "kirchhoff"
+analysis = {type = "modes", n = 1}
+"""
 
 
 def add_states(add: Any, s: Scene) -> None:
@@ -605,7 +631,8 @@ def add_output(add: Any, s: Scene) -> None:
     add("effectivity", o.effectivity, curves=curve, path=png, band=(0.9, 1.1), xlabel="a", title="a", ax=s.flat_axes,
         takes=drawn, aliases=file)  # fmt: skip
     add("mesh_levels", o.mesh_levels, meshes=[s.plain], path=png, surface=s.surface, titles=["a"], values=[np.ones(4)],
-        label="a", ax=[s.flat_axes], aliases=file, takes=f"titles:none,values:none,{drawn}", kinds={"meshes": "any"})  # fmt: skip
+        label="a", ax=[s.flat_axes], aliases=file, takes=f"titles:none,values:none,{drawn}",
+        kinds={"meshes": "any"})  # fmt: skip
     add("spectrum_chart", o.spectrum_chart, spectra=s.spectrum, path=png, modes=[6.0], limit=20.0, title="a", ylabel="a",
         ax=s.flat_axes, aliases={"path": "file", "modes": "natural"}, takes=f"modes:none,limit:none,{drawn}")  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),

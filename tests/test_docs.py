@@ -2,6 +2,7 @@
 
 import ast
 import importlib.util
+import logging
 import re
 import shutil
 from pathlib import Path
@@ -25,6 +26,18 @@ def load(path: Path) -> ModuleType:
 
 
 tutorial = load(DOCS / "measure" / "tutorial.py")
+
+
+@pytest.fixture(autouse=True)
+def log_as_before():
+    """A page may set up logging, and what it sets up ends with it."""
+    root, newton = logging.getLogger(), logging.getLogger("skancf.statics.newton")
+    handlers, levels = list(root.handlers), (root.level, newton.level)
+    yield
+    root.handlers[:] = handlers
+    root.setLevel(levels[0])
+    newton.setLevel(levels[1])
+    newton.propagate = True
 
 
 def check_page(page: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> int:
@@ -83,7 +96,10 @@ def test_every_tutorial_is_found_and_shows_a_picture():
         "results",
         "rubber_shells",
         "tapers_and_zones",
+        "saving",
         "exchange",
+        "command_line",
+        "progress",
     }
     assert pages <= set(tutorial.PAGES)
     assert all(tutorial.pictures(page) for page in tutorial.PAGES.values())

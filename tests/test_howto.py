@@ -52,7 +52,7 @@ def test_a_page_prints_what_it_shows(name, tmp_path, monkeypatch):
     if name == "check_with_calculix" and not shutil.which("ccx"):
         pytest.skip("CalculiX (ccx) is not installed: apt install calculix-ccx")
     if name == "gmsh":
-        pytest.importorskip("gmsh", reason="gmsh, or a library that it needs, is not installed", exc_type=(ImportError, OSError))
+        pytest.importorskip("gmsh", reason="gmsh or a library of it is not installed", exc_type=(ImportError, OSError))
     check_page(tutorial.HOWTO[name], tmp_path, monkeypatch)
 
 

@@ -18,8 +18,8 @@ ROOMS = [
     "optional", "tabular", "units", "columns", "history", "progress", "compiling", "compiled", "threads", "vectors",
     "tensors", "elements", "surfaces", "linear", "kernels", "solving", "materials", "meshes", "theories", "layout", "terms",
     "conditions", "supports", "loads", "system", "thinness", "problem", "testing", "recovered", "true_stress",
-    "local_fields", "point_values", "lines", "reactions", "solution", "statics", "dynamics", "envelopes", "strength",
-    "adaptive", "output", "export", "storage", "about", "cli", "__main__",
+    "local_fields", "point_values", "lines", "reactions", "solution", "states", "statics", "dynamics", "envelopes",
+    "strength", "adaptive", "output", "export", "storage", "about", "cli", "__main__",
 ]  # fmt: skip
 # The package's own __init__ names what users see; everything else is in a room.
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.name != "__init__.py")

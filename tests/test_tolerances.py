@@ -15,6 +15,7 @@ SMALL = 1e-5
 # Small numbers that are no tolerances of place, angle, rounding or convergence.
 ELSEWHERE = {
     ("errors.py", "SMALLEST"): "range of numbers that are computed with",
+    ("cli/demos.py", "DENSITY"): "a density",
     ("materials/section.py", "LEAST"): "range of stiffnesses",
     ("problem.py", "SMALLEST_EXTENT"): "range of lengths",
     ("dynamics/prescribed.py", "RATE_STEP"): "step of a difference",
@@ -29,7 +30,7 @@ ELSEWHERE = {
     ("surfaces/mapped.py", "SMALLEST_STEP"): "step of a difference, bound of an argument",
     ("conditions/check.py", "STEPS"): "steps of differences",
     ("dynamics/impulses.py", "INSIDE"): "where in a step a load is looked at",
-    ("output/fields.py", "ABOVE"): "where above an interface stresses are shown",
+    ("materials/heights.py", "ABOVE"): "where above an interface stresses are shown",
     ("adaptive/grow.py", "SMALLEST"): "size of the smallest elements",
     ("linear/least_squares.py", "LEAST"): "damping of a step",
     ("linear/rslab.py", "SMALLEST_PIVOT"): "stands for a pivot",

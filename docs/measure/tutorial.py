@@ -12,6 +12,8 @@ import contextlib
 import io
 import os
 import re
+import shlex
+import shutil
 import sys
 import tempfile
 import textwrap
@@ -44,12 +46,22 @@ def pictures(page: Path) -> list[str]:
 
 
 def examples(page: Path) -> list[Example]:
-    """The Python blocks of a page; a block of plain text is what the one before it prints."""
+    """The Python blocks of a page; a block of plain text is what the one before it prints.
+
+    A block of a terminal that begins with the command ``skancf`` runs it, and shows below what that prints.
+    """
     text, found = page.read_text(encoding="utf-8"), []
     for match in BLOCK.finditer(text):
         language, body = match[1], textwrap.dedent(match[2]).strip("\n") + "\n"
         if language == "python":
             found.append(Example(body, "", text[: match.start(2)].count("\n") + 1))
+        elif language == "console" and body.startswith("$ skancf "):
+            command, _, shown = body.partition("\n")
+            code = (
+                "import contextlib\nimport sys\n\nfrom skancf.cli import main\n\n"
+                f"with contextlib.redirect_stderr(sys.stdout):\n    main({shlex.split(command)[2:]})\n"
+            )
+            found.append(Example(code, shown, text[: match.start(2)].count("\n") + 1))
         elif language == "none":
             found[-1] = found[-1]._replace(shown=body)
     return found

@@ -10,7 +10,7 @@ from skancf.adaptive.energies import energies, of_state, small
 from skancf.adaptive.enriched import Enriched
 from skancf.adaptive.quantities import Quantity
 from skancf.adaptive.rings import NOTHING_KNOWN, Halvings
-from skancf.arguments import STATE, having, instance
+from skancf.arguments import having, instance
 from skancf.equality import by_value
 from skancf.errors import InputError, number, vector
 from skancf.functions import called
@@ -19,6 +19,7 @@ from skancf.meshes import MeshQuadTree
 from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.showing import short
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 from skancf.tabular import Column, Tabular
 
 
@@ -110,16 +111,17 @@ def check_quantity(quantity: Any, methods: Sequence[str] = ("value", "gradient")
            "a quantity such as Displacement(at=(0.5, 0.5)), or an object with unit, value and gradient")  # fmt: skip
 
 
-def check_state(name: str, state: Any, backend: str = "auto") -> None:
-    """InputError for what is no state on a quadtree, whose elements can be quartered, and for an unknown solver."""
-    instance(name, state, Solution, STATE)
+def check_state(name: str, value: Any, backend: str = "auto") -> Solution:
+    """A state on a quadtree, whose elements can be quartered; InputError for another one, and for an unknown solver."""
+    state = solution_of(name, value)
     check_backend(backend)
     if not isinstance(state.system.mesh, MeshQuadTree):
         raise InputError(f"{name}: its mesh must be a quadtree; make it by sk.meshes.quadtree(mesh)")
+    return state
 
 
 def goal_estimate(
-    state: Solution,
+    state: StateLike,
     quantity: Quantity,
     *,
     backend: str = "auto",
@@ -175,7 +177,7 @@ def goal_estimate(
     >>> print(f"{1000 * estimate.value:.5f} mm, missing {1000 * estimate.error:.5f} mm")
     -0.06578 mm, missing -0.00001 mm
     """
-    check_state("state", state, backend)
+    state = check_state("state", state, backend)
     check_quantity(quantity)
     check_progress(progress)
     instance("halvings", halvings, Halvings, "what an estimate on a coarser mesh found, its halvings")
@@ -229,7 +231,7 @@ def residual_indicator(state: Solution, *, backend: str = "auto") -> np.ndarray:
     >>> print(sk.residual_indicator(sk.solve_linear(system)).shape)
     (36,)
     """
-    check_state("state", state, backend)
+    state = check_state("state", state, backend)
     with Enriched(state, state.system.mesh.refined(), backend=backend) as enriched:
         blocks = enriched.free_diagonal()
         r = enriched.system.layout.blocks(enriched.system.constraints.free_part(enriched.residual))

@@ -7,19 +7,18 @@ each node, where they are best, is closer to the exact ones, so that the differe
 import numpy as np
 import scipy.sparse as sp
 
-from skancf.arguments import STATE, instance
 from skancf.elements.quad_ancf import square_quadrature
 from skancf.elements.reference import CORNERS
 from skancf.layout.geometry import Geometry
 from skancf.layout.patches import averaging_nodes
 from skancf.layout.zones import SectionsOnMesh
 from skancf.materials import Section
-from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 from skancf.theories.kirchhoff.theory import legendre
 from skancf.tolerances import SINGULAR_FIT
 
 
-def recovery_indicator(solution: Solution) -> np.ndarray:
+def recovery_indicator(solution: StateLike) -> np.ndarray:
     r"""Estimated error of each element, an energy (J): its section forces against recovered ones, (n_elements,).
 
     .. math::
@@ -45,7 +44,7 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
 
     Parameters
     ----------
-    solution : Solution
+    solution : Solution, or a result that stands for one
         Of either theory, of statics or dynamics, with large or small deflections.
 
     Returns
@@ -78,7 +77,7 @@ def recovery_indicator(solution: Solution) -> np.ndarray:
     >>> print(sk.recovery_indicator(sk.solve_linear(system)).shape)
     (36,)
     """
-    instance("solution", solution, Solution, STATE)
+    solution = solution_of("solution", solution)
     geometry, (points, weights) = solution.system.geometry, square_quadrature(3)
     raw = solution.section_forces(points)
     bending = geometry.theory.order // 2

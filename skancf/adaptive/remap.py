@@ -20,7 +20,7 @@ import numpy as np
 from skancf.adaptive.interpolation import Interpolation, is_finer, require_one_tree
 from skancf.adaptive.momenta import Momenta
 from skancf.adaptive.on_conditions import Mass, closed, floats, kept
-from skancf.arguments import STATE, SYSTEM, flag, instance
+from skancf.arguments import SYSTEM, flag, instance
 from skancf.dynamics.prescribed import RATE_STEP, prescribed_rate
 from skancf.equality import by_value
 from skancf.errors import SingularMatrix, vector
@@ -28,6 +28,7 @@ from skancf.linear import DirectSolver, check_backend
 from skancf.showing import short
 from skancf.solution import Solution
 from skancf.solving import End, Status, iterate
+from skancf.states import StateLike, solution_of
 from skancf.statics.conditioned import factored_about, solved
 from skancf.statics.stopping import work
 from skancf.system.linearised import Exact
@@ -117,7 +118,7 @@ class Remapped:
 
 
 def remap(
-    state: Solution,
+    state: StateLike,
     system: System,
     acceleration: np.ndarray | None = None,
     *,
@@ -128,7 +129,7 @@ def remap(
 
     Parameters
     ----------
-    state : Solution
+    state : Solution, or a result that stands for one
         At the time of the change. Without a velocity only positions are carried over.
     system : System
         The same problem on the other mesh.
@@ -166,7 +167,7 @@ def remap(
     >>> print(found.q.shape, found.v is None)
     (324,) True
     """
-    instance("state", state, Solution, STATE)
+    state = solution_of("state", state)
     instance("system", system, System, SYSTEM)
     check_backend(backend)
     flag("settle", settle)

@@ -7,6 +7,7 @@ import numpy as np
 from skancf.adaptive.theory_error import TheoryError
 from skancf.checks import Check
 from skancf.equality import by_value
+from skancf.errors import warn
 from skancf.meshes import MeshQuadTree
 from skancf.showing import in_a_notebook, in_brackets, looked_at, short, summary
 from skancf.solution import Solution
@@ -171,6 +172,11 @@ class AdaptiveResult(Tabular):
         n, zero = self.solution.system.n_dofs, ", and zero lies within it" if self.is_zero else ""
         said = f"{self.value:.8g} +- {self.error_bar:.2g} {self.unit}".rstrip() + self._left_out()
         return f"{said} ({n} nodal coordinates; {self.status.value}{zero})"
+
+    def _as_solution(self) -> Solution:
+        if not self.ok:
+            warn(f"this state is not as accurate as asked: {self.message or self.status.value}")
+        return self.solution
 
     def _left_out(self) -> str:
         """What the theory leaves out, in words."""

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.regions import find_regions
-from skancf.arguments import STATE, instance
 from skancf.errors import InputError, shown, warn
 from skancf.materials.heights import Depth
 from skancf.meshes import Regions
 from skancf.solution import STRESSES, Solution
+from skancf.states import StateLike, solution_of
 from skancf.tolerances import SAME_VALUE
 
 SEARCH = ("radius", "size", "cap")
@@ -19,7 +19,7 @@ LITTLE = 0.01
 COMPONENTS = {"in_plane": ("S11", "S22", "S12"), "normal": ("S11", "S22", "S33")}
 
 
-def nodal_measure(solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None) -> np.ndarray:
+def nodal_measure(solution: StateLike, components: str | Sequence[str] = "in_plane", z: Depth | None = None) -> np.ndarray:
     r""":math:`\sigma_i = \max_k |S_k|` over some components, (n_mesh_nodes,) (Pa).
 
     Parameters
@@ -46,7 +46,7 @@ def nodal_measure(solution: Solution, components: str | Sequence[str] = "in_plan
     >>> print(f"{sk.nodal_measure(sk.solve_linear(system), z='top').max() / 1e6:.2f} MPa")
     2.84 MPa
     """
-    instance("solution", solution, Solution, STATE)
+    solution = solution_of("solution", solution)
     names = COMPONENTS.get(components, (components,)) if isinstance(components, str) else components
     try:
         names = tuple(names)
@@ -70,7 +70,9 @@ def nodal_measure(solution: Solution, components: str | Sequence[str] = "in_plan
     return measure
 
 
-def stress_indicator(solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None) -> np.ndarray:
+def stress_indicator(
+    solution: StateLike, components: str | Sequence[str] = "in_plane", z: Depth | None = None
+) -> np.ndarray:
     r"""The largest measure at the corners of each element, 0 where it does not exceed the mean: (n_elements,) (Pa).
 
     .. math:: \eta_K = \max_{i \in K} \sigma_i \quad \text{if} \quad \max_{i \in K} \sigma_i > \bar\sigma
@@ -99,6 +101,7 @@ def stress_indicator(solution: Solution, components: str | Sequence[str] = "in_p
     >>> print(sk.stress_indicator(sk.solve_linear(system), z="top").shape)
     (36,)
     """
+    solution = solution_of("solution", solution)
     sigma = nodal_measure(solution, components, z)
     largest = sigma[solution.system.mesh.t].max(axis=0)
     return np.where(largest > sigma.mean() * (1 + SAME_VALUE), largest, 0.0)
@@ -110,7 +113,7 @@ def face_stress(solution: Solution) -> np.ndarray:
 
 
 def stress_regions(
-    solution: Solution, components: str | Sequence[str] = "in_plane", z: Depth | None = None, **search: Any
+    solution: StateLike, components: str | Sequence[str] = "in_plane", z: Depth | None = None, **search: Any
 ) -> Regions:
     r"""Regions to refine: about every node whose stress exceeds the mean and is the largest around it.
 
@@ -145,7 +148,7 @@ def stress_regions(
     >>> print([tuple(np.round(region.centre, 2).tolist()) for region in regions])
     [(0.0, 0.5), (0.5, 0.0), (0.5, 0.5), (0.5, 1.0), (1.0, 0.5)]
     """
-    instance("solution", solution, Solution, STATE)
+    solution = solution_of("solution", solution)
     if unknown := sorted(set(search) - set(SEARCH)):
         raise TypeError(f"stress_regions() got an unexpected keyword argument {unknown[0]!r}; there are {', '.join(SEARCH)}")
     geometry = solution.system.geometry

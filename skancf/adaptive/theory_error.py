@@ -8,13 +8,13 @@ import numpy as np
 from skancf.adaptive.estimate import check_quantity, given_way, gradient_of, value_of
 from skancf.adaptive.interpolation import multipliers_on
 from skancf.adaptive.quantities import Quantity, SectionForce, StrainEnergy
-from skancf.arguments import STATE, instance
 from skancf.conditions.solver import curved
 from skancf.errors import InputError
 from skancf.linear import DirectSolver, check_backend
 from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.showing import short
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 from skancf.statics.conditioned import factored_about, rows_of, solved
 from skancf.statics.corrections import skew_part
 from skancf.thinness import Fields, ShearForm, moment_rates
@@ -72,7 +72,7 @@ def unknown(why: str) -> TheoryError:
 
 
 def theory_error(
-    solution: Solution, quantity: Quantity | None = None, *, backend: str = "auto", progress: ShowProgress = True
+    solution: StateLike, quantity: Quantity | None = None, *, backend: str = "auto", progress: ShowProgress = True
 ) -> TheoryError:
     r"""By how much transverse shear, which theory `kirchhoff` leaves out, would change a number.
 
@@ -86,7 +86,7 @@ def theory_error(
 
     Parameters
     ----------
-    solution : Solution
+    solution : Solution, or a result that stands for one
         An equilibrium.
     quantity : Quantity, optional
         Default: the strain energy.
@@ -116,7 +116,7 @@ def theory_error(
     >>> print(f"{100 * missing.share:.2f} % of the deflection")
     0.19 % of the deflection
     """
-    instance("solution", solution, Solution, STATE)
+    solution = solution_of("solution", solution)
     check_backend(backend)
     check_progress(progress)
     quantity = StrainEnergy() if quantity is None else quantity

@@ -2,12 +2,13 @@
 
 from skancf.adaptive.interpolation import Interpolation, is_finer, multipliers_on, require_one_tree
 from skancf.adaptive.remap import remap
-from skancf.arguments import STATE, SYSTEM, instance
+from skancf.arguments import SYSTEM, instance
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 from skancf.system.system import System
 
 
-def transfer(state: Solution, system: System) -> Solution:
+def transfer(state: StateLike, system: System) -> Solution:
     r"""A state on another mesh of the same quadtree, with the same theory.
 
     Where the new mesh is finer, the position field is the same function there: in theory `kirchhoff` spaces are nested, and
@@ -41,7 +42,7 @@ def transfer(state: Solution, system: System) -> Solution:
     >>> print(np.allclose(moved.displacement((0.3, 0.3)), state.displacement((0.3, 0.3))))
     True
     """
-    instance("state", state, Solution, STATE)
+    state = solution_of("state", state)
     instance("system", system, System, SYSTEM)
     old, new = state.system.geometry, system.geometry
     require_one_tree(old, new)

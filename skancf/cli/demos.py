@@ -18,6 +18,9 @@ from skancf.statics import solve, trace
 from skancf.supports import Pin, Prescribed, Symmetry
 from skancf.surfaces import CylinderSector, SphereSector
 
+DENSITY = 1.2e-9
+"""Of a plastic, in tonnes per cubic millimetre."""
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -78,7 +81,7 @@ def roof() -> Outcome:
     shell = Problem(
         surface=quarter,
         thickness=12.7,
-        material=Isotropic(3102.75, 0.3, density=1.2e-9),
+        material=Isotropic(3102.75, 0.3, density=DENSITY),
         supports=[Pin("start"), Symmetry("end"), Symmetry("right")],
         loads=[PointForce(crown, (0.0, 0.0, -750.0))],
     )

@@ -1,6 +1,11 @@
 """A problem from a file."""
 
+import textwrap
+
 from skancf.atomic import AnyPath
+
+WIDTH = 100
+"""Characters of a line."""
 
 
 def solve_file(path: AnyPath, folder: AnyPath | None = None) -> int:
@@ -8,9 +13,9 @@ def solve_file(path: AnyPath, folder: AnyPath | None = None) -> int:
     from skancf.storage import run_file
 
     done = run_file(path, folder, progress=True)
-    print(done.result)
-    if done.message:
-        print(done.message)
+    for said in (str(done.result), done.message):
+        if said:
+            print(textwrap.fill(said, WIDTH))
     for file in done.files:
         print(f"-> {file}")
     for note in done.notes:

@@ -212,6 +212,10 @@ class Motion(Tabular):
         n = self.system.n_dofs
         return np.concatenate([getattr(part, name)[part.outputs].reshape(-1, n) for part in self.segments])
 
+    def _as_solution(self) -> Solution:
+        last = self.segments[-1].times[-1]
+        raise InputError(f"a motion has a state at each time; give one of them, as motion.at({last:.4g})")
+
     def at(self, time: float) -> Solution:
         """State at any time, by cubic interpolation between output times; after the event where one is at that time.
 

@@ -28,6 +28,7 @@ from skancf.memory import require_much
 from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 from skancf.solving import Status
+from skancf.states import StateLike
 from skancf.statics.arguments import check_arguments
 from skancf.system.system import System
 from skancf.thinness import warn_if_mass_is_off
@@ -46,7 +47,7 @@ def simulate(
     outputs: int | str | Sequence[float] = 201,
     record: Mapping[str, Quantity] | None = None,
     velocity: Velocity = None,
-    start: Solution | None = None,
+    start: StateLike | None = None,
     balance: float | str | None = "auto",
     follow: MeshPolicy | None = None,
     checkpoint: Checkpoint | AnyPath | None = None,
@@ -124,7 +125,7 @@ def simulate(
     >>> print(motion.status.value, motion.displacement((1.0, 0.05)).shape)
     finished (11, 3)
     """
-    check_arguments(system, backend, start=start, resume=resume, check=check)
+    start = check_arguments(system, backend, start=start, resume=resume, check=check)
     check_progress(progress)
     t_end = positive("t_end", t_end, "s")
     _check(system, record, follow, rule)

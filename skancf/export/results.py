@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from skancf.arguments import instance, text, whole
+from skancf.arguments import text, whole
 from skancf.atomic import AnyPath, as_path
 from skancf.errors import InputError, SkancfError, finite, positive
 from skancf.export.bricks import Bricks
-from skancf.solution import Solution
+from skancf.states import solution_of
 from skancf.tolerances import SEVEN_DIGITS
 
 
@@ -219,7 +219,7 @@ class CalculixResult:
         InputError
             For what is no solution.
         """
-        found = instance("solution", solution, Solution, "a Solution, for example sk.solve(system).solution")
+        found = solution_of("solution", solution)
         own = self._of_lines()
         apart = found.displacement(self.deck.bricks.at.T) - own
         largest = np.linalg.norm(own, axis=1).max()

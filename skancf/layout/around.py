@@ -6,7 +6,7 @@ import numpy as np
 
 from skancf.errors import InputError
 from skancf.layout.geometry import Geometry
-from skancf.tolerances import BESIDE
+from skancf.tolerances import ABOUT_A_PLACE
 
 DIAGONALS = np.array([[1.0, 1.0, -1.0, -1.0], [1.0, -1.0, 1.0, -1.0]])
 SHOWN = 3
@@ -64,7 +64,7 @@ def elements_around(geometry: Geometry, points: np.ndarray, side: np.ndarray | N
     first = geometry.locate_all(points)[0]
     size = np.ptp(geometry.mesh.p[:, geometry.mesh.t[:, first]], axis=1)
     ways = DIAGONALS if side is None else (side / np.abs(side).max())[:, None]
-    away = (BESIDE * ways[:, None] * size[:, :, None]).reshape(2, -1)
+    away = (ABOUT_A_PLACE * ways[:, None] * size[:, :, None]).reshape(2, -1)
     moved = np.repeat(points, ways.shape[1], axis=1) + away
     inside, elements, _ = geometry.locate_inside(moved)
     place = np.repeat(np.arange(points.shape[1]), ways.shape[1])[inside]

@@ -20,6 +20,8 @@ class Interface:
 Depth = float | str | Interface
 DEPTHS = ("top", "middle", "bottom")
 """A height z above the reference surface (m), or ``"top"``, ``"middle"`` or ``"bottom"``, of a field each place's own."""
+ABOVE = 1e-9
+"""Of the thickness: this far above an interface the law is that of the upper layer."""
 
 
 def depth_of(section: Section, z: Depth) -> Any:

@@ -4,7 +4,7 @@ import numpy as np
 
 from skancf.errors import InputError, number, shown
 from skancf.materials import Section, SectionField
-from skancf.materials.heights import DEPTHS, Depth, Interface, depth_of
+from skancf.materials.heights import ABOVE, DEPTHS, Depth, Interface, depth_of
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.solution import STRESSES, Solution
 from skancf.tensors import von_mises
@@ -14,8 +14,6 @@ STRAINS = tuple(name.replace("S", "E") for name in STRESSES)
 VECTORS = {"displacement": ("u", "m"), "velocity": ("v", "m/s")}
 FORCES = ("N11", "N22", "N12", "M11", "M22", "M12")
 SHEAR = ("Q1", "Q2")
-ABOVE = 1e-9
-"""Of the thickness."""
 NAMES = (*STRESSES, "mises", *STRAINS, *FORCES, *SHEAR, *VECTORS, "u1", "u2", "u3", "v1", "v2", "v3", "thickness")
 
 

@@ -12,6 +12,7 @@ from skancf.errors import InputError, number
 from skancf.materials import Section
 from skancf.output.collection import read_collection, write_collection
 from skancf.output.fields import values
+from skancf.output.reels import series_of
 from skancf.output.sampling import grid, sample_strain, sample_surface
 from skancf.progress import Bar, ShowProgress, check_progress, number_of
 from skancf.solution import Solution
@@ -27,7 +28,7 @@ coordinates, inner points."""
 
 
 def write(
-    states: Solution | Iterable[Solution],
+    states: Any,
     path: AnyPath,
     *,
     subdivisions: int | None = None,
@@ -42,7 +43,7 @@ def write(
 
     Parameters
     ----------
-    states : Solution or iterable of Solution
+    states : Solution, StaticResult, AdaptiveResult, or iterable of Solution, Motion or PathResult
         A generator is read one state at a time.
     path : str or Path
         ``*.vtu`` for one state, ``*.pvd`` for many.
@@ -113,6 +114,7 @@ def write(
     if depths is not None:
         for name, z in mapping("depths", depths, "names and depths, as in depths={'top': 0.005}").items():
             number(f"depths[{text('depths', name)!r}]", z)
+    states = series_of(states)
     if isinstance(states, Solution):
         file = check_file(path, ".vtu")
         write_state(states, file, subdivisions or 4, depths, cells)

@@ -11,16 +11,17 @@ from skancf.errors import InputError, positive, shown
 from skancf.optional import needed
 from skancf.output.drawing import add_directions, draw, erase, look_at, unseen_plotter
 from skancf.output.frames import Survey, frame_of, survey
+from skancf.output.reels import series_of
 from skancf.output.style import Style
 from skancf.solution import Solution
 
 
-def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: float = 0.05, **options: Any) -> Path:
+def animation(states: Any, path: AnyPath, *, seconds_per_frame: float = 0.05, **options: Any) -> Path:
     """Draw states one after the other as a film, with the same colours and camera.
 
     Parameters
     ----------
-    states : iterable of Solution
+    states : iterable of Solution, Motion or PathResult
         For example ``motion.states``, ``path.solutions``, or ``modes.swing(0)``.
     path : str or Path
         ``*.gif``, or ``*.mp4`` (H.264, which browsers, slides and phones play; a tenth of the size).
@@ -55,6 +56,7 @@ def animation(states: Iterable[Solution], path: AnyPath, *, seconds_per_frame: f
     """
     file, style = check_file(path, ".gif", ".mp4"), Style(**{"size": (700, 500), **options})
     positive("seconds_per_frame", seconds_per_frame, "s")
+    states = series_of(states)
     if isinstance(states, Solution) or not isinstance(states, Iterable) or isinstance(states, str | bytes):
         raise InputError(f"states = {shown(states)}: give a sequence of Solutions, as motion.states")
     mp4 = file.suffix.lower() == ".mp4"

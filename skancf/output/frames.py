@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skancf.arguments import STATE, instance
 from skancf.errors import InputError
 from skancf.output.colours import colour_limits
 from skancf.output.fields import place, values
 from skancf.output.sampling import sample_surface
 from skancf.output.style import Style, title_of
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 
 FEW_CELLS = 20_000
 """Elements are cut into up to 12 x 12 cells, fewer where that would be more cells than this."""
@@ -42,9 +42,9 @@ class Frame:
     where: str = ""
 
 
-def frame_of(solution: Solution, style: Style) -> Frame:
+def frame_of(solution: StateLike, style: Style) -> Frame:
     """What a picture of a state in a style shows."""
-    instance("solution", solution, Solution, STATE)
+    solution = solution_of("solution", solution)
     few = int(np.clip(np.sqrt(FEW_CELLS / solution.system.geometry.n_elements), 2, 12))
     k = few if style.subdivisions is None else style.subdivisions
     colours = values(solution, style.field, k, style.z)

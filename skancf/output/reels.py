@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from skancf.arguments import STATE, instance
 from skancf.dynamics import Motion
 from skancf.errors import InputError, shown
 from skancf.solution import Solution
+from skancf.states import solution_of, stands_for_state
 from skancf.statics import BucklingResult, Modes, PathResult
 
 GIVE = "give a Solution, a sequence of them, a result, a motion, a path or modes"
@@ -57,17 +57,23 @@ def reel_of(states: Any) -> Reel:
         return _in_order(tuple(states.states))
     if isinstance(states, PathResult):
         return _in_order(states.solutions)
-    alone = states if isinstance(states, Solution) else getattr(states, "solution", None)
-    if isinstance(alone, Solution):
-        return Reel((alone,), ("",), "state")
+    if isinstance(states, Solution) or stands_for_state(states):
+        return Reel((solution_of("states", states),), ("",), "state")
     if not isinstance(states, Iterable) or isinstance(states, str | bytes | dict | np.ndarray):
         raise InputError(f"states = {shown(states)}: {GIVE}")
-    given = tuple(states)
-    for k, state in enumerate(given):
-        instance(f"states[{k}]", state, Solution, STATE)
+    given = tuple(solution_of(f"states[{k}]", state) for k, state in enumerate(states))
     if not given:
         raise InputError("states: the sequence is empty; give at least one")
     return _in_order(given)
+
+
+def series_of(states: Any) -> Any:
+    """The states of a motion or path in order, the one that another result stands for, or what was given."""
+    if isinstance(states, Motion):
+        return states.states
+    if isinstance(states, PathResult):
+        return states.solutions
+    return solution_of("states", states) if stands_for_state(states) else states
 
 
 def _in_order(states: tuple[Solution, ...]) -> Reel:

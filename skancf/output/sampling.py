@@ -5,11 +5,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from skancf.arguments import STATE, instance, whole
+from skancf.arguments import whole
 from skancf.materials.heights import Depth, depth_of
 from skancf.memory import require_much
 from skancf.showing import short
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 
 
 class Grid(NamedTuple):
@@ -117,9 +118,9 @@ EACH = 300
 """Bytes of a point with its cell, displacement, strain and stress."""
 
 
-def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> SampledSurface:
+def sample_surface(solution: StateLike, subdivisions: int = 4, z: Depth = 0.0) -> SampledSurface:
     """Positions, displacements and velocities of a state; see :func:`sample`."""
-    instance("solution", solution, Solution, STATE)
+    solution = solution_of("solution", solution)
     require_points(subdivisions, solution.system.geometry.n_elements)
     cut, geometry = grid(subdivisions), solution.system.geometry
     first = np.arange(geometry.n_elements)[:, None] * cut.points.shape[1]
@@ -154,10 +155,10 @@ def sample_surface(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) ->
     )
 
 
-def sample_strain(solution: Solution, subdivisions: int = 4, z: Depth = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def sample_strain(solution: StateLike, subdivisions: int = 4, z: Depth = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """Strain and stress (n, 6) at the points of :func:`sample`, in theory `full` recovered: see
     :meth:`Solution.recovered_section_forces`."""
-    instance("solution", solution, Solution, STATE)
+    solution = solution_of("solution", solution)
     require_points(subdivisions, solution.system.geometry.n_elements)
     points = grid(subdivisions).points
     return solution.recovered_strains(points, z).reshape(-1, 6), solution.recovered_stresses(points, z).reshape(-1, 6)

@@ -83,9 +83,7 @@ def iterate(
             return Iteration(x, Status.SINGULAR, str(singular), energies, residual, step)
         energies.append(energy)
         if told:
-            log.debug(
-                "iteration %d: energy of the correction %.3e, largest residual %.3e", step, energy, np.abs(residual).max()
-            )
+            log.debug("iteration %d: energy of the residual %.3e", step, energy)
         if end := criterion.assess(x, change, energies):
             return Iteration(x + change if end[0] in FOUND else x, *end, energies, residual, step)
         x = tangents.step(x, residual, change)

@@ -10,7 +10,8 @@ from skancf.statics.events import Event
 from skancf.statics.linear import solve_linear
 from skancf.statics.modes import Modes, modes
 from skancf.statics.newton import NewtonResult, newton
-from skancf.statics.path import PathResult, trace
+from skancf.statics.path import trace
+from skancf.statics.path_result import PathResult
 from skancf.statics.static_result import HalveAndGrow, StaticResult
 
 __all__ = [

@@ -130,6 +130,9 @@ class BucklingResult(Tabular):
     def _table(self) -> dict[str, Column]:
         return {"mode": (np.arange(len(self.load_factors)), ""), "load_factor": (self.load_factors, "")}
 
+    def _as_solution(self) -> Solution:
+        raise InputError("a buckling result has several shapes; give one of them, as result.shape(0)")
+
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The undeformed structure moved along mode ``i``; ``size`` is the largest displacement of a node (m)."""
         return moved_along(self.start, nth(self.shapes, i), size)

@@ -5,6 +5,7 @@ from skancf.errors import number, positive
 from skancf.linear import DirectSolver
 from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
+from skancf.states import StateLike
 from skancf.statics.arguments import check_arguments
 from skancf.statics.cascade import Cascade, Settings
 from skancf.statics.conditioned import at_rest
@@ -21,7 +22,7 @@ def solve(
     *,
     load_factor: float = 1.0,
     control: HalveAndGrow | None = None,
-    start: Solution | None = None,
+    start: StateLike | None = None,
     rtol: float = 1e-7,
     max_iterations: int = 30,
     mixed: bool = True,
@@ -79,8 +80,8 @@ def solve(
     >>> print(f"{1000 * result.unwrap().displacement((1.0, 0.05))[2]:.3f} mm")
     1.905 mm
     """
-    check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
-                follow=follow, relax=relax)  # fmt: skip
+    start = check_arguments(system, backend, start=start, rtol=rtol, counts={"max_iterations": max_iterations}, mixed=mixed,
+                            follow=follow, relax=relax)  # fmt: skip
     check_progress(progress)
     load_factor, rtol = number("load_factor", load_factor), positive("rtol", rtol)
     if control is not None:

@@ -18,7 +18,8 @@ from skancf.memory import require_much
 from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.showing import counted, in_a_notebook, in_brackets, looked_at, passed, short, some, summary
 from skancf.solution import Solution
-from skancf.statics.arguments import check_arguments, require_same_mesh
+from skancf.states import StateLike
+from skancf.statics.arguments import check_arguments, state_on_mesh
 from skancf.statics.conditioned import conditions_in
 from skancf.statics.eigen_checks import (
     SAFETY,
@@ -137,6 +138,9 @@ class Modes(Tabular):
         """Frequencies (Hz), (n,); negative as in ``omega``."""
         return self.omega / (2 * np.pi)
 
+    def _as_solution(self) -> Solution:
+        raise InputError("modes have several shapes; give one of them, as modes.shape(0), or modes.state")
+
     def shape(self, i: int, size: float | None = None) -> Solution:
         """The equilibrium moved along mode ``i``, for pictures; ``size`` is the largest displacement of a node (m)."""
         return moved_along(self.state, nth(self.shapes, i), size)
@@ -160,7 +164,7 @@ def modes(
     system: System,
     n: int = 6,
     *,
-    state: Solution | None = None,
+    state: StateLike | None = None,
     tolerance: float = 1e-10,
     backend: str = "auto",
     progress: ShowProgress = True,
@@ -211,7 +215,7 @@ def modes(
     check_arguments(system, backend)
     check_progress(progress)
     if state is not None:
-        require_same_mesh(system, state, "state")
+        state = state_on_mesh(system, state, "state")
     tolerance = check_tolerance(tolerance)
     warn_if_mass_is_off(system)
     if state is None:

@@ -133,6 +133,9 @@ class StaticResult(Tabular):
         """Whether the asked equilibrium was found and passed its checks."""
         return self.status.ok
 
+    def _as_solution(self) -> Solution:
+        return self.unwrap()
+
     def unwrap(self) -> Solution:
         """The solution, or :class:`~skancf.DidNotConverge`.
 

@@ -5,11 +5,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from skancf.arguments import STATE, instance, plain, text
+from skancf.arguments import plain, text
 from skancf.equality import by_value
 from skancf.errors import InputError, unit_vector
 from skancf.showing import short
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 
 
 @by_value
@@ -61,18 +62,18 @@ class ConditionForce:
         if self.direction is not None:
             unit_vector("direction", self.direction)
 
-    def value(self, state: Solution) -> float:
+    def value(self, state: StateLike) -> float:
         """The force."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         weights = self.by_multipliers(state)
         if state.multipliers is None:
             raise InputError(f"ConditionForce({self.name!r}): this state has no multipliers; give what solve, solve_linear "
                              "or trace found")  # fmt: skip
         return float(weights @ state.multipliers)
 
-    def gradient(self, state: Solution) -> np.ndarray:
+    def gradient(self, state: StateLike) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,): zero, for it depends on multipliers alone."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         return np.zeros(state.system.n_dofs)
 
     def by_multipliers(self, state: Solution) -> np.ndarray:

@@ -5,8 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from skancf.arguments import STATE, instance
-from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 
 
 @dataclass(frozen=True)
@@ -34,19 +33,19 @@ class StrainEnergy:
 
     unit: ClassVar[str] = "J"
 
-    def value(self, state: Solution) -> float:
+    def value(self, state: StateLike) -> float:
         """The energy."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         return float(state.strain_energy)
 
-    def scale(self, state: Solution) -> float:
+    def scale(self, state: StateLike) -> float:
         """The largest energy that the temperature change can cause, which free expansion takes back."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         return state.system.shell.thermal_energy(state.case)
 
-    def gradient(self, state: Solution) -> np.ndarray:
+    def gradient(self, state: StateLike) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         force = state.model.internal_force(state.unknowns, None, state.case)
         initial = state.system.shell.initial_stress_force(state.about, state.case, state.linear)
         return np.asarray(force if initial is None else force - initial)

@@ -5,8 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
-from skancf.arguments import STATE, instance
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 
 
 class Quantity(Protocol):
@@ -51,16 +51,16 @@ class Quantity(Protocol):
 class Smooth(ABC):
     """A quantity that is a smooth function of the nodal coordinates, given by :meth:`_value` and :meth:`_gradient`."""
 
-    def value(self, state: Solution) -> float:
+    def value(self, state: StateLike) -> float:
         """J of a state."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         return float(state.model.value(
             lambda q: self._value(state, q), state.unknowns, lambda q, change: float(self._gradient(state, q) @ change)
         ))  # fmt: skip
 
-    def gradient(self, state: Solution) -> np.ndarray:
+    def gradient(self, state: StateLike) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         return self._gradient(state, state.about)
 
     @abstractmethod

@@ -5,12 +5,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from skancf.arguments import STATE, instance, plain
+from skancf.arguments import plain
 from skancf.conditions.solver import curved
 from skancf.equality import by_value
 from skancf.errors import unit_vector
 from skancf.showing import short
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 from skancf.system.system import System
 
 
@@ -64,14 +65,14 @@ class Reaction:
         plain(self)
         unit_vector("direction", self.direction)
 
-    def value(self, state: Solution) -> float:
+    def value(self, state: StateLike) -> float:
         """The force in a state of rest."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         return float(state.reactions(self.where) @ unit_vector("direction", self.direction))
 
-    def gradient(self, state: Solution) -> np.ndarray:
+    def gradient(self, state: StateLike) -> np.ndarray:
         r""":math:`\partial J / \partial q`, (n_dofs,)."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         system, motion = state.system, self._motion(state.system)
         held = system.constraints.fixed_part(motion)
         model, x = state.model, state.unknowns

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from skancf.adaptive.quantities.quantity import Smooth
-from skancf.arguments import STATE, choice, instance, plain
+from skancf.arguments import choice, plain
 from skancf.equality import by_value
 from skancf.errors import InputError, finite, vector
 from skancf.layout.geometry import Geometry
 from skancf.recovered import gradient, section_forces
 from skancf.showing import short
 from skancf.solution import Solution
+from skancf.states import StateLike, solution_of
 from skancf.system.system import System
 
 COMPONENTS = ("N11", "N22", "N12", "M11", "M22", "M12")
@@ -108,9 +109,9 @@ class SectionForce(Smooth):
             out += shell.flat(assembly.section_force_gradient(shell.nodal(q), elements, points, of_all))
         return out
 
-    def scale(self, state: Solution) -> float:
+    def scale(self, state: StateLike) -> float:
         """Mean size of the component over the surface: a value that is much smaller is zero at its place."""
-        instance("state", state, Solution, STATE)
+        state = solution_of("state", state)
         areas, integration = state.system.assembly.areas, state.system.geometry.integration
         sizes = integration.gathered(lambda points, e: np.abs(state.section_forces(points)[e, self._row]))
         return float(np.vdot(sizes, areas) / areas.sum())

@@ -2,6 +2,7 @@
 
 from itertools import count
 from math import exp, isqrt, log
+from typing import Any
 
 import numpy as np
 
@@ -9,14 +10,14 @@ from skancf.arguments import whole
 from skancf.errors import InputError, shown
 from skancf.meshes.placing import coarse_for
 from skancf.meshes.sizes import Sizes
-from skancf.surfaces import BoundedSurface
+from skancf.surfaces import Surface
 from skancf.tolerances import ROOT_OF_COUNTS, SAME_VALUE
 
 # A factorisation may miss the natural nx : ny by this factor; beyond it cells get needlessly slender.
 WIDEST_MISS = 5 / 3
 
 
-def shape_for(surface: BoundedSurface, along_x: Sizes, along_y: Sizes, nodes: int) -> tuple[int, int]:
+def shape_for(surface: Surface, along_x: Sizes, along_y: Sizes, nodes: int) -> tuple[int, int]:
     """(nx, ny) with (nx + 1)(ny + 1) = ``nodes`` and nx : ny closest to the natural one.
 
     Raises
@@ -48,7 +49,7 @@ def factorise(nodes: int, proportion: float) -> tuple[int, int] | None:
     return pairs[misses.index(best)] if best <= log(WIDEST_MISS) + SAME_VALUE else None
 
 
-def natural_proportion(surface: BoundedSurface, along_x: Sizes, along_y: Sizes, nodes: int) -> float:
+def natural_proportion(surface: Surface, along_x: Sizes, along_y: Sizes, nodes: int) -> float:
     """nx : ny, as real numbers, when the coarse length in space is the same in both directions."""
     from scipy.optimize import brentq  # not at the top: graded meshes alone need it, and it is slow to load
 
@@ -69,7 +70,7 @@ def natural_proportion(surface: BoundedSurface, along_x: Sizes, along_y: Sizes, 
     return nx / ny
 
 
-def stretch(surface: BoundedSurface) -> tuple[float, float]:
+def stretch(surface: Any) -> tuple[float, float]:
     """Mean lengths of X_x and X_y: what a unit of each parameter measures in space."""
     (x_low, x_high), (y_low, y_high) = surface.bounds
     middles = (np.arange(16) + 0.5) / 16

@@ -16,12 +16,12 @@ from skancf.meshes.placing import LARGEST_RATIO, place, place_natural
 from skancf.meshes.region import REGION, Region, Regions
 from skancf.meshes.sizes import Sizes
 from skancf.meshes.tensor import bounds_of, tensor
-from skancf.surfaces import BoundedSurface
+from skancf.surfaces import Surface
 from skancf.tolerances import ONE_PLACE
 
 
 def graded(
-    surface: BoundedSurface,
+    surface: Surface,
     regions: Sequence[Region],
     *,
     nodes: int | None = None,
@@ -49,7 +49,7 @@ def graded(
 
     Parameters
     ----------
-    surface : BoundedSurface
+    surface : Surface
         Gives bounds, names of sides, and the lengths that tell square cells from slender ones.
     regions : sequence of Region
         None of them: a uniform mesh.
@@ -122,7 +122,7 @@ def graded(
 
 
 def _along(
-    direction: int, surface: BoundedSurface, regions: Sequence[Region], *, finest: float, growth: float, transition: Any
+    direction: int, surface: Surface, regions: Sequence[Region], *, finest: float, growth: float, transition: Any
 ) -> Sizes:
     """The wanted lengths in one direction."""
     shares = fractions(regions, finest)

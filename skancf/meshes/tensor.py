@@ -9,7 +9,7 @@ import skfem
 from skancf.errors import InputError, finite, shown
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, cut, rectangles_of
-from skancf.surfaces import BoundedSurface, Interval, closed_directions
+from skancf.surfaces import Interval, Surface, closed_directions
 from skancf.surfaces.checks import require_surface
 from skancf.tolerances import ONE_PLACE
 
@@ -17,7 +17,7 @@ LONGEST = 1e9
 """Largest ratio of the two ranges of a surface's parameters."""
 
 
-def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] = ()) -> skfem.MeshQuad:
+def tensor(surface: Surface, x: Any, y: Any, openings: Sequence[Opening] = ()) -> skfem.MeshQuad:
     """Aligned rectangles between the node positions ``x`` and ``y``, with the boundaries named by ``surface.sides``.
 
     Sides of a closed direction are one curve in space and no boundary; they get no name. The edges of openings are the
@@ -25,7 +25,7 @@ def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] 
 
     Parameters
     ----------
-    surface : BoundedSurface
+    surface : Surface
         Gives the bounds and the names of the four sides.
     x, y : (nx + 1,), (ny + 1,) array
         Increasing node positions from the lower to the upper bound (units of the parameter plane).
@@ -67,7 +67,7 @@ def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] 
     mesh = mesh.with_boundaries(
         {
             name: np.flatnonzero((ends[direction] == at).all(axis=0))
-            for name, (direction, at) in zip(surface.sides, places, strict=True)
+            for name, (direction, at) in zip(surface.sides, places, strict=True)  # type: ignore[attr-defined]
             if not closed[direction]
         }
     )
@@ -96,7 +96,7 @@ def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:
     return row
 
 
-def bounds_of(surface: BoundedSurface) -> tuple[Interval, Interval]:
+def bounds_of(surface: Any) -> tuple[Interval, Interval]:
     """``surface.bounds``, or an :class:`InputError` that says what to do instead."""
     require_surface(surface, ())
     if isinstance(surface, type) or not hasattr(surface, "bounds") or not hasattr(surface, "sides"):

@@ -10,6 +10,7 @@ BASE   ?=
 FUZZ_MINUTES ?= 60
 JOBS   ?= auto
 BIN     = $(VENV)/bin
+PACKAGE = $(VENV)/.package-ready
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
 # Tests of a file mostly stay in one process, which makes what they share once.
@@ -18,7 +19,7 @@ PARALLEL = -n $(JOBS) --dist worksteal
 .PHONY: help demo test cover fuzz lint types dist versions docs peers bench bars guard check kernels clean
 
 help:
-	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
+	@echo "make demo    a first shell, then the example of the paper; tables here, pictures and files in $(OUT)/"
 	@echo "make test    run the tests, on all cores (JOBS=0: in one process)"
 	@echo "make cover   the same, and which lines of the package they ran: table here, pages in $(OUT)/cover"
 	@echo "make fuzz    problems made by chance, until FUZZ_MINUTES=60 are over; what fails is kept in $(OUT)/fuzz as Python"
@@ -35,10 +36,15 @@ help:
 	@echo "make kernels forget the compiled kernels (after an edit of a constant that one uses from a file without kernels)"
 	@echo "make clean   remove the virtual environment, caches and $(OUT)/"
 
-$(READY): pyproject.toml
-	@echo "== setting up $(VENV) with $$($(PYTHON) --version): the package, its solver and test tools (a few minutes, once)"
+$(PACKAGE): pyproject.toml
+	@echo "== setting up $(VENV) with $$($(PYTHON) --version): the package and its solver (a minute or two, once)"
 	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(v < (3, 10) and "Python >= 3.10 is needed, this is %d.%d: make PYTHON=python3.x" % v[:2])'
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { echo "== no module venv: on Debian, apt-get install python3-venv"; exit 1; }
+	@$(BIN)/python -m pip install --disable-pip-version-check --editable '.[fast]'
+	@touch $@
+
+$(READY): $(PACKAGE)
+	@echo "== adding the test tools to $(VENV)"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fast,dev]'
 	@touch $@
 
@@ -47,7 +53,8 @@ $(DOCS): $(READY)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	@touch $@
 
-demo: $(READY)
+demo: $(PACKAGE)
+	$(BIN)/skancf demo --out $(OUT)
 	$(BIN)/python demos/plot_01_paper_example.py --size $(SIZE) --out $(OUT)
 
 test: $(READY)

@@ -9,6 +9,7 @@ import numpy as np
 
 from skancf.arguments import text
 from skancf.columns import columns
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown
 from skancf.history import History, check_history
 from skancf.loads.moment import PointMoment
@@ -111,7 +112,8 @@ def sampled(table: Any, values: str | Sequence[str], *, titles: Mapping[str, str
     return Sampled(found["x"], found["y"], np.stack([found[name] for name in names]), not isinstance(values, str))
 
 
-@dataclass(frozen=True, eq=False)
+@by_value
+@dataclass(frozen=True)
 class Sampled:
     """A function of (x, y) from samples, see :func:`sampled`.
 

@@ -22,7 +22,6 @@ OPTIONAL = {
     "pandas": ("tables", "tables as DataFrames"),
     "imageio-ffmpeg": ("view", "films as MP4"),
     "trame": ("view", "the viewer in notebooks"),
-    "plotly": ("view", "interactive charts"),
     "gmsh": ("gmsh", "meshes by Gmsh"),
     "ipywidgets": ("", "progress bars in notebooks"),
 }

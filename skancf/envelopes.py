@@ -33,6 +33,19 @@ class Envelope(Tabular):
     points : (n, 2) array or None
         Places of the parameter plane.
     n_states : int
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> found = sk.envelope(sk.solve(system), "M11", at=[(0.5, 0.5), (0.0, 0.5)])
+    >>> print(found.governing["place"])
+    (0.0, 0.5)
     """
 
     lowest: np.ndarray

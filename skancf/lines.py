@@ -156,6 +156,19 @@ class Profile(Tabular):
         Number of the layer, from the bottom on.
     stress : (n, 6) array
         Cauchy stress in the local frame, order 11, 22, 33, 23, 13, 12 (Pa).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> profile = sk.solve_linear(system).through_thickness((0.5, 0.5))
+    >>> print(profile.columns["z"])
+    [-0.005  0.005]
     """
 
     z: np.ndarray

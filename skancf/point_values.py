@@ -44,6 +44,19 @@ class Stresses(Tabular):
     components : (n, 6) array
         In the order 11, 22, 33, 23, 13, 12 of the frame (Pa); of the global one xx, yy, zz, yz, xz, xy.
     frame : {"local", "global"}
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> stresses = sk.solve_linear(system).at([(0.5, 0.5)]).stress("bottom")
+    >>> print(f"{stresses.von_mises[0] / 1e6:.2f} MPa")
+    1.42 MPa
     """
 
     components: np.ndarray
@@ -113,6 +126,19 @@ class PointValues(Tabular):
     side : (2,) array or None
         On an edge of the mesh, where fields other than the displacement may jump, values are means over all elements that
         meet there, or of those on this side of it.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> values = sk.solve_linear(system).at([(0.5, 0.5), (0.0, 0.5)])
+    >>> print(values.M.shape, f"{values.M[0, 0]:.1f} N")
+    (2, 3) -23.7 N
     """
 
     state: Any

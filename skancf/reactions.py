@@ -29,6 +29,19 @@ class SupportReactions(Tabular):
         About the points (N m).
     points : (n, 3) array
         Points in space that the moments are about (m).
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> table = sk.solve_linear(system).reactions_by_support()
+    >>> print(f"{sum(row['Fz'] for row in table.rows()):.1f} N")
+    1000.0 N
     """
 
     names: tuple[str, ...]

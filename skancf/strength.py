@@ -121,6 +121,19 @@ class Utilisation(Tabular):
         Height where that is (m).
     layer : (n,) int array
         Its layer, from the bottom on.
+
+    Examples
+    --------
+    >>> steel = sk.Isotropic(young=210e9, poisson=0.3, density=7850.0)
+    >>> plate = sk.Problem(
+    ...     sk.Rectangle(1.0, 1.0), 0.01, steel,
+    ...     supports=[sk.Clamp("boundary")],
+    ...     loads=[sk.SurfaceLoad((0.0, 0.0, -1000.0))],
+    ... )
+    >>> system = plate.on(sk.meshes.uniform(plate.surface, 6, 6), "kirchhoff")
+    >>> used = sk.utilisation(sk.solve_linear(system), 235e6)  # von Mises' stress against a yield stress
+    >>> print(f"{100 * used.governing['value']:.1f} %")
+    1.1 %
     """
 
     points: np.ndarray

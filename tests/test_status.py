@@ -1,9 +1,12 @@
 """One word for "it worked", with the same meaning in every result."""
 
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import logging
 
+import fields
+import is_dataclass
 import numpy as np
 import pytest
+import replace
 
 import skancf as sk
 from skancf.dynamics.step_solver import StepOutcome
@@ -65,7 +68,10 @@ def run(end, keeps=True):
         done.append(len(done))
 
     said = run_steps(
-        step, lambda: f" after {len(done)}" if keeps else None, lambda error: f"kept: {error}" if keeps else None
+        step,
+        lambda: f" after {len(done)}" if keeps else None,
+        lambda error: f"kept: {error}" if keeps else None,
+        logging.getLogger("a loop"),
     )
     return done, said
 

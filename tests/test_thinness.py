@@ -137,11 +137,6 @@ def test_a_thin_answer_of_a_thick_plate_comes_with_a_warning():
         sk.solve_linear(plate(0.1, 8, sk.SimpleSupport("boundary"), theory="full"))
 
 
-def test_shear_forces_are_for_the_thin_theory():
-    with pytest.raises(InputError, match="'kirchhoff'"):
-        sk.solve_linear(plate(0.1, 2, sk.Clamp("boundary"), theory="full")).shear_forces()
-
-
 def test_energy_and_work_of_a_small_deflection():
     """Clapeyron: the strain energy is the work."""
     solution = sk.solve_linear(plate(0.01, 4, sk.Clamp("boundary")))

@@ -238,7 +238,7 @@ WRONG = {
     "overlap": (lambda: strip([zone(), zone("b", ((0.4, 0.6), (0.0, 0.05)))]), "'a' and 'b' overlap, near .*0.45, 0.025"),
     "functions overlap": (lambda: strip([zone(where=lambda x, y: x < 0.5), zone("b", lambda x, y: x < 0.3)]), "'a' and 'b'"),
     "gap": (lambda: strip([zone("a", material=LAW, thickness=H), zone("b", ((0.7, 1.0), (0, B)), thickness=H, material=LAW)],
-                          thickness=None, material=None), "none holds .*beside 'a' and 'b'"),
+                          thickness=None, material=None), "none holds .*next to 'a' and 'b'"),
     "no line": (lambda: sk.Problem(STRIP, H, LAW, zones=[zone()]).on(sk.meshes.uniform(STRIP, 3, 1)),
                 r"'a' ends at x = 0.5, .*element 1 reaches from x = 0.333333 to 0.666667; put .*with_lines"),
     "cut": (lambda: strip([zone(where=lambda x, y: x < 0.33)]), "'a' ends inside element 3"),

@@ -133,7 +133,7 @@ def test_what_a_user_s_function_raises_must_come_with_a_note(scene):
 @pytest.mark.parametrize(
     ("call", "says"),
     [
-        (lambda s: sk.modes(s.system, state=s.modes), r"state = .*shape"),
+        (lambda s: sk.modes(s.system, state=s.modes), r"state: modes .*modes\.shape\(0\)"),
         (lambda s: sk.solve(s.problem), r"system = .*problem\.on\(mesh\)"),
         (lambda s: sk.solve(s.solution), r"system = .*has one as its \.system"),
         (lambda s: sk.solve(sk.Problem), r"system = .*class Problem"),

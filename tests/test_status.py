@@ -1,12 +1,10 @@
 """One word for "it worked", with the same meaning in every result."""
 
-from dataclasses import logging
+import logging
+from dataclasses import fields, is_dataclass, replace
 
-import fields
-import is_dataclass
 import numpy as np
 import pytest
-import replace
 
 import skancf as sk
 from skancf.dynamics.step_solver import StepOutcome

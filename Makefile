@@ -10,15 +10,16 @@ BASE   ?=
 FUZZ_MINUTES ?= 60
 JOBS   ?= auto
 BIN     = $(VENV)/bin
+PACKAGE = $(VENV)/.package-ready
 READY   = $(VENV)/.ready
 DOCS    = $(VENV)/.docs-ready
 # Tests of a file mostly stay in one process, which makes what they share once.
 PARALLEL = -n $(JOBS) --dist worksteal
 
-.PHONY: help demo test cover fuzz lint types docs peers bench bars guard check kernels clean
+.PHONY: help demo test cover fuzz lint types dist versions docs peers bench bars guard check kernels clean
 
 help:
-	@echo "make demo    run the example of the paper; table here, pictures and files in $(OUT)/ (under 3 minutes)"
+	@echo "make demo    a first shell, then the example of the paper; tables here, pictures and files in $(OUT)/"
 	@echo "make test    run the tests, on all cores (JOBS=0: in one process)"
 	@echo "make cover   the same, and which lines of the package they ran: table here, pages in $(OUT)/cover"
 	@echo "make fuzz    problems made by chance, until FUZZ_MINUTES=60 are over; what fails is kept in $(OUT)/fuzz as Python"
@@ -29,14 +30,21 @@ help:
 	@echo "make bars    are error bars right, and not too large? Scenes with known answers (half an hour)"
 	@echo "make guard   is anything more than 20 % slower than what benchmarks/results/guard.json says? (under 90 s)"
 	@echo "             BASE=COMMIT: more than 5 % slower than that commit? both measured in turns (under 5 minutes)"
-	@echo "make check   lint and types"
+	@echo "make check   lint and types, of the package and of the demos"
+	@echo "make dist    build sdist and wheel into dist/, look into them, and run the wheel in a clean environment"
+	@echo "make versions run chosen tests with the oldest supported versions of all dependencies, and with the newest"
 	@echo "make kernels forget the compiled kernels (after an edit of a constant that one uses from a file without kernels)"
 	@echo "make clean   remove the virtual environment, caches and $(OUT)/"
 
-$(READY): pyproject.toml
-	@echo "== setting up $(VENV) with $$($(PYTHON) --version): the package, its solver and test tools (a few minutes, once)"
+$(PACKAGE): pyproject.toml
+	@echo "== setting up $(VENV) with $$($(PYTHON) --version): the package and its solver (a minute or two, once)"
 	@$(PYTHON) -c 'import sys; v = sys.version_info; sys.exit(v < (3, 10) and "Python >= 3.10 is needed, this is %d.%d: make PYTHON=python3.x" % v[:2])'
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { echo "== no module venv: on Debian, apt-get install python3-venv"; exit 1; }
+	@$(BIN)/python -m pip install --disable-pip-version-check --editable '.[fast]'
+	@touch $@
+
+$(READY): $(PACKAGE)
+	@echo "== adding the test tools to $(VENV)"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fast,dev]'
 	@touch $@
 
@@ -45,7 +53,8 @@ $(DOCS): $(READY)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	@touch $@
 
-demo: $(READY)
+demo: $(PACKAGE)
+	$(BIN)/skancf demo --out $(OUT)
 	$(BIN)/python demos/plot_01_paper_example.py --size $(SIZE) --out $(OUT)
 
 test: $(READY)
@@ -64,6 +73,7 @@ lint: $(READY)
 
 types: $(READY)
 	$(BIN)/python -m mypy
+	$(BIN)/python -m mypy --allow-untyped-defs --allow-incomplete-defs demos
 
 check: lint types
 
@@ -73,6 +83,13 @@ docs: $(DOCS)
 
 site: $(DOCS)
 	$(BIN)/python docs/check_site.py
+
+dist: $(READY)
+	$(BIN)/python .ci/wheel.py build
+	$(BIN)/python .ci/wheel.py try
+
+versions: dist
+	$(BIN)/python .ci/wheel.py versions
 
 peers: $(READY)
 	$(BIN)/python -m benchmarks.setup_peers
@@ -90,5 +107,5 @@ kernels:
 	find skancf -name '*.nb[ic]' -delete
 
 clean:
-	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .coverage docs/_build docs/gallery docs/api/generated skancf.egg-info
+	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .coverage dist docs/_build docs/gallery docs/api/generated skancf.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

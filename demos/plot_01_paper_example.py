@@ -26,6 +26,7 @@ import argparse
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -65,8 +66,8 @@ SIZES = {"full": Size(12, (12, 14, 16, 20, 24), 36, 8e-3), "small": Size(8, (8, 
 @dataclass(frozen=True)
 class Run:
     label: str
-    mesh: object
-    motion: object
+    mesh: Any
+    motion: Any
     points: dict
 
     @property
@@ -78,7 +79,7 @@ class Run:
         return np.array([np.sqrt(((self.points[name] - reference.points[name]) ** 2).sum(axis=1).mean()) for name in POINTS])
 
 
-def run(label: str, mesh: object, theory: sk.Full, rtol: float) -> Run:
+def run(label: str, mesh: Any, theory: sk.Full, rtol: float) -> Run:
     print(f"{label}: {mesh.p.shape[1]} nodes", flush=True)
     motion = sk.simulate(PLATE.on(mesh, theory), T_END, rtol=rtol).unwrap()
     return Run(label, mesh, motion, {name: motion.displacement(at) for name, at in POINTS.items()})

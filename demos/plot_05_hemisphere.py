@@ -26,6 +26,7 @@ import argparse
 import os
 from math import pi, radians
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -60,7 +61,7 @@ QUARTER = sk.Problem(
 )
 
 
-def system_on(n: int, theory: sk.Kirchhoff | None = None) -> object:
+def system_on(n: int, theory: sk.Kirchhoff | None = None) -> Any:
     """n x n elements on the quarter."""
     return QUARTER.on(sk.meshes.uniform(SURFACE, n, n), theory or sk.Kirchhoff())
 
@@ -72,7 +73,8 @@ def pinch(solution: sk.Solution) -> tuple[float, float]:
 
 def curve(n: int) -> tuple[np.ndarray, sk.Solution]:
     """Displacements at A and B for the loads of the published table, (20, 2), each solved from the one before."""
-    system, state, rows = system_on(n), None, []
+    system, rows = system_on(n), []
+    state: Any = None
     for factor in PUBLISHED[:, 0]:
         state = sk.solve(system, load_factor=factor, start=state).unwrap()
         rows.append(pinch(state))

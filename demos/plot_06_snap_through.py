@@ -30,6 +30,7 @@ import os
 from itertools import pairwise
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -59,7 +60,7 @@ SURFACE = sk.CylinderSector(2540.0, LENGTH, ANGLE, start=pi / 2 - ANGLE / 2)
 CENTRE, ASIDE, DOWN = (LENGTH / 2, pi / 2), (LENGTH / 2, pi / 2 + ANGLE / 4), (0.0, 0.0, -1.0)
 
 
-def roof(thickness: float, n: int, disturbance: float = 0.0) -> object:
+def roof(thickness: float, n: int, disturbance: float = 0.0) -> Any:
     """The roof on n x n elements; a part of the load acts half-way to one of its supports besides."""
     loads = [sk.PointForce(CENTRE, (0.0, 0.0, -FORCE))]
     if disturbance:
@@ -73,7 +74,7 @@ def deflection(solution: sk.Solution) -> float:
     return -float(solution.displacement(CENTRE)[2])
 
 
-def follow(system: object, until: float | sk.DisplacementReached) -> sk.PathResult:
+def follow(system: Any, until: float | sk.DisplacementReached) -> sk.PathResult:
     """The path in steps of at most twice the first one, for smooth charts; it needs a third of them."""
     return sk.trace(system, sk.ArcLength(steps=sk.StepLength(largest=2.0)), until=until).unwrap()
 
@@ -89,7 +90,7 @@ def follow(system: object, until: float | sk.DisplacementReached) -> sk.PathResu
 
 def three_controls(n: int) -> sk.StaticResult:
     """Prints how far load, displacement and path control come, for both roofs; returns the load steps of the thick one."""
-    results = {}
+    results: dict[str, dict[str, Any]] = {}
     print("roof   control        status           P / 3000  deflection")
     for name, thickness in (("thick", THICK), ("thin", THIN)):
         system = roof(thickness, n)
@@ -108,7 +109,7 @@ def three_controls(n: int) -> sk.StaticResult:
     assert results["thin"]["displacement"].status.name == "TURNED_BACK"
     for name in results:
         ends = [deflection(results[name][control].solution) for control in ("relaxed", "path")]
-        assert np.isclose(*ends, rtol=1e-4), (name, ends)
+        assert np.isclose(ends[0], ends[1], rtol=1e-4), (name, ends)
     return results["thick"]["load"]
 
 
@@ -130,13 +131,17 @@ def distance_to_published(path: sk.PathResult) -> float:
 # %%
 # Pictures
 # --------
-STABLE, UNSTABLE = {"color": "#0072B2", "lw": 2}, {"color": "#D55E00", "lw": 1.8, "ls": "--"}
-MARKS = {"limit point": {"marker": "^", "color": "black"}, "bifurcation": {"marker": "D", "color": "#009E73"}}
+STABLE: dict[str, Any] = {"color": "#0072B2", "lw": 2}
+UNSTABLE: dict[str, Any] = {"color": "#D55E00", "lw": 1.8, "ls": "--"}
+MARKS: dict[str, dict[str, Any]] = {
+    "limit point": {"marker": "^", "color": "black"}, "bifurcation": {"marker": "D", "color": "#009E73"},
+}  # fmt: skip
 
 
 def with_events(path: sk.PathResult) -> list[tuple[float, float, int | None]]:
     """Deflection, load and number of negative eigenvalues along the path; None at events, put between their neighbours."""
-    states = [(state, int(pivots)) for state, pivots in zip(path.solutions, path.negative_pivots, strict=True)]
+    known = zip(path.solutions, path.negative_pivots, strict=True)
+    states: list[tuple[sk.Solution, int | None]] = [(state, int(pivots)) for state, pivots in known]
     for event in path.events:
 
         def detour(k: int, q: np.ndarray = event.solution.q) -> float:
@@ -156,12 +161,14 @@ def draw_path(axes: plt.Axes, path: sk.PathResult) -> None:
     for k, (a, b) in enumerate(pairwise(points)):
         known = [pivots for pivots in (a[2], b[2]) if pivots is not None]
         stable = bool(known) and not any(known)
-        axes.plot(*curve(np.linspace(*length[k : k + 2], 12)).T, **(STABLE if stable else {**UNSTABLE, "ls": (0, (2.5, 1))}))
+        axes.plot(
+            *curve(np.linspace(length[k], length[k + 1], 12)).T, **(STABLE if stable else {**UNSTABLE, "ls": (0, (2.5, 1))})
+        )
     for event in path.events:
         axes.plot(deflection(event.solution), FORCE * event.load_factor, ls="", ms=7, zorder=5, **MARKS[event.kind])
 
 
-def legend(axes: plt.Axes, *others: Line2D, **where: object) -> None:
+def legend(axes: plt.Axes, *others: Line2D, **where: Any) -> None:
     lines = [Line2D([], [], label="stable", **STABLE), Line2D([], [], label="unstable", **UNSTABLE)]
     lines += [Line2D([], [], ls="", ms=7, label=kind, **mark) for kind, mark in MARKS.items()]
     axes.legend(handles=[*lines, *others], frameon=False, **where)

@@ -31,6 +31,7 @@ through.
 import argparse
 import os
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -82,7 +83,7 @@ LAMINATE = sk.Laminate([sk.Layer(FIBRES, PLY), sk.Layer(FIBRES, PLY, angle=np.pi
 IMPERFECTION = 0.1  # N, a moment per length
 
 
-def sheet(mesh: object, moment: float = 0.0) -> object:
+def sheet(mesh: Any, moment: float = 0.0) -> Any:
     """A quarter of the sheet, cooled, with a moment per length on its edge."""
     side = mesh.p.max()
     problem = sk.Problem(
@@ -94,7 +95,7 @@ def sheet(mesh: object, moment: float = 0.0) -> object:
     return problem.on(mesh, "kirchhoff")
 
 
-def mesh_of(side: float, n: int) -> object:
+def mesh_of(side: float, n: int) -> Any:
     """n x n elements on the quarter of a sheet."""
     return sk.meshes.uniform(sk.Rectangle(side / 2, side / 2), n, n)
 

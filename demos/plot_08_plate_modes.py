@@ -33,6 +33,7 @@ This example shows frequencies and modes, prestress, linear buckling. It builds 
 import argparse
 import os
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -46,7 +47,7 @@ SIDE, THICKNESS, YOUNG, POISSON, DENSITY = 10.0, 0.05, 200e9, 0.3, 8000.0
 BENDING = YOUNG * THICKNESS**3 / 12 / (1 - POISSON**2)
 UNIT = np.sqrt(BENDING / (DENSITY * THICKNESS)) / SIDE**2  # of omega, 1/s
 SURFACE = sk.Rectangle(SIDE, SIDE)
-SUPPORTS = {"free": [], "clamped": [sk.Clamp("boundary")], "held at the corners": [sk.Pin("corners")]}
+SUPPORTS: dict[str, list[Any]] = {"free": [], "clamped": [sk.Clamp("boundary")], "held at the corners": [sk.Pin("corners")]}
 CONVERGED = {
     "free": (13.46820, 19.59614, 24.27020, 34.80089, 34.80089),
     "clamped": (35.98519, 73.39385, 73.39385, 108.2165, 131.5808),
@@ -54,7 +55,7 @@ CONVERGED = {
 }
 
 
-def plate(n: int, supports: list, loads: tuple = ()) -> object:
+def plate(n: int, supports: list, loads: tuple = ()) -> Any:
     """The plate on n x n elements of the thin theory."""
     material = sk.Isotropic(YOUNG, POISSON, DENSITY)
     return sk.Problem(SURFACE, THICKNESS, material, supports, loads).on(sk.meshes.uniform(SURFACE, n, n), "kirchhoff")
@@ -126,7 +127,7 @@ HALF_WAVES = ((1, 1), (2, 1), (1, 2))
 CRITICAL = 4 * np.pi**2 * BENDING / SIDE**2
 
 
-def compressed(n: int) -> object:
+def compressed(n: int) -> Any:
     """The supported plate whose edges may move in its plane; three coordinates are held against rigid motions."""
     held = [
         sk.Roller("boundary", kind="hard"),
@@ -141,7 +142,7 @@ def lines(factors: np.ndarray) -> np.ndarray:
     return np.array([((m**2 + n**2) ** 2 - 4 * factors * m**2) / 4 for m, n in HALF_WAVES])
 
 
-def prestressed(system: object, factors: np.ndarray) -> np.ndarray:
+def prestressed(system: Any, factors: np.ndarray) -> np.ndarray:
     """The three lowest omega^2 over that of the first mode without load, (n, 3)."""
     first = (2 * np.pi**2 * UNIT) ** 2
     states = [sk.solve(system, load_factor=factor, relax=False).solution for factor in factors]

@@ -35,6 +35,7 @@ modes.
 import argparse
 import os
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -64,13 +65,11 @@ RTOL = 1e-4
 # The same loop refines where a number's error comes from, or everywhere.
 
 
-def runs(quantity: object, uniform_dofs: int) -> dict[str, sk.AdaptiveResult]:
+def runs(quantity: Any, uniform_dofs: int) -> dict[str, sk.AdaptiveResult]:
     """Adaptive meshes to the asked accuracy, and uniform ones as far as a budget goes."""
-    every = {"marking": sk.AllElements(), "max_dofs": uniform_dofs}
-    return {
-        name: sk.adapt(PLATE, quantity, RTOL, mesh=COARSE, linear=True, **options)
-        for name, options in {"adaptive": {}, "uniform": every}.items()
-    }
+    every: dict[str, Any] = {"marking": sk.AllElements(), "max_dofs": uniform_dofs}
+    choices: dict[str, dict[str, Any]] = {"adaptive": {}, "uniform": every}
+    return {name: sk.adapt(PLATE, quantity, RTOL, mesh=COARSE, linear=True, **options) for name, options in choices.items()}
 
 
 # %%

@@ -35,6 +35,7 @@ import argparse
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -118,7 +119,7 @@ def patch(side: float) -> sk.meshes.Region:
     return sk.meshes.Region((CORNER[0] - side / 2, CORNER[1] + side / 2), (side / 2, side / 2), ratio=2.0)
 
 
-def on_patch(case: Case, side: float, **options: object) -> sk.AdaptiveResult:
+def on_patch(case: Case, side: float, **options: Any) -> sk.AdaptiveResult:
     """The mean over a patch."""
     mesh = sk.meshes.refined_in(COARSE, [patch(side)], levels=round(np.log2(CELL / side)))
     mean = sk.SectionForce(case.component, within=((CORNER[0] - side, CORNER[0]), (CORNER[1], CORNER[1] + side)))
@@ -213,18 +214,18 @@ def main(size: str = "full", out: str = "out") -> dict[str, np.ndarray]:
               f"theory {case.exponent:.4f}")  # fmt: skip
     study = {}
     for name, case in CASES.items():
-        results = {
+        both = {
             "adaptive": on_patch(case, sides[0], rtol=RTOL / strict),
             "uniform": on_patch(case, sides[0], marking=sk.AllElements(), rtol=RTOL / strict, max_dofs=uniform_dofs),
         }
-        study[name] = results["adaptive"].corrected, results
-        for how, result in results.items():
+        study[name] = both["adaptive"].corrected, both
+        for how, result in both.items():
             print(f"\n{name}, patch of {sides[0]:g} m, {how}:\n{result.table()}\n{result}")
     draw(found, sides, study, folder)
 
     assert all(result.ok for results in found.values() for result in results)
-    for name, (truth, results) in study.items():
-        assert results["adaptive"].ok and abs(means[name][0] - truth) < 1.5 * found[name][0].error_bar, name
+    for name, (truth, both) in study.items():
+        assert both["adaptive"].ok and abs(means[name][0] - truth) < 1.5 * found[name][0].error_bar, name
     for name, case in CASES.items():
         assert abs(growth(sides, means[name])[-1] - case.exponent) < 0.05, (name, growth(sides, means[name]))
     assert (means["tension"] > means["bending"]).all()

@@ -31,6 +31,7 @@ import argparse
 import os
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -58,10 +59,14 @@ ASKED, SEEN, FEW = 1e-4, 3e-7, 256
 # Three are one loop with another guide each. Uniform refinement and stress do not ask for what.
 
 
-def loops(place: str, rtol: float, max_dofs: int) -> dict[str, np.ndarray]:
+def loops(place: str, rtol: float, max_dofs: int) -> dict[str, sk.AdaptiveResult]:
     """Degrees of freedom, values and estimates of the levels (3, n) of three loops, and the result of the first."""
     stress = partial(sk.stress_indicator, z=ON_TOP)
-    guides = {"goal": {}, "stress": {"indicator": stress}, "uniform": {"marking": sk.AllElements()}}
+    guides: dict[str, dict[str, Any]] = {
+        "goal": {},
+        "stress": {"indicator": stress},
+        "uniform": {"marking": sk.AllElements()},
+    }
     return {
         name: sk.adapt(PLATE, sk.Displacement(PLACES[place]), rtol, linear=True, max_dofs=max_dofs, **guide)
         for name, guide in guides.items()

@@ -195,8 +195,8 @@ def compare(strains: str, tables: dict, truths: dict, nodes: int) -> dict[str, d
     return out
 
 
-def main(size: str = "full", out: str = "out") -> dict[str, dict[str, float]]:
-    """Print the comparison, save pictures; returns relative errors by point and kind of mesh."""
+def main(size: str = "full", out: str = "out") -> dict[str, dict[str, dict[str, float]]]:
+    """Print the comparison, save pictures; returns relative errors by strains, point and kind of mesh."""
     points, counts, rtol, max_dofs, times = {
         "full": (tuple(POINTS), (4, 8, 12, 16, 20), 1e-3, 12_000, 9), "small": (("centre",), (4, 12), 2e-3, 4_000, 6),
     }[size]  # fmt: skip
@@ -230,9 +230,9 @@ def main(size: str = "full", out: str = "out") -> dict[str, dict[str, float]]:
     draw(tables, truths["centre"], {**meshes, "goal": truths["centre"].levels[-1].mesh}, folder)
 
     # The numbers to hit.
-    for strains, loop in loops.items():
+    for strains, found in loops.items():
         assert abs(powers[strains] - 2 / 3) < 0.05, powers
-        assert all(result.error_bar < 2 * rtol * abs(result.value) for result in loop.values()), strains
+        assert all(result.error_bar < 2 * rtol * abs(result.value) for result in found.values()), strains
     for point in points:
         one, other = (loops[strains][point] for strains in THEORIES)
         assert abs(one.value - other.value) < 1.5 * (one.error_bar + other.error_bar), (point, one, other)

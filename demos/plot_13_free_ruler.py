@@ -31,6 +31,7 @@ import argparse
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -54,14 +55,14 @@ RULES = {
 }
 
 
-def ruler(load: float = LOAD, theory: str = "kirchhoff") -> object:
+def ruler(load: float = LOAD, theory: str = "kirchhoff") -> Any:
     """The ruler on 12 x 1 elements, pulled and lifted at its right edge."""
     push = sk.EdgeLoad("right", (0.6 * load / WIDTH, 0.0, load / WIDTH), sk.Pulse(UNTIL, shape="triangle"))
     problem = sk.Problem(SURFACE, THICKNESS, sk.Isotropic(206e9, 0.0, density=7800.0), loads=[push])
     return problem.on(sk.meshes.uniform(SURFACE, 12, 1), theory)
 
 
-def run(system: object, rule: str, dt: float = STEP, outputs: int = 101) -> sk.Motion:
+def run(system: Any, rule: str, dt: float = STEP, outputs: int = 101) -> sk.Motion:
     """A run that may do what it will: without a look at the balance, and with steps halved seven times at most."""
     steps = sk.FixedStep(dt, smallest=0.01)
     return sk.simulate(system, END, rule=RULES[rule], steps=steps, outputs=outputs, balance=None, progress=False)
@@ -160,7 +161,7 @@ def draw_flight(motions: dict[str, sk.Motion], file: Path) -> None:
     for axes, (name, motion) in zip(panels, motions.items(), strict=True):
         for state in list(motion.states)[::4]:
             place = np.pad(along, ((0, 0), (0, 1))) + state.displacement(along)
-            axes.plot(place[:, 0], place[:, 2], color=plt.colormaps["viridis"](0.92 * state.time / END), lw=2)
+            axes.plot(place[:, 0], place[:, 2], color=plt.colormaps["viridis"](0.92 * (state.time or 0.0) / END), lw=2)
         until = motion.ledger.times[-1]
         axes.set(xlabel="x (m)", aspect="equal", title=f"{name}, every 4 ms until {1000 * until:.0f} ms")
         axes.grid(color="#e8e8e8")

@@ -30,6 +30,7 @@ import argparse
 import os
 import warnings
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -49,7 +50,7 @@ BENDING = {"gently": 0.3, "hard": 25.0}
 COLOURS = {"gently": "#0072B2", "hard": "#D55E00"}
 
 
-def plate(n: int) -> object:
+def plate(n: int) -> Any:
     """The free plate on 2 n x n elements."""
     problem = sk.Problem(SURFACE, THICKNESS, sk.Isotropic(206e9, 0.3, density=7800.0))
     return problem.on(sk.meshes.uniform(SURFACE, 2 * n, n), "kirchhoff")
@@ -63,7 +64,7 @@ def bent(state: sk.Solution) -> np.ndarray:
     return np.array([above.mean(), above @ [1.0, -1.0, 1.0, -1.0] / 4])
 
 
-def throw(system: object, bending: float, rho_inf: float = 1.0, dt: float = STEP) -> sk.Motion:
+def throw(system: Any, bending: float, rho_inf: float = 1.0, dt: float = STEP) -> sk.Motion:
     """The flight, with how bent the plate is at every step."""
     q = system.undeformed
 

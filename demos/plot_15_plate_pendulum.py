@@ -30,6 +30,7 @@ plate.
 import argparse
 import os
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -45,7 +46,7 @@ SOFT, STIFFER, RETARDATION = 1e5, 1e7, 1e-3
 CLOSE = 0.01 * A
 
 
-def pendulum(young: float, n: int, retardation: float = 0.0) -> object:
+def pendulum(young: float, n: int, retardation: float = 0.0) -> Any:
     """The plate on 2 n x n elements."""
     material = sk.Isotropic(young, 0.3, density=7810.0)
     problem = sk.Problem(SURFACE, THICKNESS, material, [sk.Pin([(0.0, 0.0)])], [sk.Gravity()],

@@ -21,6 +21,7 @@ import os
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -62,7 +63,7 @@ SIZES = {
 @dataclass(frozen=True)
 class Run:
     label: str
-    motion: object
+    motion: Any
     w: np.ndarray
 
     @property
@@ -71,7 +72,7 @@ class Run:
         return sum(step.n_dofs for step in self.motion.steps)
 
 
-def run(mesh: object, theory: str, rtol: float, label: str, **options: object) -> Run:
+def run(mesh: Any, theory: str, rtol: float, label: str, **options: Any) -> Run:
     motion = sk.simulate(PLATE.on(mesh, theory), T_END, rtol=rtol, outputs=OUTPUTS, progress=False, **options).unwrap()
     print(f"{theory:<10}{label:<22}{len(motion.steps):>6} steps {motion.seconds:7.1f} s", flush=True)
     return Run(label, motion, np.array([motion.displacement(at)[:, 2] for at in POINTS.values()]))
@@ -157,7 +158,7 @@ def exact() -> float:
     return FORCE / (4 * np.pi**2) * quad(of, 0, 2 * np.pi)[0]
 
 
-def running(mesh: object, **options: object) -> tuple:
+def running(mesh: Any, **options: Any) -> tuple:
     """A run, and the deflection under the load at the times of its last third.
 
     Errors of the steps are relative to the root mean square over the plate, most of which does not move: less need be asked.
@@ -220,7 +221,7 @@ def cost(answer: Converged, followed: list, path: Path) -> None:
     plt.close(figure)
 
 
-def meshes(motion: object, path: Path) -> None:
+def meshes(motion: Any, path: Path) -> None:
     """The mesh at four times, and the deflection on it."""
     figure, axes = plt.subplots(2, 2, figsize=(9, 9), layout="constrained")
     for axis, time in zip(axes.flat, motion.times[-1] * np.array([0.15, 0.4, 0.7, 0.95]), strict=True):

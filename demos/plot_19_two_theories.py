@@ -27,7 +27,7 @@ import argparse
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -121,7 +121,7 @@ def full_tangent(u, v, w):
 #         - n \, (\Delta n \cdot \delta m)\bigr) / |m| .
 
 
-def surface(r: np.ndarray) -> dict[str, np.ndarray]:
+def surface(r: Any) -> dict[str, np.ndarray]:
     """What a state of the surface is."""
     m = cross(grad(r)[:, 0], grad(r)[:, 1])
     n = m / np.sqrt(dot(m, m))
@@ -167,7 +167,7 @@ def thin_tangent(u, v, w):
 class Theory(NamedTuple):
     """A theory of the library, and what it is made of here."""
 
-    theory: object
+    theory: Any
     state: Callable
     force: LinearForm
     tangent: BilinearForm
@@ -211,7 +211,7 @@ def equilibrium(system: sk.system.System, theory: Theory, say: Callable) -> np.n
 EQUAL = 1e-10
 
 
-def compare(name: str, mesh: object, say: Callable) -> sk.Solution:
+def compare(name: str, mesh: Any, say: Callable) -> sk.Solution:
     """Solve by forms, and with the library's own solver; AssertionError where they differ."""
     theory = THEORIES[name]
     system = PLATE.on(mesh, theory.theory)

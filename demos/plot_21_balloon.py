@@ -29,6 +29,7 @@ import argparse
 import os
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -58,7 +59,7 @@ PRESSURE, AT = 5000.0, (pi / 2, pi / 4)
 SURFACE = sk.SphereSector(RADIUS, (0.0, pi / 2), pi / 2)
 
 
-def inflate(law: object, n: int, to: float) -> sk.PathResult:
+def inflate(law: Any, n: int, to: float) -> sk.PathResult:
     """The path until the equator is stretched to ``to``."""
     supports = [sk.Symmetry(["start", "end", "bottom"])]
     problem = sk.Problem(SURFACE, THICKNESS, law, supports, [sk.FollowerPressure(PRESSURE)])

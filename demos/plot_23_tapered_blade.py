@@ -29,6 +29,7 @@ This example shows the thickness as a function of place, and modes of a taper. I
 import argparse
 import os
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -63,7 +64,7 @@ def beam(share: float, n: int = 16) -> np.ndarray:
 # one there; elements of one column share it.
 
 
-def thickness(share: float) -> object:
+def thickness(share: float) -> Any:
     """A function of (x, y)."""
     return lambda x, y: ROOT * (1 - share * x / LENGTH)
 

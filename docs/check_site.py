@@ -27,7 +27,7 @@ WIDTHS = (1400, 400)
 QUERIES = {
     "hole": "howto/plate_with_hole",
     "gmsh": "howto/gmsh",
-    "stress along a line": "howto/stress_along_line",
+    "stress along a line": "howto/stress_along_a_line",
     "pandas": "howto/csv_and_pandas",
     "csv": "howto/csv_and_pandas",
     "animation": "howto/animation",
@@ -51,7 +51,7 @@ QUERIES = {
     "damping": "howto/damping",
     "moving load": "howto/moving_load",
     "calculix": "howto/check_with_calculix",
-    "logging": "tutorials/progress",
+    "logging": "howto/logging_and_progress",
 }
 """What is typed, and the page that must be among the first three hits."""
 
@@ -103,7 +103,7 @@ while (texts.nextNode()) {
     const element = texts.currentNode.parentElement;
     if (!texts.currentNode.data.trim() || told.has(element) || !seen(element)) continue;
     told.add(element);
-    if (element.closest('svg, mjx-container, script, style, .headerlink')) continue;
+    if (element.closest('svg, mjx-container, script, style, .headerlink, .search-button__kbd-shortcut')) continue;
     const style = getComputedStyle(element), size = parseFloat(style.fontSize);
     if (style.visibility === 'hidden' || style.opacity === '0') continue;
     const over = background(element), [r, g, b, a = 1] = channels(style.color);
@@ -242,6 +242,8 @@ def search(driver: Any, address: str, pages: list[str]) -> Iterator[str]:
         found = hits(driver, address, query)
         if not found or not all(text.strip() for _, text in found):
             yield f"search for {query!r}: no hits, or hits without a snippet: {found}"
+        elif len({page for page, _ in found}) < len(found):
+            yield f"search for {query!r}: a page is shown twice: {[page for page, _ in found]}"
         elif f"{wanted}.html" in pages and wanted not in [page for page, _ in found]:
             yield f"search for {query!r}: {wanted} is not among {[page for page, _ in found]}"
 

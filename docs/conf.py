@@ -44,6 +44,8 @@ extensions = [
 exclude_patterns = ["_build", "measure", "_templates"]
 templates_path = ["_templates"]
 source_suffix = {".rst": "restructuredtext"}
+# Words that tell a type, as x in "function of x", are taken for references, and some find two targets.
+suppress_warnings = ["ref.python"]
 
 html_theme = "pydata_sphinx_theme"
 html_context = {"default_mode": "auto"}
@@ -55,6 +57,7 @@ html_static_path = ["_static", str(resources.files("sphinx-mathjax-offline") / "
 mathjax_path = "tex-svg-full.js"
 html_search_scorer = str(HERE / "_static" / "scorer.js")
 html_css_files = ["site.css"]
+html_js_files = ["wide_formulas.js"]
 html_theme_options = {
     "logo": {"text": "skancf", "alt_text": "skancf, first page"},
     "navbar_align": "left",

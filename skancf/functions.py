@@ -42,9 +42,14 @@ class Noted:
         note = f"raised by the function given as {self.name}"
         if isinstance(wrong, StopIteration):
             stopped = RuntimeError(f"StopIteration({wrong.value!r})")
-            stopped.add_note(note)
+            _add_note(stopped, note)
             raise stopped from wrong
-        wrong.add_note(note)
+        _add_note(wrong, note)
+
+
+def _add_note(error: BaseException, note: str) -> None:
+    """What ``error.add_note`` does, which Python 3.10 has not: there the note is kept, and its tracebacks do not show it."""
+    error.__notes__ = [*getattr(error, "__notes__", ()), note]
 
 
 def called(name: str, function: Callable[..., Any], *arguments: Any) -> Any:

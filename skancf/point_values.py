@@ -9,7 +9,7 @@ import numpy as np
 
 from skancf.arguments import choice
 from skancf.errors import InputError, shown
-from skancf.layout.around import Around, elements_around
+from skancf.layout.around import Around, at_pairs, elements_around
 from skancf.materials.heights import Depth, depth_of
 from skancf.showing import short
 from skancf.system.frames import frames, turns
@@ -33,9 +33,6 @@ EQUIVALENTS = {
     "max_principal": "max_principal", "min_principal": "min_principal", "mises": "von_mises", "tresca": "tresca",
 }  # fmt: skip
 """Columns of equivalent stresses, and what :class:`Stresses` calls them."""
-MOST, LEAST = 128, 16
-"""Pairs of a point and an element that are evaluated together: each element at all points."""
-STENCIL_COST = 5
 
 
 @dataclass(frozen=True)
@@ -250,16 +247,7 @@ class PointValues(Tabular):
     def _means(self, value: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
         """Means over the elements at each place of values (m, k, ...) at points (2, k) of elements (m,)."""
         _, elements, local = self.around
-        together = LEAST
-        if self.state.system.assembly.recovers_bending:  # which asks for some points of all elements each time
-            together = int(np.clip(np.sqrt(STENCIL_COST * self.state.system.geometry.n_elements), LEAST, MOST))
-        order, parts = np.argsort(elements, kind="stable"), []
-        for begin in range(0, len(order), together):
-            pairs = order[begin : begin + together]
-            some, at = np.unique(elements[pairs], return_inverse=True)
-            parts.append(value(local[pairs].T, some)[at, np.arange(len(pairs))])
-        values = np.concatenate(parts)
-        return self.around.means(values[np.argsort(order)], len(self.points))
+        return self.around.means(at_pairs(elements, local, value), len(self.points))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column of the table by its name, (n,)."""

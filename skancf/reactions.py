@@ -40,12 +40,12 @@ class SupportReactions(Tabular):
 
     @property
     def total_force(self) -> np.ndarray:
-        """Sum of the forces, (3,) (N): minus that of the loads."""
+        """Sum of the forces (N), (3,); it is minus that of the loads."""
         return np.asarray(self.forces.sum(axis=0))
 
     @property
     def total_moment(self) -> np.ndarray:
-        """Sum of the moments about the origin, (3,) (N m): minus that of the loads."""
+        """Sum of the moments about the origin (N m), (3,); it is minus that of the loads."""
         return np.asarray(self.moments.sum(axis=0) + sum_of_cross(self.points, self.forces))
 
     def __getitem__(self, name: str) -> tuple[np.ndarray, np.ndarray]:

@@ -70,8 +70,10 @@ def strain_excess(
     def bending(at: np.ndarray, some: np.ndarray | None = None) -> np.ndarray:
         return np.asarray(assembly.bending_strains(nodal, at, depth_of(assembly.section.at(at, some), z), some))
 
-    said = bending(system.geometry.inside(STENCIL)).swapaxes(1, 2)
-    out = patches_of(system).values(said, points, elements).swapaxes(1, 2) - bending(points, elements)
+    patches = patches_of(system)
+    needed = None if elements is None else patches.need(elements)
+    said = bending(system.geometry.inside(STENCIL), needed).swapaxes(1, 2)
+    out = patches.values(said, points, elements).swapaxes(1, 2) - bending(points, elements)
     forces = _excess(system, q, points, elements)[:, :3]
     compliance = _coupled(assembly.section.at(points, elements))[0]
     out[..., IN_PLANE] -= np.einsum(f"{'ep' * (compliance.ndim > 2)}ij,ejp->epi", compliance, forces)
@@ -100,8 +102,10 @@ def _excess(system: System, q: np.ndarray, points: np.ndarray, elements: np.ndar
     """Polynomials of what slopes of the director make of the section forces, less that itself: (m, 6, n)."""
     assembly: Any = system.assembly
     nodal = system.shell.nodal(q)
-    said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL))
-    recovered = patches_of(system).values(said, points, elements)
+    patches = patches_of(system)
+    needed = None if elements is None else patches.need(elements)
+    said = assembly.bending_forces(nodal, system.geometry.inside(STENCIL), needed)
+    recovered = patches.values(said, points, elements)
     return np.asarray(recovered - assembly.bending_forces(nodal, points, elements))
 
 

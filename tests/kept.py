@@ -68,7 +68,8 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "Pulse": {"duration": 0.1, "shape": "rectangle"},
     "Ramp": {"duration": 0.1, "start": 0.2},
     "Table": {"times": [0.0, 0.5, 2.0], "values": [0.0, 1.0, 0.3], "kind": "smooth"},
-    "Sampled": {"x": LINE, "y": LINE, "values": np.outer(LINE, LINE**2), "error": 1e-9},
+    "Sampled": {"x": LINE, "y": LINE**2, "values": LINE[None]},
+    "Splined": {"x": LINE, "y": LINE, "values": np.outer(LINE, LINE**2), "error": 1e-9},
     "DisplacementControl": {"at": (1.0, 0.5), "direction": UP, "to": 0.1},
     "DisplacementReached": {"at": (1.0, 0.5), "direction": UP, "value": 0.1},
     "HalveAndGrow": {"first": 0.5},
@@ -140,4 +141,4 @@ def results() -> dict[str, Any]:
     return dict(zip(names, made, strict=True))
 
 
-assert storage.Sampled.__module__ == "skancf.storage.sampled"
+assert storage.Splined.__module__ == "skancf.storage.splined"

@@ -108,7 +108,6 @@ class Scene:
 
         return Figure().add_subplot(projection="3d")
 
-    @cached_property
     def flat_axes(self) -> Any:
         from matplotlib.figure import Figure
 
@@ -187,7 +186,7 @@ MAY_BE: dict[str, set[str]] = {
     "items": {"empty", "none", "nothing"},
     "mapping": {"dict", "none"},
     "file": {"text", "word", "empty text", "long name"},
-    "state": {"solution", "none"},
+    "state": {"solution", "result", "none"},
     "mesh": {"mesh"},
     "problem": {"problem"},
     "system": {"system"},
@@ -463,7 +462,7 @@ def add_storage(add: Any, s: Scene) -> None:
     add("run_file", sk.run_file, path=text, folder=s.folder / "results", progress=False, takes="folder:none",
         aliases={"path": "file"})  # fmt: skip
     x = np.linspace(0.0, 1.0, 7)
-    add("Sampled", sk.storage.Sampled, x=x, y=x, values=np.ones((7, 7)), error=0.1)
+    add("Splined", sk.storage.Splined, x=x, y=x, values=np.ones((7, 7)), error=0.1)
 
 
 PROBLEM = """
@@ -517,7 +516,10 @@ def add_places(add: Any, state: Any, place: Any) -> None:
     def at(points: Any, side: Any) -> Any:
         return state.at(points, side=side).columns
 
-    values, line = state.at(place), state.along((0.0, 0.5), (1.0, 0.5), n=3)
+    def draw_along(name: Any, axes: Any, units: Any) -> Any:
+        return state.along((0.0, 0.5), (1.0, 0.5), n=3).plot(name, axes=axes, units=units)
+
+    values = state.at(place)
     add("at columns", at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
     add("Solution.at", state.at, points=[place, (0.1, 0.2)], side=(1.0, 0.0), takes="side:none", kinds={"points": "numbers"})
     add("along", along, start=(0.0, 0.5), end=(1.0, 0.5), n=3, side=(0.0, 1.0), aliases={"start": "points", "end": "points"},
@@ -526,7 +528,7 @@ def add_places(add: Any, state: Any, place: Any) -> None:
     add("PointValues.stress", values.stress, z=0.001, frame="global", measure="cauchy")
     add("PointValues.strain", values.strain, z=0.001)
     add("PointValues.unit", values.unit, name="M11")
-    add("Line.plot", line.plot, axes=Figure().subplots(), units=sk.Units(), takes="units:none,axes:none")
+    add("draw along", draw_along, name="M11", axes=Figure().subplots(), units=sk.Units(), takes="units:none,axes:none")
     add("Arc", sk.Arc, centre=(0.5, 0.5), radius=0.1, start=0.0, end=1.0)
     add("Solution.reactions", state.reactions, where="left", takes="where:none")
     add(
@@ -606,13 +608,13 @@ def add_adaptive(add: Any, s: Scene) -> None:
 def add_output(add: Any, s: Scene) -> None:
     o, file = sk.output, {"path": "file"}
     times, png = np.linspace(0.0, 1.0, 5), s.folder / "chart.png"
-    values, drawn = np.arange(9.0), "path:none,ax:none"
+    values = np.arange(9.0)
     add("sample", o.sample, solution=s.solution, subdivisions=1, z=0.001)
     add("write", o.write, states=s.solution, path=s.folder / "state.vtu", subdivisions=1, depths={"mid": 0.0},
         progress=False, cells="flat", aliases={**file, "states": ".pvd"},
         takes="depths:none,subdivisions:none", kinds={"depths": "mapping"})  # fmt: skip
     add("write many", o.write, states=[s.solution], path=s.folder / "states.pvd", subdivisions=1, depths={}, progress=False,
-        cells="flat",
+        cells="flat", takes="subdivisions:none",
         aliases={**file, "states": "state"},
         kinds={"states": "any"})  # fmt: skip
     add("read", o.read, path=s.vtu, aliases=file)
@@ -620,26 +622,38 @@ def add_output(add: Any, s: Scene) -> None:
     add("Columns", o.Columns, columns={"a": [1.0, 2.0]}, units={"a": "m"}, takes="units:none", kinds={"units": "mapping"})
     add("check_folder", o.check_folder, path=s.folder / "new", aliases={"path": "folder"}, takes="path:half")
     add("mesh_chart", o.mesh_chart, mesh=s.plain, path=png, surface=s.surface, regions=[s.region], points={"a": (0.5, 0.5)},
-        title="a", ax=s.flat_axes, aliases=file, takes=drawn, kinds={"regions": "items"})  # fmt: skip
+        title="a", aliases=file, takes="path:none", kinds={"regions": "items"})  # fmt: skip
     add("field_chart", o.field_chart, mesh=s.plain, values=values, path=png, label="a", surface=s.surface, title="a",
-        limits=(0.0, 9.0), levels=5, show_mesh=True, ax=s.flat_axes, aliases=file, takes=f"limits:none,{drawn}")  # fmt: skip
-    add("histories_chart", o.histories_chart, times=times, histories={"a": times**2}, path=png, ylabel="a", title="a",
-        xlabel="a", ax=s.flat_axes, takes=drawn, aliases={"path": "file", "times": "'a'"})  # fmt: skip
-    curve = {"a": ([10.0, 100.0], [0.1, 0.01])}
+        limits=(0.0, 9.0), levels=5, show_mesh=True, aliases=file, takes="path:none,limits:none")  # fmt: skip
+    histories, curve = {"a": times**2}, {"a": ([10.0, 100.0], [0.1, 0.01])}
+    add("histories_chart", o.histories_chart, times=times, histories=histories, path=png, ylabel="a", title="a",
+        xlabel="a", takes="path:none", aliases={"path": "file", "times": "'a'"})  # fmt: skip
     add("convergence", o.convergence, curves=curve, path=png, xlabel="a", ylabel="a", slopes=[1.0], title="a", aliases=file,
-        ax=s.flat_axes, takes=f"slopes:none,{drawn}")  # fmt: skip
-    add("effectivity", o.effectivity, curves=curve, path=png, band=(0.9, 1.1), xlabel="a", title="a", ax=s.flat_axes,
-        takes=drawn, aliases=file)  # fmt: skip
+        takes="path:none,slopes:none")  # fmt: skip
+    add("effectivity", o.effectivity, curves=curve, path=png, band=(0.9, 1.1), xlabel="a", title="a", takes="path:none",
+        aliases=file)  # fmt: skip
     add("mesh_levels", o.mesh_levels, meshes=[s.plain], path=png, surface=s.surface, titles=["a"], values=[np.ones(4)],
-        label="a", ax=[s.flat_axes], aliases=file, takes=f"titles:none,values:none,{drawn}",
-        kinds={"meshes": "any"})  # fmt: skip
+        label="a", aliases=file, takes="path:none,titles:none,values:none", kinds={"meshes": "any"})  # fmt: skip
     add("spectrum_chart", o.spectrum_chart, spectra=s.spectrum, path=png, modes=[6.0], limit=20.0, title="a", ylabel="a",
-        ax=s.flat_axes, aliases={"path": "file", "modes": "natural"}, takes=f"modes:none,limit:none,{drawn}")  # fmt: skip
+        aliases={"path": "file", "modes": "natural"}, takes="path:none,modes:none,limit:none")  # fmt: skip
+    on_axes = {
+        o.mesh_chart: {"mesh": s.plain},
+        o.field_chart: {"mesh": s.plain, "values": values},
+        o.histories_chart: {"times": times, "histories": histories, "ylabel": "a"},
+        o.convergence: {"curves": curve},
+        o.effectivity: {"curves": curve},
+        o.spectrum_chart: {"spectra": s.spectrum},
+        o.mesh_levels: {"meshes": [s.plain]},
+    }
+    for chart, needed in on_axes.items():
+        add(f"{chart.__name__} on axes", chart, **needed, ax=s.flat_axes(), takes="ax:none", aliases={"times": "'a'"},
+            kinds={"meshes": "any"})  # fmt: skip
     add("draw_cells", o.draw_cells, axes=s.axes, cells=np.array([[[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]]),
         colours=np.ones((1, 4)), light=(0.5, -0.4, 0.8), stretch=(1.0, 1.0, 1.0))  # fmt: skip
     add("plot", o.plot, solution=s.solution, plotter=s.plotter, off_screen=True, takes="plotter:none,off_screen:none")
     add("write_html", o.write_html, states=s.solution, path=s.folder / "page.html", fields=["u3"], seconds_per_frame=0.1,
-        aliases=file, takes="fields:none", kinds={"states": "any"})  # fmt: skip
+        aliases={**file, "fields": "field"}, takes="fields:none,states:result,states:solution",
+        kinds={"states": "any"})  # fmt: skip
     from skancf.output.style import Style
 
     add("Style", Style, field="S11", z=0.0, scale=1.0, limits=(0.0, 1.0), view=(1.0, 1.0, 1.0), show_mesh=True,

@@ -305,3 +305,28 @@ def test_everything_that_is_exported(tmp_path, name):
     far, answer = gap(tmp_path, plate(**given), nonlinear=False)
     assert np.abs(answer.displacements).max() > 1e-6
     assert far < most
+
+
+LARGE = {
+    "half a plate under three hundred times its weight": (
+        {"supports": [sk.SimpleSupport(["left", "bottom", "top"], kind="hard"), sk.Symmetry("right")], "n": (4, 8),
+         "loads": [sk.Gravity((0.0, 0.0, -3e3))], "thickness": 0.005, "surface": sk.Rectangle(0.5, 1.0)}, 4e-3),
+    "a temperature gradient": ({"loads": [sk.Temperature(5.0, 3000.0)]}, 4e-3),
+    "an edge without rotation that is moved": (
+        {"supports": [sk.Clamp("left"), sk.NoRotation("right"), sk.Prescribed("right", (None, None, 0.1))],
+         "loads": []}, 2e-3),
+    "edges that pull": (
+        {"supports": [sk.Pin("left"), sk.SimpleSupport("right", kind="hard")],
+         "loads": [sk.SurfaceLoad((0, 0, -2e5))]}, 5e-3),
+}  # fmt: skip
+
+
+@needs_ccx
+@pytest.mark.parametrize("name", LARGE)
+def test_supports_and_loads_of_large_deflections(tmp_path, name):
+    given, most = LARGE[name]
+    system = plate(**given)
+    far, answer = gap(tmp_path, system)
+    assert far < most
+    # Large ones: the linear answer is another.
+    assert answer.difference(sk.solve_linear(system)) > 3 * most

@@ -178,8 +178,8 @@ def test_the_count_of_lines_can_fail():
     assert without_examples(shown) == 5
 
 
-@pytest.mark.parametrize("room", ["adaptive", "conditions", "dynamics", "loads", "materials", "meshes", "output", "statics",
-                                  "storage", "supports", "surfaces", "terms", "testing", "theories"])  # fmt: skip
+@pytest.mark.parametrize("room", ["adaptive", "conditions", "dynamics", "export", "loads", "materials", "meshes", "output",
+                                  "statics", "storage", "supports", "surfaces", "terms", "testing", "theories"])  # fmt: skip
 def test_rooms_are_names_of_the_package(room):
     assert room in skancf.__all__ and room in dir(skancf)
     assert getattr(skancf, room).__name__ == f"skancf.{room}" and getattr(skancf, room).__doc__

@@ -14,11 +14,11 @@ THEORIES = ["kirchhoff", "full"]
 
 def meshes(kind):
     uniform = sk.meshes.uniform(STRIP, 8, 2)
-    if kind == "uniform":
-        return uniform
     if kind == "quadtree":
         return sk.meshes.quadtree(uniform).refined([0, 5, 6])
-    return sk.meshes.graded(STRIP, 8, 2, x=2.0) if kind == "graded" else None
+    if kind == "graded":
+        return sk.meshes.graded(STRIP, [sk.meshes.Region((0.0, 0.125), (0.2, 0.05))], nodes=120)
+    return uniform
 
 
 def solved(problem, mesh, theory="kirchhoff", linear=True):
@@ -33,10 +33,10 @@ def bent(moment, theory="kirchhoff", mesh=None, linear=True, material=PLAIN, thi
 
 
 @pytest.mark.parametrize("theory", THEORIES)
-@pytest.mark.parametrize("kind", ["uniform", "quadtree"])
+@pytest.mark.parametrize("kind", ["uniform", "quadtree", "graded"])
 def test_faces_of_a_bent_strip_have_six_m_over_h_squared(theory, kind):
     state = bent(3.0, theory, meshes(kind))
-    assert kind == "uniform" or len(state.system.mesh.hanging)
+    assert kind != "quadtree" or len(state.system.mesh.hanging)
     rng = np.random.default_rng(1)
     points = np.vstack([rng.uniform(0.02, 0.98, (20, 2)) * [L, B], [(0.5, 0.125), (0.25, 0.0), (1.0, 0.25), (0.0, 0.0625)]])
     values = state.at(points)
@@ -178,6 +178,29 @@ def test_places_outside_are_named():
         state.along((0, 0), (0, 0))
     with pytest.raises(sk.InputError, match="give two points"):
         state.along((0, 0))
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+@pytest.mark.parametrize("kind", ["quadtree", "uniform"])
+def test_some_elements_have_the_values_that_all_have(theory, kind):
+    """In a state without any symmetry, so that each depends on its own neighbours."""
+    system = sk.Problem(STRIP, H, PLAIN, [sk.Clamp("left")], []).on(meshes(kind), theory)
+    rng = np.random.default_rng(5)
+    state = sk.Solution(system, system.undeformed + 1e-4 * rng.normal(size=system.n_dofs))
+    points, some = rng.uniform(0, 1, (2, 3)), np.array([7, 1, 4])
+    for name in ("strains", "stresses", "recovered_strains", "recovered_stresses", "cauchy_stresses"):
+        whole, part = getattr(state, name)(points, "top"), getattr(state, name)(points, "top", some)
+        assert np.abs(part - whole[some]).max() < 1e-10 * np.abs(whole).max(), name
+    for name in ("section_forces", "recovered_section_forces", "shear_forces"):
+        whole, part = getattr(state, name)(points), getattr(state, name)(points, some)
+        assert np.abs(part - whole[some]).max() < 1e-10 * np.abs(whole).max(), name
+    at = system.geometry.parameters(points[:, :1])[:, some, 0].T
+    assert (
+        np.abs(state.at(at).M - state.recovered_section_forces(points[:, :1])[some, 3:, 0]).max()
+        < 1e-7 * np.abs(whole).max()
+    )
+    with pytest.raises(sk.InputError, match=r"elements = \[99\]: give numbers of elements from 0 to"):
+        state.strains(points, "top", [99])
 
 
 def test_elements_that_meet_at_a_place():

@@ -1,5 +1,7 @@
 """Loads and functions of time from tables: DataFrames, files, mappings and structured arrays."""
 
+import pickle
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -156,7 +158,9 @@ def test_scattered_samples_are_interpolated_linearly(rng):
     force = sk.loads.sampled({"x": x, "y": y, "px": x, "py": -y, "pz": 2 * x + y}, ("px", "py", "pz"))
     at = rng.random((2, 50))
     assert force(*at).shape == (3, 50) and np.allclose(force(*at), [at[0], -at[1], 2 * at[0] + at[1]])
-    assert "values" not in repr(force)
+    assert "values" not in repr(force) and len(repr(force)) < 200
+    again = pickle.loads(pickle.dumps(force))
+    assert again == force and np.array_equal(again(*at), force(*at))
 
 
 def test_a_pressure_map_is_a_load():

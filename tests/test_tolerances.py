@@ -15,7 +15,6 @@ SMALL = 1e-5
 # Small numbers that are no tolerances of place, angle, rounding or convergence.
 ELSEWHERE = {
     ("errors.py", "SMALLEST"): "range of numbers that are computed with",
-    ("cli/demos.py", "DENSITY"): "a density",
     ("materials/section.py", "LEAST"): "range of stiffnesses",
     ("problem.py", "SMALLEST_EXTENT"): "range of lengths",
     ("dynamics/prescribed.py", "RATE_STEP"): "step of a difference",

@@ -12,8 +12,9 @@ var Scorer = {
     partialTerm: 2,
 };
 
-document.addEventListener("DOMContentLoaded", () => {
-    if (typeof Search === "undefined") return;
+/* Before the search begins, which is when the page has been read. */
+document.addEventListener("readystatechange", () => {
+    if (typeof Search === "undefined" || document.readyState !== "interactive") return;
 
     /* A page is one hit, the best of its own; results come with the best last. */
     const perform = Search._performSearch;

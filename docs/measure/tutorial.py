@@ -27,6 +27,7 @@ PAGES = {page.stem: page for page in [DOCS / "getting_started.rst", *sorted((DOC
 FRONT = DOCS / "index.rst"
 HOWTO = {page.stem: page for page in sorted((DOCS / "howto").glob("*.rst")) if page.stem != "index"}
 PICTURE = re.compile(r"(?:image|figure):: (?:\.\./)?pictures/((?:howto/)?\w+\.(?:png|gif))")
+LIVE = re.compile(r'src="\.\./_static/(\w+\.html)"')
 BLOCK = re.compile(r"^\.\. code-block:: (\w+)\n\n((?:(?:   .*)?\n)+)", re.MULTILINE)
 DOWNLOAD = re.compile(r":download:`[^`<]*<(files/[\w.]+)>`")
 NUMBER = re.compile(r"-?\d+\.\d+|-?\d+")
@@ -43,6 +44,11 @@ class Example(NamedTuple):
 def pictures(page: Path) -> list[str]:
     """Files that the code of a page makes and the page shows, by their places in docs/pictures."""
     return PICTURE.findall(page.read_text(encoding="utf-8"))
+
+
+def live(page: Path) -> list[str]:
+    """Pages of their own that the code of a page makes and the page embeds, in docs/_static."""
+    return LIVE.findall(page.read_text(encoding="utf-8"))
 
 
 def examples(page: Path) -> list[Example]:
@@ -115,6 +121,8 @@ def renew(page: Path) -> bool:
             printed = run(found)
         finally:
             os.chdir(start)
+        for name in live(page):
+            shutil.copyfile(Path(folder) / name, DOCS / "_static" / name)
         for name in pictures(page):
             kept = DOCS / "pictures" / name
             with Image.open(Path(folder) / Path(name).name) as picture:

@@ -27,7 +27,7 @@ def starting_mesh(problem: Problem, quantity: Any = None) -> skfem.MeshQuad:
     InputError
         For a surface without bounds.
     """
-    bounds = bounds_of(problem.surface)  # type: ignore[arg-type]
+    bounds = bounds_of(problem.surface)
     lengths = [s * (high - low) for s, (low, high) in zip(stretch(problem.surface), bounds, strict=True)]  # type: ignore[arg-type]
     wide = np.sqrt(lengths[0] / lengths[1])
     rows, closed = [], closed_bounds(problem.surface)

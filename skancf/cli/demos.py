@@ -18,9 +18,6 @@ from skancf.statics import solve, trace
 from skancf.supports import Pin, Prescribed, Symmetry
 from skancf.surfaces import CylinderSector, SphereSector
 
-DENSITY = 1.2e-9
-"""Of a plastic, in tonnes per cubic millimetre."""
-
 
 @dataclass(frozen=True)
 class Outcome:
@@ -76,12 +73,12 @@ def hemisphere() -> Outcome:
 
 def roof() -> Outcome:
     """Load factors at the limit points of the snap, (2, 2)."""
-    quarter = CylinderSector(radius=2540.0, length=254.0, angle=0.1, start=pi / 2 - 0.1)
-    crown = (254.0, pi / 2)
+    quarter = CylinderSector(radius=2.54, length=0.254, angle=0.1, start=pi / 2 - 0.1)
+    crown = (0.254, pi / 2)
     shell = Problem(
         surface=quarter,
-        thickness=12.7,
-        material=Isotropic(3102.75, 0.3, density=DENSITY),
+        thickness=0.0127,
+        material=Isotropic(3102.75e6, 0.3, density=1200.0),
         supports=[Pin("start"), Symmetry("end"), Symmetry("right")],
         loads=[PointForce(crown, (0.0, 0.0, -750.0))],
     )

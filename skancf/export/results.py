@@ -13,6 +13,7 @@ from skancf.arguments import text, whole
 from skancf.atomic import AnyPath, as_path
 from skancf.errors import InputError, SkancfError, finite, positive
 from skancf.export.bricks import Bricks
+from skancf.showing import short
 from skancf.states import solution_of
 from skancf.tolerances import SEVEN_DIGITS
 
@@ -194,6 +195,7 @@ class CalculixResult:
 
     deck: CalculixDeck
     displacements: np.ndarray
+    __repr__ = short
 
     def displacement(self, at: Any) -> np.ndarray:
         """Of the reference surface at points of the parameter plane, (2,) or (n, 2): (3,) or (n, 3) (m).

@@ -1,5 +1,6 @@
 """The elements that meet at places of the parameter plane."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,8 @@ from skancf.layout.geometry import Geometry
 from skancf.tolerances import ABOUT_A_PLACE
 
 DIAGONALS = np.array([[1.0, 1.0, -1.0, -1.0], [1.0, -1.0, 1.0, -1.0]])
+TOGETHER, DIGITS = 16, 12
+"""Pairs of a point and an element that are evaluated together; digits to which local points are the same."""
 SHOWN = 3
 """Places that a message names."""
 
@@ -34,6 +37,28 @@ class Around(NamedTuple):
         out = np.zeros((n, *values.shape[1:]), values.dtype)
         np.add.at(out, self.places, values)
         return np.asarray((out.T / np.bincount(self.places, minlength=n)).T)
+
+
+def at_pairs(elements: np.ndarray, local: np.ndarray, value: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> np.ndarray:
+    """Values (m, ...) at local points (m, 2) of elements (m,), by a function of points (2, k) and elements (l,) that gives
+    those of all points in all elements, (l, k, ...).
+
+    Pairs with the same local point are evaluated together; where there are few such, some elements at the points of all.
+    """
+    points, group = np.unique(np.round(local, DIGITS), axis=0, return_inverse=True)
+    if len(points) * TOGETHER <= len(elements):
+        parts = np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group))[:-1])
+        found = [value(point[:, None], elements[pairs])[:, 0] for point, pairs in zip(points, parts, strict=True)]
+    else:
+        order = np.argsort(elements, kind="stable")
+        parts, found = [order[k : k + TOGETHER] for k in range(0, len(order), TOGETHER)], []
+        for pairs in parts:
+            some, at = np.unique(elements[pairs], return_inverse=True)
+            found.append(value(local[pairs].T, some)[at, np.arange(len(pairs))])
+    values = np.concatenate(found)
+    out = np.empty_like(values)
+    out[np.concatenate(parts)] = values
+    return out
 
 
 def require_inside(geometry: Geometry, points: np.ndarray, name: str = "points") -> None:
@@ -66,8 +91,13 @@ def elements_around(geometry: Geometry, points: np.ndarray, side: np.ndarray | N
     ways = DIAGONALS if side is None else (side / np.abs(side).max())[:, None]
     away = (ABOUT_A_PLACE * ways[:, None] * size[:, :, None]).reshape(2, -1)
     moved = np.repeat(points, ways.shape[1], axis=1) + away
+    place = np.repeat(np.arange(points.shape[1]), ways.shape[1])
+    # Most places off the surface are beyond its bounds; to look for them by themselves takes long.
+    bounds = geometry.mesh.p.min(axis=1), geometry.mesh.p.max(axis=1)
+    near = ((bounds[0] <= geometry.within(moved).T) & (bounds[1] >= geometry.within(moved).T)).all(axis=1)
+    place, moved, away = place[near], moved[:, near], away[:, near]
     inside, elements, _ = geometry.locate_inside(moved)
-    place = np.repeat(np.arange(points.shape[1]), ways.shape[1])[inside]
+    place = place[inside]
     lost = np.setdiff1d(np.arange(points.shape[1]), place)
     if side is not None and lost.size:
         x, y = points[:, lost[0]]

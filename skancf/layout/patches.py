@@ -92,17 +92,35 @@ class Patches:
         inverse = np.linalg.pinv(np.add.reduceat(weighted @ rows.swapaxes(1, 2), starts), rcond=OPEN_FIT, hermitian=True)
         return cls(geometry, elements, members, starts, inverse[patch] @ weighted, scale, means)
 
-    def coefficients(self, field: np.ndarray) -> np.ndarray:
-        """Of the polynomials (m, k, 8) of a field (n_elements, k, 5) at the stencil of every element."""
+    def coefficients(self, field: np.ndarray, places: np.ndarray | None = None) -> np.ndarray:
+        """Of the polynomials (m, k, 8) of a field (n_elements, k, 5) at the stencil of every element; of those at some
+        places in the list of elements, of a field at the stencil of what they :meth:`need`."""
         said = _functionals(field) * FACTORS
-        said = (self.means @ said.reshape(len(said), -1)).reshape(said.shape)
-        return np.asarray(np.add.reduceat(said[self.members] @ self.weights.swapaxes(1, 2), self.starts))
+        if places is None:
+            said = (self.means @ said.reshape(len(said), -1)).reshape(said.shape)
+            return np.asarray(np.add.reduceat(said[self.members] @ self.weights.swapaxes(1, 2), self.starts))
+        pairs, first = self._pairs(places)
+        members = np.unique(self.members[pairs])
+        means = self.means[members][:, self.need(places)]
+        said = (means @ said.reshape(len(said), -1)).reshape(len(members), *said.shape[1:])
+        at = np.searchsorted(members, self.members[pairs])
+        return np.asarray(np.add.reduceat(said[at] @ self.weights[pairs].swapaxes(1, 2), first))
+
+    def need(self, places: np.ndarray) -> np.ndarray:
+        """The elements on which polynomials at some places in the list of elements depend, ascending."""
+        return np.unique(self.means[np.unique(self.members[self._pairs(places)[0]])].indices)
+
+    def _pairs(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Members of the patches at some places, one patch after the other, and where each begins."""
+        sizes = np.diff(self.starts, append=len(self.members))[places]
+        first = np.cumsum(sizes) - sizes
+        return np.repeat(self.starts[places] - first, sizes) + np.arange(sizes.sum()), first
 
     def values(self, field: np.ndarray, points: np.ndarray, places: np.ndarray | None = None) -> np.ndarray:
         """Polynomials of a field (n_elements, k, 5) at local points (2, n) of elements, or of those at some places in the
-        list of elements: (m, k, n)."""
+        list of elements, of a field (n, k, 5) in those that they :meth:`need`: (m, k, n)."""
         some = slice(None) if places is None else places
-        return np.asarray(self.coefficients(field)[some] @ self._at(points, some))
+        return np.asarray(self.coefficients(field, places) @ self._at(points, some))
 
     def transposed(self, points: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What weights (m, k, n) of the values make of a field at the stencil: elements (l,), weights there (l, k, 5)."""

@@ -9,10 +9,12 @@ import numpy as np
 
 from skancf.arguments import text
 from skancf.columns import columns
+from skancf.equality import by_value
 from skancf.errors import InputError, finite, shown
 from skancf.history import History, check_history
 from skancf.loads.moment import PointMoment
 from skancf.loads.point import PointForce
+from skancf.showing import short
 from skancf.tolerances import NO_AREA, ONE_PLACE, SAME_VALUE
 
 FORCES, MOMENTS = ("fx", "fy", "fz"), ("mx", "my", "mz")
@@ -111,6 +113,7 @@ def sampled(table: Any, values: str | Sequence[str], *, titles: Mapping[str, str
     return Sampled(found["x"], found["y"], np.stack([found[name] for name in names]), not isinstance(values, str))
 
 
+@by_value
 @dataclass(frozen=True, eq=False)
 class Sampled:
     """A function of (x, y) from samples, see :func:`sampled`.
@@ -133,6 +136,7 @@ class Sampled:
     y: np.ndarray
     values: np.ndarray = field(repr=False)
     vector: bool = False
+    __repr__ = short
 
     def __post_init__(self) -> None:
         points = np.stack([self.x, self.y])

@@ -15,13 +15,13 @@ from skancf.meshes.openings import Opening
 from skancf.meshes.placing import LARGEST_RATIO, place, place_natural
 from skancf.meshes.region import REGION, Region, Regions
 from skancf.meshes.sizes import Sizes
-from skancf.meshes.tensor import bounds_of, tensor
-from skancf.surfaces import BoundedSurface
+from skancf.meshes.tensor import bounded, bounds_of, tensor
+from skancf.surfaces import Surface
 from skancf.tolerances import ONE_PLACE
 
 
 def graded(
-    surface: BoundedSurface,
+    surface: Surface,
     regions: Sequence[Region],
     *,
     nodes: int | None = None,
@@ -115,14 +115,14 @@ def graded(
     else:
         if nodes is not None:
             require_mesh(whole("nodes", nodes, least=4))
-        nx, ny = shape_for(surface, along_x, along_y, nodes) if nodes is not None else _shape(shape)
+        nx, ny = shape_for(bounded(surface), along_x, along_y, nodes) if nodes is not None else _shape(shape)
         require_mesh(nx * ny)
         row_x, row_y = place(along_x, nx), place(along_y, ny)
     return tensor(surface, row_x, row_y, openings)
 
 
 def _along(
-    direction: int, surface: BoundedSurface, regions: Sequence[Region], *, finest: float, growth: float, transition: Any
+    direction: int, surface: Surface, regions: Sequence[Region], *, finest: float, growth: float, transition: Any
 ) -> Sizes:
     """The wanted lengths in one direction."""
     shares = fractions(regions, finest)

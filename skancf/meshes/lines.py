@@ -12,12 +12,12 @@ from skancf.materials.zones import Zone, check_zones, lines_of
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, rectangles_of
 from skancf.meshes.tensor import bounds_of, tensor
-from skancf.surfaces import BoundedSurface, Interval, closed_bounds
+from skancf.surfaces import Interval, Surface, closed_bounds
 from skancf.tolerances import ONE_PLACE
 
 
 def with_lines(
-    surface: BoundedSurface, nx: int, ny: int, zones: Sequence[Zone] = (), *, beside: float | None = None, x: Any = (),
+    surface: Surface, nx: int, ny: int, zones: Sequence[Zone] = (), *, beside: float | None = None, x: Any = (),
     y: Any = (), openings: Sequence[Opening] = (),
 ) -> skfem.MeshQuad:  # fmt: skip
     """About ``nx`` by ``ny`` rectangles over ``surface.bounds``, with lines where zones end and at some coordinates.

@@ -1,7 +1,7 @@
 """Meshes that are the product of two rows of nodes, with their sides named."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import skfem
@@ -9,7 +9,7 @@ import skfem
 from skancf.errors import InputError, finite, shown
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, cut, rectangles_of
-from skancf.surfaces import BoundedSurface, Interval, closed_directions
+from skancf.surfaces import BoundedSurface, Interval, Surface, closed_directions
 from skancf.surfaces.checks import require_surface
 from skancf.tolerances import ONE_PLACE
 
@@ -17,7 +17,7 @@ LONGEST = 1e9
 """Largest ratio of the two ranges of a surface's parameters."""
 
 
-def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] = ()) -> skfem.MeshQuad:
+def tensor(surface: Surface, x: Any, y: Any, openings: Sequence[Opening] = ()) -> skfem.MeshQuad:
     """Aligned rectangles between the node positions ``x`` and ``y``, with the boundaries named by ``surface.sides``.
 
     Sides of a closed direction are one curve in space and no boundary; they get no name. The edges of openings are the
@@ -52,7 +52,8 @@ def tensor(surface: BoundedSurface, x: Any, y: Any, openings: Sequence[Opening] 
     >>> mesh.nelements
     6
     """
-    x_bounds, y_bounds = bounds_of(surface)
+    surface = bounded(surface)
+    x_bounds, y_bounds = surface.bounds
     x, y = node_row("x", x, x_bounds), node_row("y", y, y_bounds)
     rectangles = rectangles_of(openings)
     cells = (x.size - 1) * (y.size - 1)
@@ -96,8 +97,13 @@ def node_row(name: str, values: Any, bounds: Interval) -> np.ndarray:
     return row
 
 
-def bounds_of(surface: BoundedSurface) -> tuple[Interval, Interval]:
-    """``surface.bounds``, or an :class:`InputError` that says what to do instead."""
+def bounds_of(surface: Surface) -> tuple[Interval, Interval]:
+    """``surface.bounds``, or an InputError."""
+    return bounded(surface).bounds
+
+
+def bounded(surface: Surface) -> BoundedSurface:
+    """``surface``, or an :class:`InputError` that says what to do instead."""
     require_surface(surface, ())
     if isinstance(surface, type) or not hasattr(surface, "bounds") or not hasattr(surface, "sides"):
         raise InputError(
@@ -108,4 +114,4 @@ def bounds_of(surface: BoundedSurface) -> tuple[Interval, Interval]:
     if max(one, two) > LONGEST * min(one, two):
         raise InputError(f"surface = {shown(surface)}: its parameters span {one:.6g} by {two:.6g}, and elements of a length "
                          f"over {LONGEST:g} times their width have no area in floating-point numbers")  # fmt: skip
-    return surface.bounds
+    return cast("BoundedSurface", surface)

@@ -9,10 +9,10 @@ from skancf.arguments import whole
 from skancf.memory import MESH, require_mesh
 from skancf.meshes.openings import Opening, rectangles_of
 from skancf.meshes.tensor import bounds_of, tensor
-from skancf.surfaces import BoundedSurface
+from skancf.surfaces import Surface
 
 
-def uniform(surface: BoundedSurface, nx: int, ny: int, openings: Sequence[Opening] = ()) -> skfem.MeshQuad:
+def uniform(surface: Surface, nx: int, ny: int, openings: Sequence[Opening] = ()) -> skfem.MeshQuad:
     """``nx`` by ``ny`` equal rectangles over ``surface.bounds``, with the boundaries named by ``surface.sides``.
 
     Equal in the parameter plane: on a sector of an annulus, equal steps of the radius and of the central angle.

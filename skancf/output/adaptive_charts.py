@@ -9,7 +9,7 @@ import skfem
 from skancf.arguments import row, sequence, texts
 from skancf.atomic import AnyPath
 from skancf.errors import InputError, finite, number, vector
-from skancf.output.canvas import BAND, INK, done, draw_curves, figure_for, legend, panel, plane_axes
+from skancf.output.canvas import BAND, INK, done, draw_curves, figure_for, legend, panel, plane_axes, require_axes
 from skancf.output.colours import colour_map, marked_style
 from skancf.output.curves import Curves, curves_of
 from skancf.output.plane import cell_outlines, drawable, edge_curves, to_plane
@@ -131,7 +131,7 @@ def _given_panels(ax: Any, meshes: Sequence[skfem.MeshQuad]) -> np.ndarray:
     if len(grid) != len(meshes):
         raise InputError(f"ax: {len(grid)} for {len(meshes)} meshes; give one for each")
     for axes in grid:
-        panel(axes, None, 0, 0)
+        require_axes(axes)
     return grid
 
 

@@ -27,6 +27,11 @@ def panel(ax: Any, path: AnyPath | None, width: float, height: float) -> Any:
     """Axes to draw on: the given ones, or those of a new figure (inches)."""
     if ax is None:
         return figure_for(path, width, height).subplots()
+    return require_axes(ax)
+
+
+def require_axes(ax: Any) -> Any:
+    """InputError for what is no axes."""
     having("ax", ax, ("add_collection", "annotate", "set_title"), AXES)
     return ax
 

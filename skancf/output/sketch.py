@@ -25,7 +25,7 @@ def sketch(problem: Problem) -> Any:
 
     Directions of loads are told, and their sizes are not. What has no place, as a pressure, is not drawn.
     """
-    geometry = Geometry(uniform(problem.surface, LINES, LINES), problem.surface, Full())  # type: ignore[arg-type]
+    geometry = Geometry(uniform(problem.surface, LINES, LINES), problem.surface, Full())
     figure = new_figure(6.0, 4.2)
     axes = figure.add_subplot(projection="3d")
     axes.computed_zorder = False

@@ -27,7 +27,7 @@ class Style:
         ``"displacement"`` and ``"velocity"`` (lengths of the vectors), ``"u1"`` to ``"u3"``, ``"v1"`` to ``"v3"``,
         stresses ``"S11"``, ``"S22"``, ``"S33"``, ``"S23"``, ``"S13"``, ``"S12"`` in the local frame, ``"mises"``,
         strains ``"E11"``, ... in the same order, section forces ``"N11"``, ``"N22"``, ``"N12"``, ``"M11"``, ``"M22"``,
-        ``"M12"``, in theory `kirchhoff` ``"Q1"``, ``"Q2"``, and ``"thickness"``.
+        ``"M12"``, ``"Q1"``, ``"Q2"``, and ``"thickness"``.
     z : float or {"top", "middle", "bottom"}, optional
         Depth of the surface that is drawn and of its field (m). Default: stresses and strains are those of the top face,
         and von Mises' stress is the largest through the thickness, drawn on the reference surface as all other fields. The

@@ -3,7 +3,7 @@
 from skancf.storage.files import load, save
 from skancf.storage.problem_file import ProblemFile, read_problem
 from skancf.storage.run_file import FileRun, run_file
-from skancf.storage.sampled import Sampled
+from skancf.storage.splined import Splined
 from skancf.storage.stored import StoredFields, StoredState
 
-__all__ = ["FileRun", "ProblemFile", "Sampled", "StoredFields", "StoredState", "load", "read_problem", "run_file", "save"]
+__all__ = ["FileRun", "ProblemFile", "Splined", "StoredFields", "StoredState", "load", "read_problem", "run_file", "save"]

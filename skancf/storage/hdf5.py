@@ -157,9 +157,9 @@ def put_mesh(group: Any, name: str, mesh: skfem.MeshQuad) -> None:
     put_array(made, "nodes", mesh.p)
     put_array(made, "elements", mesh.t)
     if tree:
-        put_plain(made, "levels_of", "tree")
+        cells = made.create_group("tree")
         for part, array in tree_arrays(mesh).items():
-            put_array(made.require_group("tree"), part, array)
+            put_array(cells, part, array)
         return
     for title, sets in (("boundaries", mesh.boundaries), ("subdomains", mesh.subdomains)):
         names = made.create_group(title)

@@ -59,6 +59,22 @@ class ProblemFile:
     output : dict
         What :func:`run_file` shows: ``points`` of the parameter plane, and ``field``, ``z`` and ``scale`` of the picture.
     title : str
+
+    Examples
+    --------
+    >>> text = '''
+    ... thickness = 0.01
+    ... surface = {type = "Rectangle", length_x = 1.0, length_y = 0.5}
+    ... material = {type = "Isotropic", young = 210e9, poisson = 0.3, density = 7850.0}
+    ... supports = [{type = "Clamp", where = "left"}]
+    ... mesh = {type = "uniform", nx = 4, ny = 2}
+    ... analysis = {type = "modes", n = 2}
+    ... '''
+    >>> import pathlib
+    >>> _ = pathlib.Path("plate.toml").write_text(text)
+    >>> task = sk.read_problem("plate.toml")
+    >>> task.analysis, task.options, task.system.n_dofs
+    ('modes', {'n': 2}, 180)
     """
 
     problem: Problem
@@ -126,10 +142,9 @@ def read_problem(path: AnyPath) -> ProblemFile:
     ... mesh = {type = "uniform", nx = 4, ny = 2}
     ... analysis = {type = "solve"}
     ... '''
-    >>> import pathlib, tempfile
-    >>> file = pathlib.Path(tempfile.mkdtemp()) / "plate.toml"
-    >>> _ = file.write_text(text)
-    >>> sk.read_problem(file).run().status.value
+    >>> import pathlib
+    >>> _ = pathlib.Path("plate.toml").write_text(text)
+    >>> sk.read_problem("plate.toml").run().status.value
     'converged'
     """
     file = as_path("file", path)

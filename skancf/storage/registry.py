@@ -22,11 +22,12 @@ DESCRIBED: dict[str, tuple[str, ...]] = {
         "DiskForce", "EdgeImpulse", "EdgeLoad", "EdgeMoment", "FollowerPressure", "Gravity", "Impulse", "LineLoad",
         "MovingForce", "MovingLine", "PointForce", "PointMoment", "SurfaceLoad", "Temperature",
     ),
+    "loads.tables": ("Sampled",),
     "conditions": ("Hinge", "RigidLink"),
     "theories": ("Full", "Kirchhoff"),
     "history": ("Path", "Pulse", "Ramp", "Table"),
     "terms.forms": ("FormTerm",),
-    "storage.sampled": ("Sampled",),
+    "storage.splined": ("Splined",),
     "statics": ("ArcLength", "DisplacementControl", "DisplacementReached", "HalveAndGrow", "StepLength"),
     "dynamics": (
         "EnergyBalance", "EnergyMomentum", "FixedStep", "GeneralizedAlpha", "ImplicitMidpoint", "LocalError", "NewtonCount",

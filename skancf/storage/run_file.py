@@ -37,6 +37,24 @@ class FileRun:
         ``states.pvd`` for ParaView.
     notes : tuple of str
         What could not be written, and why.
+
+    Examples
+    --------
+    See :func:`run_file`, which makes one.
+
+    >>> text = '''
+    ... thickness = 0.01
+    ... surface = {type = "Rectangle", length_x = 1.0, length_y = 0.5}
+    ... material = {type = "Isotropic", young = 210e9, poisson = 0.3, density = 7850.0}
+    ... supports = [{type = "Clamp", where = "left"}]
+    ... mesh = {type = "uniform", nx = 4, ny = 2}
+    ... analysis = {type = "modes", n = 2}
+    ... '''
+    >>> import pathlib
+    >>> _ = pathlib.Path("plate.toml").write_text(text)
+    >>> run = sk.run_file("plate.toml", "there")
+    >>> run.ok, (run.folder / "table.csv").exists()
+    (True, True)
     """
 
     task: ProblemFile
@@ -80,8 +98,19 @@ def run_file(path: AnyPath, folder: AnyPath | None = None, *, progress: bool = F
 
     Examples
     --------
-    >>> run = sk.run_file("problem.toml")  # doctest: +SKIP
-    >>> run.ok, run.files  # doctest: +SKIP
+    >>> text = '''
+    ... thickness = 0.01
+    ... surface = {type = "Rectangle", length_x = 1.0, length_y = 0.5}
+    ... material = {type = "Isotropic", young = 210e9, poisson = 0.3, density = 7850.0}
+    ... supports = [{type = "Clamp", where = "left"}]
+    ... mesh = {type = "uniform", nx = 4, ny = 2}
+    ... analysis = {type = "modes", n = 2}
+    ... '''
+    >>> import pathlib
+    >>> _ = pathlib.Path("plate.toml").write_text(text)
+    >>> run = sk.run_file("plate.toml")
+    >>> sk.load(run.folder / "result.h5") == run.result
+    True
     """
     task, file = read_problem(path), as_path("file", path)
     place = check_folder(file.with_name(f"{file.stem}_results") if folder is None else folder)

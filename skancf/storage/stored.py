@@ -58,6 +58,14 @@ class StoredState(_Answers):
     time : float or None
     load_factor : float
     note : str
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(2e11, 0.3, 7800.0), [sk.Clamp("left")], [sk.Gravity()])
+    >>> solution = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 2, 2)))
+    >>> state = sk.storage.StoredState.of(solution)
+    >>> state.displacements.shape, state.stresses_top.shape
+    ((3, 9), (4, 4, 6))
     """
 
     nodes: np.ndarray
@@ -109,6 +117,14 @@ class StoredFields(_Answers):
     status : Status or None
     message : str
     checks : tuple of Check
+
+    Examples
+    --------
+    >>> plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, sk.Isotropic(2e11, 0.3, 7800.0), [sk.Clamp("left")])
+    >>> modes = sk.modes(plate.on(sk.meshes.uniform(plate.surface, 2, 2), "kirchhoff"), 2)
+    >>> kept = sk.load(sk.save(modes, "modes.h5", what="arrays"))
+    >>> kept.kind, len(kept.states), np.array_equal(kept.tables["frequencies"], modes.frequencies)
+    ('Modes', 2, True)
     """
 
     kind: str

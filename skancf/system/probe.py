@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from skancf.errors import InputError, finite
+from skancf.layout.around import at_pairs
 from skancf.system.system import System
 
 
@@ -35,9 +36,11 @@ def normal_rates(system: System, at: Any, q: np.ndarray, rates: np.ndarray) -> n
 
 
 def _at_places(system: System, at: Any, field: Callable[..., np.ndarray], *vectors: np.ndarray) -> np.ndarray:
-    geometry, out = system.geometry, []
-    for place in places_of(at):
-        element, point = geometry.locate(place)
-        local = [geometry.local(system.shell.nodal(v), np.array([element])) for v in vectors]
-        out.append(field(*local, geometry.inside(point[:, None]), geometry.side[[element]])[0, :, 0])
-    return np.array(out)
+    geometry, nodal = system.geometry, [system.shell.nodal(v) for v in vectors]
+
+    def value(points: np.ndarray, some: np.ndarray) -> np.ndarray:
+        local = [geometry.local(each, some) for each in nodal]
+        return np.asarray(field(*local, geometry.inside(points), geometry.side[some]).swapaxes(1, 2))
+
+    elements, local = geometry.locate_all(places_of(at).T)
+    return at_pairs(elements, local, value)

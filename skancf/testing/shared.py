@@ -65,7 +65,7 @@ def blamed(kind: type[InputError]) -> Iterator[None]:
 
 
 def mesh_of(problem: Problem, mesh: Any) -> Any:
-    return uniform(problem.surface, 3, 4) if mesh is None else mesh  # type: ignore[arg-type]
+    return uniform(problem.surface, 3, 4) if mesh is None else mesh
 
 
 def states_about(layout: Any, amount: float, rng: np.random.Generator) -> Iterator[np.ndarray]:

@@ -24,7 +24,7 @@ SAMPLES, MOMENTS = (65, 129, 257), 2001
 
 @by_value
 @dataclass(frozen=True)
-class Sampled:
+class Splined:
     """A function of the parameters (x, y), by splines through its values on a grid.
 
     Parameters
@@ -45,7 +45,7 @@ class Sampled:
     Examples
     --------
     >>> x = np.linspace(0.0, 1.0, 9)
-    >>> thickness = sk.storage.Sampled(x, x, 0.01 * (1 + np.outer(x, x**2)))
+    >>> thickness = sk.storage.Splined(x, x, 0.01 * (1 + np.outer(x, x**2)))
     >>> round(float(thickness(0.5, 0.5)), 9)
     0.01125
     """
@@ -100,7 +100,7 @@ class Sampler:
 
     def __call__(self, owner: Any, name: str, value: Any) -> Any:
         """The table that is kept; InputError where there is none that is close."""
-        made: Table | Sampled | None = None
+        made: Table | Splined | None = None
         if callable(value) and not isinstance(value, type) and name not in APART.get(type(owner), ()):
             if name in TIMED and self.span is not None and not hasattr(value, "at_rest"):
                 made = self._over_time(owner, name, value, *self.span)
@@ -122,7 +122,7 @@ class Sampler:
         error = _error(np.array([table(t) for t in between]), exact)
         return table if self._close(owner, name, error) else None
 
-    def _over_place(self, owner: Any, name: str, function: Any, bounds: Any) -> Sampled | None:
+    def _over_place(self, owner: Any, name: str, function: Any, bounds: Any) -> Splined | None:
         if bounds is None:
             return None
         wanted, allowed = (SAMPLED_EXACTLY,) * 2 if isinstance(owner, MappedSurface) else (SAMPLED, SAMPLED_AT_MOST)
@@ -133,8 +133,8 @@ class Sampler:
             if values is None:
                 return None
             halves = [0.5 * (line[1:] + line[:-1]) for line in (x, y)]
-            error = _error(_on_grid(Sampled(x, y, values), *halves), _on_grid(function, *halves))
-            table = Sampled(x, y, values, error)
+            error = _error(_on_grid(Splined(x, y, values), *halves), _on_grid(function, *halves))
+            table = Splined(x, y, values, error)
             if error <= wanted:
                 break
         return table if table and self._close(owner, name, table.error, allowed) else None

@@ -14,6 +14,7 @@ from skancf import atomic, output
 from skancf.errors import InputError, SkancfError
 from skancf.output.fields import place, readable_unit, unit, values
 from skancf.output.files import FILE_ORDER
+from skancf.output.frames import sight
 from skancf.output.plane import subdivided
 from skancf.output.rendering import check_rendering
 from skancf.output.sampling import grid
@@ -474,7 +475,9 @@ def test_edges_and_undeformed_outline_are_drawn(rested, tmp_path):
 
 def test_a_film_moves(rested, tmp_path):
     states = [moved(rested, rotation=about_y(a), time=a) for a in (0.0, -0.3, -0.6)]
-    path = output.animation(iter(states), tmp_path / "film.gif", size=(350, 250))
+    told = []
+    path = output.animation(iter(states), tmp_path / "film.gif", size=(350, 250), progress=told.append)
+    assert [(event.done, event.total) for event in told] == [(1, 3), (2, 3), (3, 3)]
     film = Image.open(path)
     assert film.n_frames == 3 and film.size == (350, 250)
     frames = []
@@ -486,11 +489,18 @@ def test_a_film_moves(rested, tmp_path):
         output.animation([], tmp_path / "none.gif")
 
 
+def test_a_view_from_above_has_y_upright():
+    right, up, back = sight((0.0, 0.0, 2.0))
+    assert np.allclose([right, up, back], np.eye(3))
+    right, up, back = sight((0.0, -1.0, 0.0))
+    assert np.allclose([right, up, back], [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+
+
 @pytest.mark.parametrize(
     "options, message",
     [
         ({"field": "S31"}, "field = 'S31': no such field; there are S11"),
-        ({"view": (0, 0, 1)}, "view = .* from the side"),
+        ({"view": (0, 0, 0)}, "view = .* from above"),
         ({"limits": (1.0, 0.0)}, "limits = .*smaller value first"),
         ({"z": 1.0, "field": "S11"}, "outside the plate"),
         ({"subdivisions": 0}, "subdivisions = 0"),

@@ -5,13 +5,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tomllib
 from kept import problem
 
 import skancf as sk
 from skancf.output.rendering import check_rendering
 from skancf.storage import FileRun
 from skancf.storage.describe import describe
+
+try:
+    import tomllib
+except ModuleNotFoundError:  # before Python 3.11
+    import tomli as tomllib
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "demos" / "problem.toml"
 PLATE = """

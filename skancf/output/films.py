@@ -13,10 +13,13 @@ from skancf.output.drawing import add_directions, draw, erase, look_at, unseen_p
 from skancf.output.frames import Survey, frame_of, survey
 from skancf.output.reels import series_of
 from skancf.output.style import Style
+from skancf.progress import Bar, ShowProgress, check_progress
 from skancf.solution import Solution
 
 
-def animation(states: Any, path: AnyPath, *, seconds_per_frame: float = 0.05, **options: Any) -> Path:
+def animation(
+    states: Any, path: AnyPath, *, seconds_per_frame: float = 0.05, progress: ShowProgress = True, **options: Any
+) -> Path:
     """Draw states one after the other as a film, with the same colours and camera.
 
     Parameters
@@ -27,6 +30,8 @@ def animation(states: Any, path: AnyPath, *, seconds_per_frame: float = 0.05, **
         ``*.gif``, or ``*.mp4`` (H.264, which browsers, slides and phones play; a tenth of the size).
     seconds_per_frame : float
         Duration of each picture (s).
+    progress : bool or callable
+        A bar, nothing, or a function that is told of each picture; see :class:`~skancf.Progress`.
     **options
         See :func:`picture`. The default size is 700 x 500 pixels; of an MP4 file odd sizes are made even.
 
@@ -56,6 +61,7 @@ def animation(states: Any, path: AnyPath, *, seconds_per_frame: float = 0.05, **
     """
     file, style = check_file(path, ".gif", ".mp4"), Style(**{"size": (700, 500), **options})
     positive("seconds_per_frame", seconds_per_frame, "s")
+    check_progress(progress)
     states = series_of(states)
     if isinstance(states, Solution) or not isinstance(states, Iterable) or isinstance(states, str | bytes):
         raise InputError(f"states = {shown(states)}: give a sequence of Solutions, as motion.states")
@@ -64,8 +70,8 @@ def animation(states: Any, path: AnyPath, *, seconds_per_frame: float = 0.05, **
         style = _even(style)
     kept = states if isinstance(states, Sequence) else tuple(states)
     seen = survey((frame_of(state, style) for state in kept), style)
-    images = _images(kept, style, seen)
-    with replacing(file) as part:
+    with replacing(file) as part, Bar("film", len(kept), progress) as bar:
+        images = _images(kept, style, seen, bar)
         if mp4:
             _save_mp4(images, part, seconds_per_frame, style.size)
         else:
@@ -79,7 +85,7 @@ def _even(style: Style) -> Style:
     return Style(**{**vars(style), "size": (width, height)})
 
 
-def _images(states: Sequence[Solution], style: Style, seen: Survey) -> Iterator[np.ndarray]:
+def _images(states: Sequence[Solution], style: Style, seen: Survey, bar: Bar) -> Iterator[np.ndarray]:
     """Pictures (height, width, 3), drawn when they are asked for."""
     with unseen_plotter(style) as plotter:
         add_directions(plotter)
@@ -87,6 +93,7 @@ def _images(states: Sequence[Solution], style: Style, seen: Survey) -> Iterator[
             drawn = draw(plotter, frame_of(state, style), style, seen.limits)
             look_at(plotter, seen, style)
             yield plotter.screenshot(return_img=True)
+            bar.next("")
             erase(plotter, drawn)
 
 

@@ -104,8 +104,8 @@ def survey(frames: Iterable[Frame], style: Style) -> Survey:
 
 
 def sight(view: tuple[float, float, float]) -> np.ndarray:
-    """Unit vectors to the right, upwards and towards the eye, (3, 3) rows, z upright in the picture."""
+    """Unit vectors to the right, upwards and towards the eye, (3, 3) rows, z (along z: y) upright in the picture."""
     back = np.array(view) / np.linalg.norm(view)
     right = np.cross([0.0, 0.0, 1.0], back)
-    right = right / np.linalg.norm(right)
+    right = right / np.linalg.norm(right) if np.any(right) else np.array([1.0, 0.0, 0.0])
     return np.stack([right, np.cross(back, right), back])

@@ -78,8 +78,8 @@ class Style:
         elif self.z is not None:
             number("z", self.z)
         number("scale", self.scale)
-        if np.hypot(*vector("view", self.view, 3)[:2]) == 0:
-            raise InputError(f"view = {self.view}: look a little from the side, not along z: (0, -0.01, 1)")
+        if not np.any(vector("view", self.view, 3)):
+            raise InputError(f"view = {self.view}: give a direction, such as (0, 0, 1) to look from above")
         if self.limits is not None and not np.diff(vector("limits", self.limits, 2))[0] > 0:
             raise InputError(f"limits = {self.limits}: give the smaller value first")
         if self.subdivisions is not None:

@@ -155,6 +155,8 @@ class PointValues(Tabular):
         note = f"; {self.state.note}" if self.state.note else ""
         return f"{type(self).__name__}({len(self)} points{note})"
 
+    __str__ = __repr__
+
     @cached_property
     def around(self) -> Around:
         """The elements at the places."""

@@ -19,8 +19,16 @@ Column = tuple[Any, str]
 """Values (n,), and their unit: empty where they have none."""
 
 
+TALL, WIDE = 10, 8
+"""Rows and columns of a table that are shown as text."""
+
+
+def _brief(value: Any) -> str:
+    return f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
 class Tabular:
-    """Base of results that are tables.
+    """Base of results that are tables; ``print`` shows the first rows.
 
     A class that is one says in ``_table`` what its columns are, by name: values (n,) and their unit.
     """
@@ -44,6 +52,20 @@ class Tabular:
         columns = self.columns
         for values in zip(*(column.tolist() for column in columns.values()), strict=True):
             yield dict(zip(columns, values, strict=True))
+
+    @summary
+    def __str__(self) -> str:
+        """The first rows and columns as text, with their units."""
+        columns, units = self.columns, self.units
+        names = list(columns)[:WIDE]
+        heads = [f"{name} ({units[name]})" if units[name] else name for name in names]
+        first = (columns[name][:TALL].tolist() for name in names)
+        rows = [[_brief(value) for value in row] for row in zip(*first, strict=True)]
+        widths = [max(map(len, column)) for column in zip(heads, *rows, strict=True)]
+        lines = ["  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)) for row in (heads, *rows)]
+        n = len(next(iter(columns.values()), ()))
+        left = [f"{n - TALL} more rows"] * (n > TALL) + [f"{len(columns) - WIDE} more columns"] * (len(columns) > WIDE)
+        return "\n".join([*lines, *([f"... and {' and '.join(left)}"] if left else [])])
 
     def to_dataframe(self) -> "pd.DataFrame":
         """The table as a pandas DataFrame; ``frame.attrs["units"]`` has the units by name of the column.

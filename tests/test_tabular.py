@@ -113,3 +113,11 @@ def test_without_pandas_the_message_says_how_to_install_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(sk.SkancfError, match=r"to_dataframe needs pandas: pip install 'skancf\[tables\]'"):
         Columns({"s": [1.0]}).to_dataframe()
+
+
+def test_a_table_prints_its_first_rows_with_units():
+    long = Columns({"n": np.arange(14), "w": np.linspace(0.0, 1.0, 14)}, {"w": "m"})
+    lines = str(long).splitlines()
+    assert lines[0].split() == ["n", "w", "(m)"] and lines[2].split() == ["1", "0.076923"]
+    assert len(lines) == 12 and lines[-1] == "... and 4 more rows"
+    assert str(Columns({"n": [3]}, {})).splitlines() == ["n", "3"]

@@ -79,7 +79,7 @@ class Estimate(Tabular):
     halvings: Halvings = NOTHING_KNOWN
     nested: bool = False
 
-    __repr__ = short
+    __repr__ = __str__ = short
 
     def _table(self) -> dict[str, Column]:
         return {"element": (np.arange(len(self.indicators)), ""), "indicator": (self.indicators, "")}

@@ -1,5 +1,6 @@
 """Small deflections against series and Ritz values; where the plain element fails, and by how much."""
 
+import warnings
 from functools import cache
 
 import numpy as np
@@ -221,3 +222,22 @@ def test_clamped_plate_under_a_centre_force(nu):
         errors.append(abs(w * h**3 / (12 * (1 - nu**2)) / (1e-12 * 0.0056120) - 1))
     # The load is not smooth, so the order is less than two; the last error is a few parts in a thousand.
     assert errors[0] > errors[1] > errors[2] and errors[2] < 5e-3
+
+
+def ponding(k: float) -> sk.Solution:
+    """A strip on two supports under 100 Pa and water that collects in its dent, k (N/m3) times its depth."""
+    water = sk.FormTerm(energy=lambda w: -0.5 * k * w.u[2] ** 2 + 100.0 * w.u[2], load=True)
+    steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    supports = [sk.SimpleSupport("left"), sk.SimpleSupport("right")]
+    strip = sk.Problem(sk.Rectangle(1.0, 0.2), 0.003, steel, supports, terms=[water])
+    return sk.solve_linear(strip.on(sk.meshes.uniform(strip.surface, 8, 1), "kirchhoff"))
+
+
+def test_loads_that_follow_the_dent_are_left_out_with_a_word():
+    """By Rayleigh's quotient of the first sine they have the part k L^4 / (pi^4 D) of the stiffness."""
+    D = 210e9 * 0.003**3 / 12
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        few, many = ponding(0.04 * np.pi**4 * D), ponding(0.22 * np.pi**4 * D)
+    assert np.array_equal(few.q, many.q)
+    assert [("22 %" in str(warning.message), warning.category) for warning in told] == [(True, sk.OutOfDepth)]

@@ -10,7 +10,7 @@ from skancf.solution import Solution
 from skancf.statics.arguments import check_arguments
 from skancf.statics.diagnosis import require_support
 from skancf.statics.newton import OPEN
-from skancf.statics.validity import warn_if_loose, warn_if_thick, warn_without_time
+from skancf.statics.validity import warn_if_loads_move, warn_if_loose, warn_if_thick, warn_without_time
 from skancf.statics.verify import Balance, unmet
 from skancf.system.linearised import Linearised
 from skancf.system.system import System
@@ -34,8 +34,9 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     Warns
     -----
     OutOfDepth
-        Where they are out of balance by more than a millionth, and where the answer is out of the depth of its theory or
-        of its mesh.
+        Where they are out of balance by more than a millionth, where the answer is out of the depth of its theory or of
+        its mesh, and where loads that depend on the displacement, such as water that collects in a dent, would change by
+        more than a twentieth of the structure's resistance: they count as they are undeformed.
 
     Examples
     --------
@@ -52,6 +53,7 @@ def solve_linear(system: System, *, backend: str = "auto") -> Solution:
     warn_without_time(system)
     solution = small_deflection(system, backend=backend)
     warn_if_thick(solution)
+    warn_if_loads_move(solution)
     return warn_if_loose(solution)
 
 

@@ -13,6 +13,9 @@ THICK = 0.05
 LOOSE = 0.05
 """From this share of energy in strains that are left out on, one more than a tenth off was the rule in measurements."""
 
+MOVING = 0.05
+"""Of the structure's own stiffness: that of loads which change with the displacement."""
+
 
 def warn_if_loose(solution: Solution) -> Solution:
     """The solution; with a warning where more than a twentieth of its energy is in membrane strains that theory `kirchhoff`
@@ -24,6 +27,21 @@ def warn_if_loose(solution: Solution) -> Solution:
             "ones of theory 'kirchhoff' leave out, and that hardly count on this mesh: single elements may move many times "
             "too far. Take a finer mesh, above all around supports and forces at points, or Kirchhoff(assumed=False)",
         )
+    return solution
+
+
+def warn_if_loads_move(solution: Solution) -> Solution:
+    """A small-deflection answer; with a warning where the loads change along it, as those of water that collects in a dent,
+    so much that they would stiffen or soften the structure by more than a twentieth."""
+    system, change = solution.system, solution.change
+    moved = system.loads.tangent(system.undeformed, solution.case)
+    if moved is not None and change.any():
+        share = -float(change @ (moved @ change)) / float(change @ (system.stiffness() @ change))
+        if abs(share) > MOVING:
+            warn(
+                f"small deflections take the loads as they are undeformed; along this answer they would change by "
+                f"{100 * abs(share):.2g} % of what resists it (over {100 * MOVING:.0f} %): sk.solve counts that"
+            )
     return solution
 
 

@@ -10,6 +10,7 @@ needed; without them it says so and ends with 0. Nothing is loaded from other ma
 
 import functools
 import json
+import re
 import shutil
 import sys
 import tempfile
@@ -248,12 +249,21 @@ def search(driver: Any, address: str, pages: list[str]) -> Iterator[str]:
             yield f"search for {query!r}: {wanted} is not among {[page for page, _ in found]}"
 
 
+def pages_of(site: Path) -> list[str]:
+    """Pages of the last build, by its index for the search; pages of older builds lie between them."""
+    files = sorted(str(path.relative_to(site)) for path in site.rglob("*.html") if "_static" not in path.parts)
+    index = site / "searchindex.js"
+    named = re.search(r'"?docnames"?:(\[.*?\])', index.read_text(encoding="utf-8")) if index.is_file() else None
+    built = {*json.loads(named[1]), "index", "genindex", "search"} if named else None
+    return [file for file in files if built is None or file.removesuffix(".html") in built]
+
+
 def main() -> int:
     if not (shutil.which("chromium") and shutil.which("chromedriver")):
         print("skipped: chromium and chromedriver are not installed (Debian: apt-get install chromium chromium-driver)")
         return 0
     site = Path(sys.argv[1] if len(sys.argv) > 1 else DOCS / "_build" / "html").resolve()
-    pages = sorted(str(path.relative_to(site)) for path in site.rglob("*.html") if "_static" not in path.parts)
+    pages = pages_of(site)
     if not pages:
         print(f"no pages in {site}: run make docs first")
         return 1

@@ -41,7 +41,7 @@ extensions = [
     # Reads CHANGELOG.md.
     "myst_parser",
 ]
-exclude_patterns = ["_build", "measure", "_templates"]
+exclude_patterns = ["_build", "measure", "_templates", "sg_execution_times.rst"]
 templates_path = ["_templates"]
 source_suffix = {".rst": "restructuredtext"}
 # Words that tell a type, as x in "function of x", are taken for references, and some find two targets.

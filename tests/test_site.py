@@ -41,6 +41,14 @@ def test_links_that_lead_nowhere_are_found(tmp_path):
     assert found == ["a.html: no anchor b.html#no", "a.html: no file c.html", "b.html: loads https://cdn.example/x.js"]
 
 
+def test_pages_of_older_builds_are_left_alone(tmp_path):
+    for name in ("index", "a", "old"):
+        (tmp_path / f"{name}.html").write_text(GOOD.format(name))
+    assert site.pages_of(tmp_path) == ["a.html", "index.html", "old.html"]
+    (tmp_path / "searchindex.js").write_text('Search.setIndex({"docnames":["a","index"],"filenames":["a.rst"]})')
+    assert site.pages_of(tmp_path) == ["a.html", "index.html"]
+
+
 def test_a_browser_finds_each_fault_and_none_on_a_good_page(tmp_path):
     if not (shutil.which("chromium") and shutil.which("chromedriver")):
         pytest.skip("chromium and chromedriver are not installed")

@@ -36,7 +36,8 @@ def warn_if_loads_move(solution: Solution) -> Solution:
     system, change = solution.system, solution.change
     moved = system.loads.tangent(system.undeformed, solution.case)
     if moved is not None and change.any():
-        share = -float(change @ (moved @ change)) / float(change @ (system.stiffness() @ change))
+        way = change / np.abs(change).max()
+        share = -float(way @ (moved @ way)) / float(way @ (system.stiffness() @ way))
         if abs(share) > MOVING:
             warn(
                 f"small deflections take the loads as they are undeformed; along this answer they would change by "

@@ -241,3 +241,11 @@ def test_loads_that_follow_the_dent_are_left_out_with_a_word():
         few, many = ponding(0.04 * np.pi**4 * D), ponding(0.22 * np.pi**4 * D)
     assert np.array_equal(few.q, many.q)
     assert [("22 %" in str(warning.message), warning.category) for warning in told] == [(True, sk.OutOfDepth)]
+
+
+def test_a_rigid_motion_meets_no_resistance_that_loads_could_have_a_share_of():
+    steel = sk.Isotropic(young=210e9, poisson=0.0, density=7850.0)
+    lifted = [sk.Prescribed("boundary", (0.0, 0.0, 0.1))]
+    plate = sk.Problem(sk.Rectangle(1.0, 1.0), 0.01, steel, lifted, [sk.FollowerPressure(1e-9)])
+    answer = sk.solve_linear(plate.on(sk.meshes.uniform(plate.surface, 2, 2), "kirchhoff"))
+    assert np.allclose(answer.displacements[2], 0.1)

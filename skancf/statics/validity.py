@@ -6,6 +6,7 @@ import numpy as np
 
 from skancf.errors import warn
 from skancf.solution import Solution
+from skancf.tolerances import SAME_VALUE
 
 THICK = 0.05
 """From this share of shear energy on, a thin answer comes with a warning."""
@@ -36,8 +37,10 @@ def warn_if_loads_move(solution: Solution) -> Solution:
     system, change = solution.system, solution.change
     moved = system.loads.tangent(system.undeformed, solution.case)
     if moved is not None and change.any():
-        way = change / np.abs(change).max()
-        share = -float(way @ (moved @ way)) / float(way @ (system.stiffness() @ way))
+        way, stiffness = change / np.abs(change).max(), system.stiffness()
+        resists = float(way @ (stiffness @ way))
+        rigid = resists <= SAME_VALUE * float(np.abs(stiffness.diagonal()) @ way**2)
+        share = 0.0 if rigid else -float(way @ (moved @ way)) / resists
         if abs(share) > MOVING:
             warn(
                 f"small deflections take the loads as they are undeformed; along this answer they would change by "

@@ -12,7 +12,6 @@ from skancf import (
     materials,
     meshes,
     statics,
-    storage,
     supports,
     surfaces,
     terms,
@@ -123,7 +122,6 @@ from skancf.statics import (
     solve_linear,
     trace,
 )
-from skancf.storage import load, read_problem, run_file, save
 from skancf.strength import Strength, Utilisation, utilisation
 from skancf.supports import (
     Clamp,
@@ -154,9 +152,11 @@ from skancf.units import Units
 from skancf.version import __version__
 
 if TYPE_CHECKING:
-    from skancf import export, output, testing
+    from skancf import export, output, storage, testing
     from skancf.about import info
     from skancf.materials import Hyperelastic, MooneyRivlin, NeoHooke, Ogden
+    from skancf.storage import load, read_problem, save
+    from skancf.storage.run_file import run_file
     from skancf.terms.forms import FormTerm
 
 __all__ = [
@@ -327,19 +327,21 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 announce()
 
-RUBBERS = ("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden")
+LATER_ROOMS = ("export", "output", "storage", "testing")
+LATER_NAMES = {
+    **dict.fromkeys(("Hyperelastic", "MooneyRivlin", "NeoHooke", "Ogden"), "materials"),
+    **dict.fromkeys(("load", "read_problem", "run_file", "save"), "storage"),
+    "FormTerm": "terms.forms",
+    "info": "about",
+}
 
 
 def __getattr__(name: str) -> Any:
-    """Some are loaded when they are first used: many runs show nothing, and few have rubber, forms or tests of terms."""
-    if name in ("export", "output", "testing"):
+    """Some are loaded when they are first used: many runs show and keep nothing, and few have rubber or forms."""
+    if name in LATER_ROOMS:
         return importlib.import_module(f"skancf.{name}")
-    if name == "info":
-        return importlib.import_module("skancf.about").info
-    if name == "FormTerm":
-        return importlib.import_module("skancf.terms.forms").FormTerm
-    if name in RUBBERS:
-        return getattr(materials, name)
+    if name in LATER_NAMES:
+        return getattr(importlib.import_module(f"skancf.{LATER_NAMES[name]}"), name)
     raise AttributeError(f"module 'skancf' has no attribute {name!r}")
 
 
